@@ -1,0 +1,31 @@
+# coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [DEPENDS base skeleton ...] [LIBRARIES public targets]
+#                [PRIVATE_LIBRARIES targets] [TESTS field_a_test.cpp ...])
+#
+# One folder of src/coppice = one static library coppice::NAME. Its tests lie in tests/ and link this module alone, so that
+# a call to a higher layer fails at link time; every header is also compiled on its own (all_verify_interface_header_sets).
+function(coppice_module)
+  cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;DEPENDS;LIBRARIES;PRIVATE_LIBRARIES;TESTS" ${ARGN})
+  set(target coppice_${M_NAME})
+  add_library(${target} STATIC ${M_SOURCES})
+  add_library(coppice::${M_NAME} ALIAS ${target})
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${M_HEADERS})
+  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON POSITION_INDEPENDENT_CODE ON)
+  coppice_warnings(${target})
+  list(TRANSFORM M_DEPENDS PREPEND coppice::)
+  target_link_libraries(${target} PUBLIC ${M_DEPENDS} ${M_LIBRARIES} PRIVATE ${M_PRIVATE_LIBRARIES})
+  if(COPPICE_BUILD_TESTS AND M_TESTS)
+    list(TRANSFORM M_TESTS PREPEND ${PROJECT_SOURCE_DIR}/tests/)
+    coppice_test(${M_NAME}_test SOURCES ${M_TESTS} LIBRARIES coppice::${M_NAME})
+  endif()
+endfunction()
+
+# coppice_test(NAME SOURCES ... LIBRARIES ...): a GoogleTest program whose cases CTest lists one by one.
+function(coppice_test name)
+  cmake_parse_arguments(T "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${T_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${name} PRIVATE ${T_LIBRARIES} GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE COPPICE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  coppice_warnings(${name})
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES LABELS unit)
+endfunction()

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+/// An axis-aligned box; the default one is empty and grows by `extend`.
+struct Box3 {
+    static constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    Vec3 low{kInfinity, kInfinity, kInfinity};
+    Vec3 high{-kInfinity, -kInfinity, -kInfinity};
+
+    bool empty() const { return !(low.x <= high.x); }
+    Vec3 size() const { return empty() ? Vec3{} : high - low; }
+    Vec3 center() const { return 0.5f * (low + high); }
+    float diagonal() const { return length(size()); }
+
+    void extend(Vec3 p) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    void extend(const Box3& b) {
+        extend(b.low);
+        extend(b.high);
+    }
+    Box3 inflated(float margin) const {
+        const Vec3 m{margin, margin, margin};
+        return {low - m, high + m};
+    }
+    bool overlaps(const Box3& b) const {
+        return low.x <= b.high.x && b.low.x <= high.x && low.y <= b.high.y && b.low.y <= high.y &&
+               low.z <= b.high.z && b.low.z <= high.z;
+    }
+};
+
+/// The box of a segment with a ball of `radius` swept along it.
+inline Box3 capsule_box(Vec3 a, Vec3 b, float radius) {
+    Box3 box;
+    box.extend(a);
+    box.extend(b);
+    return box.inflated(radius);
+}
+
+}  // namespace coppice

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+namespace coppice {
+
+enum class Unit { none, metre, radian, radius, second };
+
+/// What a front end has to know of one member of an option struct; the default is the member's own.
+struct Field {
+    std::string_view name;   ///< snake_case; the command line writes it with dashes
+    std::string_view help;   ///< one sentence without a full stop
+    Unit unit = Unit::none;  ///< `radius` = multiples of the local radius
+    double low = 0;          ///< least and greatest value allowed, both included; unused for bool and enums
+    double high = 0;
+};
+
+/// The names of an enum's values, in the order of the values from 0: specialise `enum_names` beside the enum.
+template <class E>
+struct EnumNames;
+
+template <class E>
+concept NamedEnum = std::is_enum_v<E> && requires { EnumNames<E>::names; };
+
+template <NamedEnum E>
+constexpr std::string_view name_of(E value) {
+    return EnumNames<E>::names[static_cast<std::size_t>(value)];
+}
+
+/// An option struct O describes itself through a free function
+///     template <class Self, class Visitor> requires SameOptions<Self, O>
+///     constexpr void visit_fields(Self& options, Visitor&& visit);
+/// which calls visit(Field, member) once for every member: bool, int, float, or a NamedEnum. Command line, JSON and the
+/// schema are all made from it.
+template <class Self, class O>
+concept SameOptions = std::is_same_v<std::remove_const_t<Self>, O>;
+
+}  // namespace coppice

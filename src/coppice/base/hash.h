@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+namespace coppice {
+
+/// FNV-1a over bytes: names results in benches and tests; not for hash tables of untrusted keys.
+class Hash {
+  public:
+    template <class T>
+    Hash& add(std::span<const T> values) {
+        for (const std::byte b : std::as_bytes(values)) value_ = (value_ ^ static_cast<std::uint64_t>(b)) * 0x100000001b3ull;
+        return *this;
+    }
+    template <class T>
+    Hash& add(const T& value) {
+        return add(std::span<const T>(&value, 1));
+    }
+    std::uint64_t value() const { return value_; }
+
+  private:
+    std::uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+}  // namespace coppice

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "coppice/base/context.h"
+
+namespace coppice {
+
+/// Half-open range of indices.
+struct IndexRange {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+    std::size_t size() const { return end - begin; }
+};
+
+/// Runs body(range) over disjoint ranges that cover [0, count), each `grain` long but for the last. The ranges depend
+/// on `count` and `grain` alone, so whatever is computed per range has the same bits for any number of threads. The body
+/// must not throw. With one thread, or one range, this is a plain loop.
+void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grain,
+                         const std::function<void(IndexRange)>& body);
+
+/// Runs body(i) for every i in [0, count).
+template <class Body>
+void parallel_for(const Context& ctx, std::size_t count, std::size_t grain, const Body& body) {
+    parallel_for_ranges(ctx, count, grain, [&](IndexRange range) {
+        for (std::size_t i = range.begin; i < range.end; ++i) body(i);
+    });
+}
+
+/// Folds map(range) of the fixed ranges in index order: deterministic also for floating point.
+template <class T, class Map, class Fold>
+T parallel_reduce(const Context& ctx, std::size_t count, std::size_t grain, T init, const Map& map, const Fold& fold) {
+    std::vector<T> part((count + grain - 1) / grain, init);
+    parallel_for_ranges(ctx, count, grain, [&](IndexRange range) { part[range.begin / grain] = map(range); });
+    for (const T& p : part) init = fold(init, p);
+    return init;
+}
+
+/// Replaces counts by the sum of all counts before each; returns the total.
+template <class T>
+T exclusive_scan(std::span<T> counts) {
+    T sum{};
+    for (T& c : counts) {
+        const T count = c;
+        c = sum;
+        sum += count;
+    }
+    return sum;
+}
+
+}  // namespace coppice

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/box.h"
+#include "coppice/base/column.h"
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+using Quad = std::array<std::uint32_t, 4>;
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// An indexed surface of quads: counter-clockwise seen from outside. Indices are in range.
+struct QuadMesh {
+    Buffer<Vec3> positions;  ///< [m] relative to origin
+    Buffer<Quad> quads;
+    Vec3d origin;  ///< [m] added back by writers
+};
+
+/// An indexed surface of triangles; same conventions.
+struct TriMesh {
+    Buffer<Vec3> positions;
+    Buffer<Triangle> triangles;
+    Vec3d origin;
+};
+
+/// A surface as files hold it: faces of three or more corners, not necessarily closed or manifold.
+struct PolygonMesh {
+    Buffer<Vec3> positions;
+    std::vector<std::uint32_t> corners;     ///< corner vertices of all faces, one after the other
+    std::vector<std::uint32_t> first{0};    ///< face f has corners first[f] .. first[f + 1]
+    Vec3d origin;
+
+    std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }
+    std::span<const std::uint32_t> face(std::uint32_t f) const {
+        return {corners.data() + first[f], first[f + 1] - first[f]};
+    }
+    void add_face(std::span<const std::uint32_t> face_corners) {
+        corners.insert(corners.end(), face_corners.begin(), face_corners.end());
+        first.push_back(static_cast<std::uint32_t>(corners.size()));
+    }
+};
+
+PolygonMesh to_polygons(const QuadMesh& mesh);
+
+/// Each quad is cut along its shorter diagonal; larger faces become fans.
+TriMesh triangulate(const QuadMesh& mesh);
+TriMesh triangulate(const PolygonMesh& mesh);
+
+}  // namespace coppice

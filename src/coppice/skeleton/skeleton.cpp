@@ -1,0 +1,54 @@
+#include "coppice/skeleton/skeleton.h"
+
+#include <fmt/format.h>
+
+#include "coppice/base/error.h"
+
+namespace coppice {
+
+Skeleton::Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius, Vec3d origin)
+    : parent_(std::move(parent)), position_(std::move(position)), radius_(std::move(radius)), origin_(origin) {
+    COPPICE_ASSERT(position_.size() == size() && radius_.size() == size());
+    if (size() == 0) throw InvalidInput("the skeleton has no nodes");
+    first_child_.assign(size() + 1, 0);
+    leader_ = Column<NodeId, NodeId>(size());
+    for (const NodeId n : nodes(*this)) {
+        const NodeId p = parent_[n];
+        if (p && p >= n) throw InvalidInput(fmt::format("node {} comes before its parent", n.index()));
+        if (!is_finite(position_[n])) throw InvalidInput(fmt::format("node {} has no finite position", n.index()));
+        if (!(radius_[n] > 0) || !std::isfinite(radius_[n])) {
+            throw InvalidInput(fmt::format("node {} has no finite radius above 0", n.index()));
+        }
+        if (!p) {
+            ++tree_count_;
+            continue;
+        }
+        ++first_child_[p.index() + 1];
+        if (!leader_[p] || radius_[n] > radius_[leader_[p]]) leader_[p] = n;
+    }
+    for (std::uint32_t i = 0; i < size(); ++i) first_child_[i + 1] += first_child_[i];
+    child_.resize(first_child_.back());
+    std::vector<std::uint32_t> fill(first_child_.begin(), first_child_.end() - 1);
+    for (const NodeId n : nodes(*this)) {
+        if (const NodeId p = parent_[n]) child_[fill[p.index()]++] = n;
+    }
+}
+
+std::span<const NodeId> Skeleton::children(NodeId n) const {
+    const auto first = first_child_[n.index()];
+    return {child_.data() + first, first_child_[n.index() + 1] - first};
+}
+
+Segment Skeleton::segment(NodeId n) const {
+    const NodeId p = parent_[n];
+    COPPICE_ASSERT(p);
+    return {position_[p], position_[n], leader_[p] == n ? radius_[p] : radius_[n], radius_[n]};
+}
+
+Box3 Skeleton::bounds() const {
+    Box3 box;
+    for (const NodeId n : nodes(*this)) box.extend(capsule_box(position_[n], position_[n], radius_[n]));
+    return box;
+}
+
+}  // namespace coppice

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/box.h"
+#include "coppice/base/column.h"
+#include "coppice/base/id.h"
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+/// The part of space between a node and its parent: a cone with rounded ends, radius running linearly from a to b.
+struct Segment {
+    Vec3 a, b;                ///< [m] at the parent, at the node
+    float radius_a, radius_b; ///< [m] > 0
+};
+
+/// A forest of nodes with radii: trees, roots, vessels, neurons. Immutable; an edit makes a new one.
+///
+/// Guaranteed by construction: at least one node; parents precede their children; positions and radii are finite and
+/// radii > 0. Nodes may coincide; `repair` and `simplify` deal with that.
+///
+/// A segment joins a node to its parent. Its radius runs linearly between its ends, except that where several segments
+/// leave one node only the leader (the child of greatest radius; the first on ties) starts with the parent's radius and
+/// the others start with their own.
+class Skeleton {
+  public:
+    /// Takes columns of equal length. Throws InvalidInput naming the node that breaks an invariant. O(n).
+    /// `origin` is added back by writers: positions are local, so that georeferenced data keep their digits.
+    Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius, Vec3d origin = {});
+
+    std::uint32_t size() const { return parent_.size(); }
+    NodeId parent(NodeId n) const { return parent_[n]; }  ///< none for a root; parent(n) < n always
+    Vec3 position(NodeId n) const { return position_[n]; }
+    float radius(NodeId n) const { return radius_[n]; }
+    std::span<const NodeId> parents() const { return parent_.span(); }
+    std::span<const Vec3> positions() const { return position_.span(); }  ///< [m] relative to origin(), Z up
+    std::span<const float> radii() const { return radius_.span(); }       ///< [m] > 0
+    Vec3d origin() const { return origin_; }                              ///< [m]
+
+    std::span<const NodeId> children(NodeId n) const;  ///< in order of id
+    bool is_root(NodeId n) const { return !parent_[n]; }
+    bool is_tip(NodeId n) const { return children(n).empty(); }  ///< a single node is root and tip
+    NodeId leader(NodeId n) const { return leader_[n]; }         ///< none for a tip
+
+    /// The segment that ends at n; n must not be a root.
+    Segment segment(NodeId n) const;
+
+    std::uint32_t tree_count() const { return tree_count_; }
+    Box3 bounds() const;  ///< of the balls about the nodes
+
+  private:
+    Column<NodeId, NodeId> parent_;
+    Column<NodeId, Vec3> position_;
+    Column<NodeId, float> radius_;
+    Vec3d origin_;
+    std::vector<std::uint32_t> first_child_;  ///< size() + 1 offsets into child_
+    std::vector<NodeId> child_;
+    Column<NodeId, NodeId> leader_;
+    std::uint32_t tree_count_ = 0;
+};
+
+/// All ids of a skeleton, in order: for (NodeId n : nodes(s)).
+class NodeRange {
+  public:
+    class Iterator {
+      public:
+        explicit Iterator(std::uint32_t i) : i_(i) {}
+        NodeId operator*() const { return NodeId(i_); }
+        Iterator& operator++() {
+            ++i_;
+            return *this;
+        }
+        friend bool operator==(Iterator, Iterator) = default;
+
+      private:
+        std::uint32_t i_;
+    };
+    explicit NodeRange(std::uint32_t size) : size_(size) {}
+    Iterator begin() const { return Iterator(0); }
+    Iterator end() const { return Iterator(size_); }
+
+  private:
+    std::uint32_t size_;
+};
+
+inline NodeRange nodes(const Skeleton& s) { return NodeRange(s.size()); }
+
+}  // namespace coppice
