@@ -1,22 +1,30 @@
 # coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [DEPENDS base skeleton ...] [LIBRARIES public targets]
-#                [PRIVATE_LIBRARIES targets] [TESTS field_a_test.cpp ...])
+#                [PRIVATE_LIBRARIES targets] [TESTS field_a_test.cpp ...] [TEST_LIBRARIES coppice_zoo ...])
 #
 # One folder of src/coppice = one static library coppice::NAME. Its tests lie in tests/ and link this module alone, so that
 # a call to a higher layer fails at link time; every header is also compiled on its own (all_verify_interface_header_sets).
 function(coppice_module)
-  cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;DEPENDS;LIBRARIES;PRIVATE_LIBRARIES;TESTS" ${ARGN})
+  cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;DEPENDS;LIBRARIES;PRIVATE_LIBRARIES;TESTS;TEST_LIBRARIES" ${ARGN})
   set(target coppice_${M_NAME})
   add_library(${target} STATIC ${M_SOURCES})
   add_library(coppice::${M_NAME} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${M_HEADERS})
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(${target} PUBLIC cxx_std_20)
   coppice_warnings(${target})
   list(TRANSFORM M_DEPENDS PREPEND coppice::)
   target_link_libraries(${target} PUBLIC ${M_DEPENDS} ${M_LIBRARIES} PRIVATE ${M_PRIVATE_LIBRARIES})
+  coppice_install(${M_NAME})
   if(COPPICE_BUILD_TESTS AND M_TESTS)
     list(TRANSFORM M_TESTS PREPEND ${PROJECT_SOURCE_DIR}/tests/)
-    coppice_test(${M_NAME}_test SOURCES ${M_TESTS} LIBRARIES coppice::${M_NAME})
+    coppice_test(${M_NAME}_test SOURCES ${M_TESTS} LIBRARIES coppice::${M_NAME} ${M_TEST_LIBRARIES})
   endif()
+endfunction()
+
+# coppice_install(NAME): the library and its public headers, as coppice::NAME of the package.
+function(coppice_install name)
+  set_target_properties(coppice_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS coppice_${name} EXPORT coppice-targets FILE_SET HEADERS)
 endfunction()
 
 # coppice_test(NAME SOURCES ... LIBRARIES ...): a GoogleTest program whose cases CTest lists one by one.
@@ -27,5 +35,6 @@ function(coppice_test name)
   target_link_libraries(${name} PRIVATE ${T_LIBRARIES} GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE COPPICE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   coppice_warnings(${name})
+  add_dependencies(unit_tests ${name})
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES LABELS unit)
 endfunction()

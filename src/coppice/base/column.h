@@ -1,27 +1,46 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <new>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace coppice {
 
-/// Allocator that leaves plain values uninitialised, so that large arrays are touched first by the threads that fill them.
+/// Memory for arrays of megabytes, in huge pages where the system has them: filling fresh small pages costs ten times more.
+void* allocate_large(std::size_t bytes);
+void free_large(void* p) noexcept;
+
+/// Allocator that leaves plain values uninitialised (also those with default member values, such as Vec3), so that large
+/// arrays are touched first by the threads that fill them.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
+    static constexpr std::size_t kLarge = std::size_t{4} << 20;  ///< [bytes]
+
     template <class U>
     struct rebind {
         using other = UninitializedAllocator<U>;
     };
+    T* allocate(std::size_t count) {
+        if (count < kLarge / sizeof(T)) return std::allocator<T>::allocate(count);
+        if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+        return static_cast<T*>(allocate_large(count * sizeof(T)));
+    }
+    void deallocate(T* p, std::size_t count) noexcept {
+        if (count < kLarge / sizeof(T)) return std::allocator<T>::deallocate(p, count);
+        free_large(p);
+    }
     template <class U, class... Args>
     void construct(U* p, Args&&... args) {
-        if constexpr (sizeof...(Args) == 0) {
-            ::new (static_cast<void*>(p)) U;
-        } else {
+        if constexpr (sizeof...(Args) > 0) {
             ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+        } else if constexpr (!std::is_trivially_copyable_v<U> || !std::is_trivially_destructible_v<U>) {
+            ::new (static_cast<void*>(p)) U;
         }
     }
 };

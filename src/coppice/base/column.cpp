@@ -1,0 +1,30 @@
+#include "coppice/base/column.h"
+
+#include <cstdlib>
+#include <new>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kHugePage = std::size_t{2} << 20;
+
+}  // namespace
+
+void* allocate_large(std::size_t bytes) {
+    if (bytes > static_cast<std::size_t>(-1) - kHugePage) throw std::bad_alloc();
+    const std::size_t rounded = (bytes + kHugePage - 1) / kHugePage * kHugePage;
+    void* p = std::aligned_alloc(kHugePage, rounded);
+    if (p == nullptr) throw std::bad_alloc();
+#ifdef __linux__
+    madvise(p, rounded, MADV_HUGEPAGE);  // only advice: where it fails, small pages do
+#endif
+    return p;
+}
+
+void free_large(void* p) noexcept { std::free(p); }
+
+}  // namespace coppice

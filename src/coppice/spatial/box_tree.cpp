@@ -1,0 +1,84 @@
+#include "coppice/spatial/box_tree.h"
+
+#include <cmath>
+
+#include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 14;
+constexpr unsigned kBitsPerAxis = 14;
+
+struct Place {
+    std::uint64_t key;
+    std::uint32_t item;
+};
+
+/// Puts two zeros after every bit; for numbers below 2^21.
+std::uint64_t spread_bits(std::uint64_t x) {
+    x = (x | x << 32) & 0x001f00000000ffffull;
+    x = (x | x << 16) & 0x001f0000ff0000ffull;
+    x = (x | x << 8) & 0x100f00f00f00f00full;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+    return (x | x << 2) & 0x1249249249249249ull;
+}
+
+Vec3d center(const Box3& box) { return (Vec3d(box.low) + Vec3d(box.high)) * 0.5; }
+
+Box3 bounds_of(std::span<const Box3> boxes) {
+    Box3 all;
+    for (const Box3& b : boxes) all.extend(b);
+    return all;
+}
+
+}  // namespace
+
+BoxTree::BoxTree(std::span<const Box3> boxes, const Context& ctx) : item_(boxes.size()) {
+    const Box3 all = bounds_of(boxes);
+    const Vec3d low(all.low), size = Vec3d(all.high) - low;
+    const double extent = std::max({size.x, size.y, size.z, 1e-300});
+    const double scale = ((1 << kBitsPerAxis) - 1) / extent;
+    Buffer<Place> order(boxes.size());
+    parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {
+        const Vec3d cell = (center(boxes[i]) - low) * scale;
+        std::uint64_t key = 0;
+        for (int axis = 0; axis < 3; ++axis)
+            key |= spread_bits(static_cast<std::uint64_t>(cell[axis])) << axis;
+        order[i] = {key, static_cast<std::uint32_t>(i)};
+    });
+    radix_sort(ctx, order, 3 * kBitsPerAxis, [](const Place& p) { return p.key; });
+
+    level_.emplace_back(boxes.size());
+    parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {
+        item_[i] = order[i].item;
+        level_[0][i] = boxes[item_[i]];
+    });
+    // The loop ends with a level that has one parent; there are at least two levels unless there are no
+    // items.
+    for (std::size_t below = boxes.size(); below > kWidth || (below > 0 && level_.size() == 1);) {
+        const std::size_t count = (below + kWidth - 1) / kWidth;
+        std::vector<Box3> level(count);
+        parallel_for(ctx, count, kGrain, [&](std::size_t i) {
+            const std::size_t first = kWidth * i;
+            level[i] = bounds_of(
+                std::span(level_.back()).subspan(first, std::min<std::size_t>(kWidth, below - first)));
+        });
+        level_.push_back(std::move(level));
+        below = count;
+    }
+}
+
+void extend_outward(Box3& box, Vec3d p) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    Box3 cell;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float f = static_cast<float>(std::clamp<double>(p[axis], -kMost, kMost));
+        cell.low[axis] = std::max(std::nextafter(f, -kMost), -kMost);
+        cell.high[axis] = std::min(std::nextafter(f, kMost), kMost);
+    }
+    box.extend(cell);
+}
+
+}  // namespace coppice

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/box.h"
+#include "coppice/base/context.h"
+
+namespace coppice {
+
+/// A hierarchy of boxes that serves every query of this module. The items are sorted along a Morton curve,
+/// and each node bounds eight neighbours of the level below, so that the tree needs no pointers and is the
+/// same for any number of threads. Its shape depends on the number of items alone: a dozen levels at most,
+/// however the boxes lie. A place is the position of an item in the sorted order. O(n).
+class BoxTree {
+  public:
+    static constexpr std::uint32_t kWidth = 8;
+
+    /// Boxes must be finite and not empty.
+    BoxTree(std::span<const Box3> boxes, const Context& ctx);
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(item_.size()); }
+    std::uint32_t item(std::uint32_t place) const { return item_[place]; }
+    std::uint32_t level_count() const { return static_cast<std::uint32_t>(level_.size()); }
+    /// Level 0 holds the items' boxes by place; box i of a level bounds boxes 8 i .. 8 i + 7 of the level
+    /// below.
+    std::span<const Box3> level(std::uint32_t l) const { return level_[l]; }
+
+    /// Visits items from near to far: calls visit(item) for those of which `bound` does not exceed `limit`,
+    /// which visit may lower. bound(level, i) must not exceed what it returns for anything below box i of
+    /// that level.
+    template <class Bound, class Visit>
+    void search(const Bound& bound, const double& limit, const Visit& visit) const {
+        if (size() > 0) descend(level_count() - 1, 0, bound, limit, visit);
+    }
+
+    /// Places come in groups of kWidth.
+    std::uint32_t group_count() const { return (size() + kWidth - 1) / kWidth; }
+
+    /// Calls visit(p, q) for all places p in a group and q > p whose boxes overlap; touching counts.
+    template <class Visit>
+    void overlaps(std::uint32_t group, const Visit& visit) const {
+        if (level_count() > 1) overlaps_below(level_count() - 1, 0, group, visit);
+    }
+
+  private:
+    /// Boxes of level l that belong to box `parent` of the level above.
+    std::array<std::uint32_t, 2> children(std::uint32_t l, std::uint32_t parent) const {
+        const auto count = static_cast<std::uint32_t>(level_[l].size());
+        return {kWidth * parent, std::min(kWidth * parent + kWidth, count)};
+    }
+
+    template <class Bound, class Visit>
+    void descend(std::uint32_t l, std::uint32_t parent, const Bound& bound, const double& limit,
+                 const Visit& visit) const {
+        struct Child {
+            double bound;
+            std::uint32_t index;
+        };
+        std::array<Child, kWidth> child;
+        std::uint32_t n = 0;
+        const auto [begin, end] = children(l, parent);
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const double b = bound(l, i);
+            if (!(b <= limit)) continue;
+            std::uint32_t k = n++;
+            for (; k > 0 && child[k - 1].bound > b; --k) child[k] = child[k - 1];
+            child[k] = {b, i};
+        }
+        for (std::uint32_t k = 0; k < n && child[k].bound <= limit; ++k) {
+            if (l == 0) {
+                visit(item_[child[k].index]);
+            } else {
+                descend(l - 1, child[k].index, bound, limit, visit);
+            }
+        }
+    }
+
+    template <class Visit>
+    void overlaps_below(std::uint32_t l, std::uint32_t parent, std::uint32_t group,
+                        const Visit& visit) const {
+        const Box3& box = level_[1][group];
+        const auto [begin, end] = children(l, parent);
+        for (std::uint32_t i = begin; i < end; ++i) {
+            if (!level_[l][i].overlaps(box)) continue;
+            if (l == 0) {
+                const std::uint32_t last = std::min(kWidth * (group + 1), i);
+                for (std::uint32_t p = kWidth * group; p < last; ++p) {
+                    if (level_[0][p].overlaps(level_[0][i])) visit(p, i);
+                }
+            } else if ((std::uint64_t{i} + 1) << (3 * (l - 1)) > group) {
+                overlaps_below(l - 1, i, group, visit);
+            }
+        }
+    }
+
+    std::vector<std::uint32_t> item_;
+    std::vector<std::vector<Box3>> level_;
+};
+
+/// The squared distance from a point to a box, 0 inside.
+inline double distance_squared(const Box3& box, Vec3d p) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double d = std::max({box.low[axis] - p[axis], 0.0, p[axis] - box.high[axis]});
+        sum += d * d;
+    }
+    return sum;
+}
+
+/// The least box in single precision that holds a point in double precision, extended to.
+void extend_outward(Box3& box, Vec3d p);
+
+}  // namespace coppice
