@@ -1,0 +1,54 @@
+#include "coppice/skeleton/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace coppice {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double frustum_volume(double a, double b, double height) {
+    return kPi / 3 * height * (a * a + a * b + b * b);
+}
+
+double frustum_mantle(double a, double b, double height) { return kPi * (a + b) * std::hypot(a - b, height); }
+
+}  // namespace
+
+SkeletonMeasures measure(const Skeleton& skeleton) {
+    SkeletonMeasures m;
+    m.nodes = skeleton.size();
+    m.trees = skeleton.tree_count();
+    m.segments = m.nodes - m.trees;
+    m.bounds = skeleton.bounds();
+    const auto [least, greatest] = std::ranges::minmax_element(skeleton.radii());
+    m.least_radius = *least;
+    m.greatest_radius = *greatest;
+    std::vector<std::uint32_t> depth(m.nodes, 0);
+    std::vector<double> path(m.nodes, 0.0);
+    for (const NodeId n : nodes(skeleton)) {
+        const auto children = static_cast<std::uint32_t>(skeleton.children(n).size());
+        m.tips += children == 0;
+        m.branch_nodes += children > 1;
+        m.max_children = std::max(m.max_children, children);
+        if (skeleton.is_root(n)) continue;
+        const std::uint32_t p = skeleton.parent(n).index();
+        const Segment s = skeleton.segment(n);
+        const double l = distance(Vec3d(s.a), Vec3d(s.b));
+        m.shortest_segment = m.length == 0 && m.longest_segment == 0 ? l : std::min(m.shortest_segment, l);
+        m.longest_segment = std::max(m.longest_segment, l);
+        m.length += l;
+        m.volume += frustum_volume(s.radius_a, s.radius_b, l);
+        m.area += frustum_mantle(s.radius_a, s.radius_b, l);
+        depth[n.index()] = depth[p] + 1;
+        path[n.index()] = path[p] + l;
+        m.max_depth = std::max(m.max_depth, depth[n.index()]);
+        m.longest_path = std::max(m.longest_path, path[n.index()]);
+    }
+    return m;
+}
+
+}  // namespace coppice
