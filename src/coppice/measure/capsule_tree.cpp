@@ -1,0 +1,108 @@
+#include "coppice/measure/capsule_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/parallel.h"
+
+namespace coppice {
+namespace {
+
+std::vector<Capsule> capsules_of(const Skeleton& skeleton, Vec3d origin) {
+    const Vec3d shift = skeleton.origin() - origin;
+    std::vector<Capsule> capsules;
+    capsules.reserve(skeleton.size() - skeleton.tree_count());
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.is_root(n)) continue;
+        const Segment s = skeleton.segment(n);
+        const Vec3d axis = Vec3d(s.b) - Vec3d(s.a);
+        const double l2 = length_squared(axis);
+        capsules.push_back({.a = Vec3d(s.a) + shift,
+                            .axis = axis,
+                            .radius_a = s.radius_a,
+                            .radius_step = double{s.radius_b} - s.radius_a,
+                            .inverse_length_squared = l2 > 0 ? 1 / l2 : 0,
+                            .node = n});
+    }
+    return capsules;
+}
+
+std::vector<Box3> axis_boxes(std::span<const Capsule> capsules) {
+    std::vector<Box3> boxes(capsules.size());
+    for (std::size_t i = 0; i < capsules.size(); ++i) {
+        extend_outward(boxes[i], capsules[i].a);
+        extend_outward(boxes[i], capsules[i].b());
+    }
+    return boxes;
+}
+
+}  // namespace
+
+double Capsule::rho_squared(Vec3d p) const {
+    const double t = std::clamp(parameter(p), 0.0, 1.0);
+    const double r = radius(t);
+    return length_squared(p - point(t)) / (r * r);
+}
+
+CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
+    : capsules_(capsules_of(skeleton, origin)), boxes_(axis_boxes(capsules_), ctx) {
+    auto& levels = inverse_radius_squared_;
+    levels.resize(boxes_.level_count());
+    for (std::uint32_t l = 0; l < levels.size(); ++l) {
+        levels[l].assign(boxes_.level(l).size(), std::numeric_limits<double>::infinity());
+    }
+    for (std::uint32_t place = 0; place < boxes_.size(); ++place) {
+        const Capsule& c = capsules_[boxes_.item(place)];
+        const double r = std::max(c.radius_a, c.radius_b());
+        levels[0][place] = 1 / (r * r);
+    }
+    for (std::uint32_t l = 1; l < levels.size(); ++l) {
+        for (std::size_t i = 0; i < levels[l - 1].size(); ++i) {
+            double& least = levels[l][i / BoxTree::kWidth];
+            least = std::min(least, levels[l - 1][i]);
+        }
+    }
+}
+
+CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
+    std::uint32_t best = kNone;
+    double least = kFarthest * kFarthest;
+    const auto visit = [&](std::uint32_t i) {
+        const double rho2 = capsules_[i].rho_squared(p);
+        if (rho2 > least || (rho2 == least && i >= best)) return;
+        least = rho2;
+        best = i;
+    };
+    if (hint != kNone) visit(hint);
+    boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, least, visit);
+    return {best, std::sqrt(least)};
+}
+
+bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
+    double limit = rho * rho;
+    bool found = false;
+    boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
+                  [&](std::uint32_t i) {
+                      if (i == except || capsules_[i].rho_squared(p) >= rho * rho) return;
+                      found = true;
+                      limit = -1;
+                  });
+    return found;
+}
+
+SegmentGap gap(const Capsule& a, const Capsule& b) {
+    const auto at = [&](double s, double t) { return SegmentGap{distance(a.point(s), b.point(t)), s, t}; };
+    const auto foot_on_a = [&](double t) { return std::clamp(a.parameter(b.point(t)), 0.0, 1.0); };
+    const auto foot_on_b = [&](double s) { return std::clamp(b.parameter(a.point(s)), 0.0, 1.0); };
+    const double aa = length_squared(a.axis), bb = length_squared(b.axis), ab = dot(a.axis, b.axis);
+    const double area = aa * bb - ab * ab;
+    double s = 0;
+    if (area > 1e-14 * aa * bb) {  // else parallel, and any point of the overlap will do
+        const Vec3d w = a.a - b.a;
+        s = std::clamp((ab * dot(b.axis, w) - bb * dot(a.axis, w)) / area, 0.0, 1.0);
+    }
+    const double t = foot_on_b(s);
+    return at(foot_on_a(t), t);
+}
+
+}  // namespace coppice

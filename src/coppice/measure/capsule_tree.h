@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/id.h"
+#include "coppice/spatial/box_tree.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+/// A segment in double precision, with what its queries need.
+struct Capsule {
+    Vec3d a, axis;                  ///< [m] the parent's end; from there to the node's end
+    double radius_a, radius_step;   ///< [m] at a; the change from there to the node's end
+    double inverse_length_squared;  ///< 0 for a segment without length
+    NodeId node;                    ///< the lower node, which names the segment
+
+    Vec3d b() const { return a + axis; }
+    double radius_b() const { return radius_a + radius_step; }
+    /// Where p falls on the line through the segment: 0 at a, 1 at b; 0 for a segment without length.
+    double parameter(Vec3d p) const { return dot(p - a, axis) * inverse_length_squared; }
+    Vec3d point(double t) const { return a + axis * t; }
+    double radius(double t) const { return radius_a + radius_step * t; }
+    /// The square of rho: the distance from p to the segment over the radius at the foot.
+    double rho_squared(Vec3d p) const;
+};
+
+/// The segments of a skeleton, found by rho: the distance from a point to the segment over the segment's
+/// radius at the foot. Capsules are numbered in the order of their lower nodes. Nodes without a segment are
+/// not seen.
+class CapsuleTree {
+  public:
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    static constexpr double kFarthest = 1e9;  ///< in radii; nothing is seen beyond
+
+    /// `origin` is that of the points that will be asked about. The skeleton may go afterwards. O(n).
+    CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx = {});
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(capsules_.size()); }
+    const Capsule& capsule(std::uint32_t i) const { return capsules_[i]; }
+
+    struct Nearest {
+        std::uint32_t capsule = kNone;
+        double rho = kFarthest;
+    };
+    /// The capsule of least rho; of equal ones the first, as far as rounding tells. A good guess as `hint`
+    /// saves time. O(log n).
+    Nearest nearest(Vec3d p, std::uint32_t hint = kNone) const;
+
+    /// Whether a capsule other than `except` has rho below `rho`.
+    bool any_within(Vec3d p, double rho, std::uint32_t except) const;
+
+  private:
+    double bound(std::uint32_t level, std::uint32_t i, Vec3d p) const {
+        return distance_squared(boxes_.level(level)[i], p) * inverse_radius_squared_[level][i];
+    }
+    std::vector<Capsule> capsules_;
+    BoxTree boxes_;
+    std::vector<std::vector<double>>
+        inverse_radius_squared_;  ///< by level and box: of the greatest radius in it
+};
+
+/// The least distance between two segments, and where it is taken on each.
+struct SegmentGap {
+    double distance, s, t;
+};
+SegmentGap gap(const Capsule& a, const Capsule& b);
+
+}  // namespace coppice

@@ -1,0 +1,183 @@
+#include "coppice/measure/intersections.h"
+
+#include <algorithm>
+
+#include "coppice/base/parallel.h"
+#include "coppice/measure/predicates.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGroupsPerRange = 64;
+constexpr std::size_t kRangesPerBatch = 32;
+constexpr double kNeighbourHops = 3;
+constexpr double kNeighbourRadii = 3;
+constexpr double kClearance = 1.05;
+
+/// Turns the corners of t so that corner `k` comes first.
+Triangle turned(const Triangle& t, int k) { return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]}; }
+
+class PairTest {
+  public:
+    explicit PairTest(const SurfaceTree& surface) : surface_(surface), x_(surface.mesh().positions) {}
+
+    bool cross(const SurfaceTree::Piece& p, const SurfaceTree::Piece& q) const {
+        if (p.face == q.face) return false;
+        for (const Triangle& s : surface_.triangles(p)) {
+            const Box3 box = box_of(s);
+            for (const Triangle& t : surface_.triangles(q)) {
+                if (box.overlaps(box_of(t)) && cross(s, t)) return true;
+            }
+        }
+        return false;
+    }
+
+  private:
+    TrianglePoints points(const Triangle& t) const { return {x_[t[0]], x_[t[1]], x_[t[2]]}; }
+    Box3 box_of(const Triangle& t) const {
+        Box3 box;
+        for (const std::uint32_t v : t) box.extend(x_[v]);
+        return box;
+    }
+    bool cross(const Triangle& s, const Triangle& t) const {
+        int shared = 0, i = 0, j = 0, i_free = 3,
+            j_free = 3;  // free: sums of the corners that are not shared
+        for (int a = 0; a < 3; ++a) {
+            for (int b = 0; b < 3; ++b) {
+                if (s[a] != t[b]) continue;
+                ++shared;
+                i = a;
+                j = b;
+                i_free -= a;
+                j_free -= b;
+            }
+        }
+        if (shared == 0) return triangles_meet(points(s), points(t));
+        if (shared == 1) return triangles_meet_beyond_corner(points(turned(s, i)), points(turned(t, j)));
+        if (shared == 3) return true;
+        return triangles_overlap_beyond_edge(points(turned(s, (i_free + 1) % 3)),
+                                             points(turned(t, (j_free + 1) % 3)));
+    }
+
+    const SurfaceTree& surface_;
+    std::span<const Vec3> x_;
+};
+
+std::vector<FacePair> crossings_of_groups(const SurfaceTree& surface, IndexRange groups, std::size_t limit) {
+    const PairTest test(surface);
+    const BoxTree& boxes = surface.boxes();
+    std::vector<FacePair> found;
+    for (std::size_t g = groups.begin; g < groups.end && found.size() < limit; ++g) {
+        boxes.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t i, std::uint32_t j) {
+            const auto &p = surface.piece(boxes.item(i)), &q = surface.piece(boxes.item(j));
+            if (found.size() >= limit || !test.cross(p, q)) return;
+            found.push_back({std::min(p.face, q.face), std::max(p.face, q.face)});
+        });
+    }
+    return found;
+}
+
+enum class Kind { local, remote, overlap };
+
+class Classifier {
+  public:
+    Classifier(const Skeleton& skeleton, const CapsuleTree& capsules)
+        : skeleton_(skeleton), capsules_(capsules), depth_(skeleton.size()) {
+        for (const NodeId n : nodes(skeleton)) {
+            if (const NodeId p = skeleton.parent(n)) depth_[n] = depth_[p] + 1;
+        }
+    }
+
+    Kind kind(const PolygonMesh& mesh, FacePair pair) const {
+        const std::uint32_t i = part(mesh, pair.first), j = part(mesh, pair.second);
+        if (i == CapsuleTree::kNone || j == CapsuleTree::kNone) return Kind::local;
+        const Capsule &a = capsules_.capsule(i), &b = capsules_.capsule(j);
+        if (are_neighbours(a, b)) return Kind::local;
+        const SegmentGap g = gap(a, b);
+        return g.distance < kClearance * (a.radius(g.s) + b.radius(g.t)) ? Kind::overlap : Kind::remote;
+    }
+
+  private:
+    std::uint32_t part(const PolygonMesh& mesh, std::uint32_t face) const {
+        const auto corners = mesh.face(face);
+        Vec3d sum;
+        for (const std::uint32_t v : corners) sum += Vec3d(mesh.positions[v]);
+        return capsules_.nearest(sum / static_cast<double>(corners.size())).capsule;
+    }
+
+    /// Climbs from both lower nodes to where they meet. The way leaves out the two segments themselves.
+    bool are_neighbours(const Capsule& s, const Capsule& t) const {
+        const double reach = kNeighbourRadii * std::max({s.radius_a, s.radius_b(), t.radius_a, t.radius_b()});
+        NodeId a = s.node, b = t.node;
+        int hops = 0;
+        double way = 0;
+        while (a != b) {
+            if (hops > kNeighbourHops && way >= reach) return false;
+            NodeId& deeper = depth_[a] >= depth_[b] ? a : b;
+            const NodeId above = skeleton_.parent(deeper);
+            if (!above) return false;
+            if (deeper != s.node && deeper != t.node) {
+                way += distance(Vec3d(skeleton_.position(deeper)), Vec3d(skeleton_.position(above)));
+            }
+            deeper = above;
+            ++hops;
+        }
+        return hops <= kNeighbourHops || way < reach;
+    }
+
+    const Skeleton& skeleton_;
+    const CapsuleTree& capsules_;
+    Column<NodeId, std::uint32_t> depth_;
+};
+
+}  // namespace
+
+FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const Context& ctx) {
+    FacePairs result;
+    const std::size_t groups = surface.boxes().group_count();
+    constexpr std::size_t kBatch = kGroupsPerRange * kRangesPerBatch;
+    std::vector<std::vector<FacePair>> found(kRangesPerBatch);
+    for (std::size_t begin = 0; begin < groups && result.complete; begin += kBatch) {
+        ctx.throw_if_cancelled();
+        const std::size_t count = std::min(kBatch, groups - begin);
+        for (auto& f : found) f.clear();
+        // Past the limit of its own a range cannot add anything; the sum over the ranges is limited below.
+        parallel_for_ranges(ctx, count, kGroupsPerRange, [&](IndexRange range) {
+            const IndexRange shifted{begin + range.begin, begin + range.end};
+            found[range.begin / kGroupsPerRange] =
+                crossings_of_groups(surface, shifted, std::size_t{limit} + 1);
+        });
+        for (const auto& f : found) {
+            result.pairs.insert(result.pairs.end(), f.begin(), f.end());
+            if (result.pairs.size() <= limit) continue;
+            result.pairs.resize(limit);
+            result.complete = false;
+            break;
+        }
+    }
+    std::sort(result.pairs.begin(), result.pairs.end());
+    result.pairs.erase(std::unique(result.pairs.begin(), result.pairs.end()), result.pairs.end());
+    return result;
+}
+
+IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,
+                            const CapsuleTree* capsules, const Context& ctx) {
+    IntersectionReport report{.total = found.pairs.size(), .complete = found.complete};
+    if (skeleton == nullptr || capsules == nullptr) {
+        report.local = report.total;
+        return report;
+    }
+    const Classifier classifier(*skeleton, *capsules);
+    std::vector<Kind> kinds(found.pairs.size());
+    parallel_for(ctx, kinds.size(), 256,
+                 [&](std::size_t i) { kinds[i] = classifier.kind(mesh, found.pairs[i]); });
+    const auto count = [&](Kind k) {
+        return static_cast<std::uint64_t>(std::count(kinds.begin(), kinds.end(), k));
+    };
+    report.local = count(Kind::local);
+    report.remote = count(Kind::remote);
+    report.overlap = count(Kind::overlap);
+    return report;
+}
+
+}  // namespace coppice

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+/// Two faces that have a point in common beyond the corners and edges that they share; first < second.
+struct FacePair {
+    std::uint32_t first = 0, second = 0;
+    friend auto operator<=>(const FacePair&, const FacePair&) = default;
+};
+
+struct FacePairs {
+    std::vector<FacePair> pairs;  ///< each once, in order
+    bool complete = true;         ///< false when the search ended at its limit
+};
+
+/// All pairs of faces that cross or touch, decided exactly. Faces that share a vertex do so when an edge
+/// opposite to it meets the other face; faces that share an edge when they fold onto each other; faces with
+/// the same three corners always. O(n + boxes that overlap); polls ctx.stop. The search ends soon after
+/// `limit` pairs, which keeps tangled soup from filling the memory.
+FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const Context& ctx = {});
+
+/// Crossing pairs by the parts of the skeleton they belong to: the segments of least rho at the means of
+/// their corners.
+struct IntersectionReport {
+    std::uint64_t total = 0;
+    std::uint64_t local =
+        0;  ///< of neighbours along the skeleton: within three nodes, or within three radii of way
+    std::uint64_t remote =
+        0;  ///< of other parts whose capsules keep clear of each other by 5 % of their radii
+    std::uint64_t overlap =
+        0;                 ///< of other parts whose capsules overlap, which is a property of the skeleton
+    bool complete = true;  ///< false when there are more pairs than the search was allowed to find
+    friend bool operator==(const IntersectionReport&, const IntersectionReport&) = default;
+};
+
+/// Sorts pairs by kind. All are local without a skeleton; `capsules` must be those of `skeleton`, in the
+/// mesh's frame.
+IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,
+                            const CapsuleTree* capsules, const Context& ctx = {});
+
+/// Calls visit(name, number) for every count.
+template <class Visitor>
+void visit_figures(const IntersectionReport& r, Visitor&& visit) {
+    visit("total", r.total);
+    visit("local", r.local);
+    visit("remote", r.remote);
+    visit("overlap", r.overlap);
+    if (!r.complete) visit("complete", r.complete);
+}
+
+}  // namespace coppice

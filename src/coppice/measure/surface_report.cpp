@@ -1,0 +1,45 @@
+#include "coppice/measure/surface_report.h"
+
+#include "coppice/base/error.h"
+
+namespace coppice {
+namespace {
+
+/// What the crossing test and the coverage look at; made only when one of them is wanted.
+void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const CapsuleTree* capsules,
+                const CheckOptions& options, const Context& ctx, SurfaceReport& report) {
+    const SurfaceTree surface(mesh, ctx);
+    ctx.throw_if_cancelled();
+    ctx.report(0.3f);
+    if (options.intersections) {
+        const auto limit = static_cast<std::uint32_t>(options.most_intersections);
+        report.intersections = classify(crossing_faces(surface, limit, ctx), mesh, skeleton, capsules, ctx);
+    }
+    ctx.report(0.7f);
+    if (capsules != nullptr) report.coverage = coverage(surface, *capsules, ctx);
+}
+
+}  // namespace
+
+SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, const CheckOptions& options,
+                            const Context& ctx) {
+    if (options.most_intersections < 0) throw InvalidInput("most_intersections must not be below 0");
+    validate(mesh);
+    SurfaceReport report;
+    report.topology = topology(mesh, ctx);
+    ctx.throw_if_cancelled();
+    report.shape = shape(mesh, ctx);
+    ctx.throw_if_cancelled();
+    ctx.report(0.2f);
+    std::optional<CapsuleTree> capsules;
+    if (skeleton != nullptr) capsules.emplace(*skeleton, mesh.origin, ctx);
+    const CapsuleTree* tree = capsules ? &*capsules : nullptr;
+    if (options.intersections || tree != nullptr) check_tree(mesh, skeleton, tree, options, ctx, report);
+    ctx.throw_if_cancelled();
+    ctx.report(0.8f);
+    if (tree != nullptr) report.radius = radius_deviation(mesh, *skeleton, *tree, ctx);
+    ctx.report(1);
+    return report;
+}
+
+}  // namespace coppice

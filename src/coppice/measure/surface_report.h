@@ -1,0 +1,85 @@
+#pragma once
+
+#include <optional>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/measure/radius.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+struct CheckOptions {
+    bool intersections = true;           ///< look for faces that cross
+    int most_intersections = 1'000'000;  ///< stop looking after so many pairs; >= 0
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, CheckOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"intersections", "look for faces that cross"}, o.intersections);
+    visit(Field{"most_intersections", "stop looking after so many crossing pairs", Unit::none, 0, 1e9},
+          o.most_intersections);
+}
+
+/// All that is known of a surface, on its own and against its skeleton.
+struct SurfaceReport {
+    TopologyReport topology;
+    ShapeReport shape;
+    std::optional<IntersectionReport> intersections;  ///< none when not asked for
+    std::optional<RadiusReport> radius;               ///< none without a skeleton
+    std::optional<CoverageReport> coverage;           ///< none without a skeleton
+
+    bool sound() const { return topology.sound(); }  ///< closed, manifold and oriented
+    friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;
+};
+
+/// Judges a surface. `skeleton` may be null; where its origin differs from the mesh's, both are brought into
+/// one frame. Throws InvalidInput for a mesh with numbers that are not finite or faces that cannot be (see
+/// `validate`). The same bits for any number of threads.
+SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton,
+                            const CheckOptions& options = {}, const Context& ctx = {});
+
+/// Calls visit(name, value) for every figure, in the order for print. A value is an integer, a bool, a
+/// double, or a group (Statistics, IntersectionReport) with a visit_figures of its own. Names are those of
+/// the JSON report.
+template <class Visitor>
+void visit_figures(const SurfaceReport& r, Visitor&& visit) {
+    const TopologyReport& t = r.topology;
+    visit("sound", r.sound());
+    visit("vertices", t.vertices);
+    visit("faces", t.faces);
+    visit("quads_percent", t.quads_percent());
+    visit("components", t.components);
+    visit("euler", t.euler);
+    visit("open_edges", t.open_edges);
+    visit("non_manifold_edges", t.non_manifold_edges);
+    visit("misoriented_edges", t.misoriented_edges);
+    visit("non_manifold_vertices", t.non_manifold_vertices);
+    visit("irregular_vertices", t.irregular_vertices);
+    visit("irregular_percent", t.irregular_percent());
+    visit("scaled_jacobian", r.shape.scaled_jacobian);
+    visit("inverted_faces", r.shape.inverted_faces);
+    visit("signed_volume", r.shape.signed_volume);
+    visit("area", r.shape.area);
+    if (r.intersections) visit("intersections", *r.intersections);
+    if (r.radius) {
+        visit("radius_all", r.radius->all);
+        visit("radius_regular", r.radius->regular);
+    }
+    if (r.coverage) {
+        visit("middle_to_surface", r.coverage->middle_to_surface);
+        visit("segments_missing", r.coverage->missing);
+        visit("segments_pinched", r.coverage->pinched);
+    }
+    if (r.radius) {
+        visit("tips", r.radius->tips);
+        visit("tip_reach", r.radius->tip_reach);
+    }
+}
+
+}  // namespace coppice

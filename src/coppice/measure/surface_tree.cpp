@@ -1,0 +1,116 @@
+#include "coppice/measure/surface_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/parallel.h"
+#include "coppice/measure/predicates.h"
+#include "coppice/mesh/shape.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 13;
+
+TrianglePoints points_of(const PolygonMesh& mesh, const Triangle& t) {
+    return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+}
+
+}  // namespace
+
+struct SurfaceTree::Parts {
+    std::vector<Triangle> triangles;
+    std::vector<Piece> pieces;
+    std::vector<Box3> boxes;
+
+    void add(const PolygonMesh& mesh, std::uint32_t face) {
+        bool open = false;
+        for_each_triangle(mesh.face(face), mesh.positions, [&](const Triangle& t) {
+            const TrianglePoints p = points_of(mesh, t);
+            if (is_degenerate(p)) return;
+            if (!open) {
+                pieces.push_back({face, static_cast<std::uint32_t>(triangles.size()), 0});
+                boxes.emplace_back();
+            }
+            triangles.push_back(t);
+            for (const Vec3 x : p) boxes.back().extend(x);
+            open = ++pieces.back().count < 2;
+        });
+    }
+
+    /// Joins what ranges of faces gave, in their order.
+    static Parts join(std::vector<Parts>& ranges) {
+        Parts all;
+        std::size_t triangle_count = 0, piece_count = 0;
+        for (const Parts& r : ranges) {
+            triangle_count += r.triangles.size();
+            piece_count += r.pieces.size();
+        }
+        all.triangles.reserve(triangle_count);
+        all.pieces.reserve(piece_count);
+        all.boxes.reserve(piece_count);
+        for (Parts& r : ranges) {
+            for (Piece& p : r.pieces) p.first += static_cast<std::uint32_t>(all.triangles.size());
+            all.triangles.insert(all.triangles.end(), r.triangles.begin(), r.triangles.end());
+            all.pieces.insert(all.pieces.end(), r.pieces.begin(), r.pieces.end());
+            all.boxes.insert(all.boxes.end(), r.boxes.begin(), r.boxes.end());
+            r = {};
+        }
+        return all;
+    }
+
+    static Parts of(const PolygonMesh& mesh, const Context& ctx) {
+        const std::size_t n = mesh.face_count();
+        std::vector<Parts> ranges((n + kGrain - 1) / kGrain);
+        parallel_for_ranges(ctx, n, kGrain, [&](IndexRange range) {
+            Parts& parts = ranges[range.begin / kGrain];
+            for (std::size_t f = range.begin; f < range.end; ++f)
+                parts.add(mesh, static_cast<std::uint32_t>(f));
+        });
+        return join(ranges);
+    }
+};
+
+SurfaceTree::SurfaceTree(const PolygonMesh& mesh, const Context& ctx)
+    : SurfaceTree(mesh, Parts::of(mesh, ctx), ctx) {}
+
+SurfaceTree::SurfaceTree(const PolygonMesh& mesh, Parts&& parts, const Context& ctx)
+    : mesh_(&mesh),
+      triangles_(std::move(parts.triangles)),
+      pieces_(std::move(parts.pieces)),
+      boxes_(parts.boxes, ctx) {}
+
+double SurfaceTree::distance(Vec3d p) const {
+    double least = std::numeric_limits<double>::infinity();
+    const auto bound = [&](std::uint32_t l, std::uint32_t i) {
+        return distance_squared(boxes_.level(l)[i], p);
+    };
+    boxes_.search(bound, least, [&](std::uint32_t item) {
+        for (const Triangle& t : triangles(pieces_[item])) {
+            const TrianglePoints x = points_of(*mesh_, t);
+            least = std::min(least, distance_squared(p, Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2])));
+        }
+    });
+    return std::sqrt(least);
+}
+
+double distance_squared(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
+    const Vec3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+                 d6 = dot(ac, cp);
+    if (d1 <= 0 && d2 <= 0) return length_squared(ap);
+    if (d3 >= 0 && d4 <= d3) return length_squared(bp);
+    if (d6 >= 0 && d5 <= d6) return length_squared(cp);
+    // Barycentric coordinates of the foot, times the same positive number; one that is not positive names the
+    // nearest edge.
+    const double w = d1 * d4 - d3 * d2, v = d5 * d2 - d1 * d6, u = d3 * d6 - d5 * d4;
+    if (w <= 0 && d1 >= 0 && d3 <= 0) return length_squared(ap - ab * (d1 / (d1 - d3)));
+    if (v <= 0 && d2 >= 0 && d6 <= 0) return length_squared(ap - ac * (d2 / (d2 - d6)));
+    if (u <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+        return length_squared(bp - (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6)));
+    }
+    return length_squared(ap - (ab * v + ac * w) / (u + v + w));
+}
+
+}  // namespace coppice

@@ -1,0 +1,79 @@
+#include "coppice/mesh/shape.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "coppice/base/parallel.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 14;
+
+struct Extent {
+    double volume = 0, area = 0;
+};
+
+/// Six volumes of the cones from `apex`, and twice the area, of a range of faces.
+Extent extent(const PolygonMesh& mesh, IndexRange range, Vec3d apex) {
+    Extent e;
+    for (std::size_t f = range.begin; f < range.end; ++f) {
+        for_each_triangle(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions, [&](const Triangle& t) {
+            const Vec3d a = Vec3d(mesh.positions[t[0]]) - apex, b = Vec3d(mesh.positions[t[1]]) - apex,
+                        c = Vec3d(mesh.positions[t[2]]) - apex;
+            e.volume += dot(a, cross(b, c));
+            e.area += length(cross(b - a, c - a));
+        });
+    }
+    return e;
+}
+
+}  // namespace
+
+std::uint32_t fan_corner(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
+    if (face.size() != 4) return 0;
+    const auto at = [&](int k) { return Vec3d(positions[face[k]]); };
+    return distance(at(0), at(2)) > distance(at(1), at(3)) ? 1 : 0;
+}
+
+double scaled_jacobian(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
+    const std::size_t n = face.size();
+    const auto at = [&](std::size_t k) { return Vec3d(positions[face[k % n]]); };
+    Vec3d normal;
+    for (std::size_t k = 1; k + 1 < n; ++k) normal += cross(at(k) - at(0), at(k + 1) - at(0));
+    const double size = length(normal);
+    double least = 2;
+    for (std::size_t k = 0; k < n; ++k) {
+        const Vec3d forward = at(k + 1) - at(k), backward = at(k + n - 1) - at(k);
+        const double scale = length(forward) * length(backward) * size;
+        const double sine = scale > 0 ? dot(cross(forward, backward), normal) / scale : -1;
+        least = std::min(least, n == 3 ? sine * 2 / std::numbers::sqrt3 : sine);
+    }
+    return least;
+}
+
+ShapeReport shape(const PolygonMesh& mesh, const Context& ctx) {
+    ShapeReport report;
+    const std::size_t n = mesh.face_count();
+    if (n == 0) return report;
+    std::vector<double> jacobian(n);
+    parallel_for(ctx, n, kGrain, [&](std::size_t f) {
+        jacobian[f] = scaled_jacobian(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions);
+    });
+    report.inverted_faces = static_cast<std::uint64_t>(
+        std::count_if(jacobian.begin(), jacobian.end(), [](double j) { return j <= 0; }));
+    report.scaled_jacobian = statistics(std::move(jacobian));
+    const Vec3d apex(mesh.positions[0]);
+    const auto total = parallel_reduce(
+        ctx, n, kGrain, Extent{}, [&](IndexRange range) { return extent(mesh, range, apex); },
+        [](Extent a, Extent b) {
+            return Extent{a.volume + b.volume, a.area + b.area};
+        });
+    report.signed_volume = total.volume / 6;
+    report.area = total.area / 2;
+    return report;
+}
+
+ShapeReport shape(const QuadMesh& mesh, const Context& ctx) { return shape(to_polygons(mesh), ctx); }
+
+}  // namespace coppice

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/context.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/mesh/statistics.h"
+
+namespace coppice {
+
+/// How well shaped the faces of a mesh are.
+struct ShapeReport {
+    /// Of every face: the least sine of a corner's angle, negative where the corner turns against the face's
+    /// normal, -1 for a face without area. For triangles over the sine of 60 degrees, so that 1 is the best
+    /// for both.
+    Statistics scaled_jacobian;
+    std::uint64_t inverted_faces = 0;  ///< scaled Jacobian <= 0
+    double signed_volume =
+        0;            ///< [m^3] positive when faces are counter-clockwise from outside; means little if open
+    double area = 0;  ///< [m^2]
+    friend bool operator==(const ShapeReport&, const ShapeReport&) = default;
+};
+
+/// Judges a valid mesh. O(n).
+ShapeReport shape(const PolygonMesh& mesh, const Context& ctx = {});
+ShapeReport shape(const QuadMesh& mesh, const Context& ctx = {});
+
+/// The scaled Jacobian of one face.
+double scaled_jacobian(std::span<const std::uint32_t> face, std::span<const Vec3> positions);
+
+/// The corner from which a face is cut into a fan of triangles, in double precision: quads along their
+/// shorter diagonal.
+std::uint32_t fan_corner(std::span<const std::uint32_t> face, std::span<const Vec3> positions);
+
+/// Calls visit(Triangle) for the fan of a face.
+template <class Visit>
+void for_each_triangle(std::span<const std::uint32_t> face, std::span<const Vec3> positions,
+                       const Visit& visit) {
+    const std::size_t n = face.size(), o = fan_corner(face, positions);
+    for (std::size_t k = 1; k + 1 < n; ++k)
+        visit(Triangle{face[o], face[(o + k) % n], face[(o + k + 1) % n]});
+}
+
+}  // namespace coppice

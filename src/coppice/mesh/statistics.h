@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace coppice {
+
+/// How a quantity is spread. Quantiles are members of the sample, not interpolated: of n sorted values p1 is
+/// number n / 100, p5 number n / 20, p50 number n / 2 (rounded down, from 0), and p95 and p99 lie as far from
+/// the end as p5 and p1 from the beginning. All are 0 when n is 0.
+struct Statistics {
+    std::uint64_t n = 0;
+    double mean = 0;
+    double mean_abs = 0;
+    double p1 = 0, p5 = 0, p50 = 0, p95 = 0, p99 = 0;
+    double min = 0, max = 0;
+    friend bool operator==(const Statistics&, const Statistics&) = default;
+};
+
+/// Summarises finite values. O(n).
+Statistics statistics(std::vector<double> values);
+
+/// Calls visit(name, number) for every member, in order.
+template <class Visitor>
+void visit_figures(const Statistics& s, Visitor&& visit) {
+    visit("n", s.n);
+    if (s.n == 0) return;
+    visit("mean", s.mean);
+    visit("mean_abs", s.mean_abs);
+    visit("p1", s.p1);
+    visit("p5", s.p5);
+    visit("p50", s.p50);
+    visit("p95", s.p95);
+    visit("p99", s.p99);
+    visit("min", s.min);
+    visit("max", s.max);
+}
+
+}  // namespace coppice
