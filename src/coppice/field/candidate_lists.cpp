@@ -1,0 +1,210 @@
+#include "coppice/field/candidate_lists.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 256;  // regions per task
+constexpr std::size_t kHub = 64;     // a node with more children gets a tree of boxes
+constexpr std::size_t kWay = 16;     // of that tree
+constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 24;
+constexpr std::uint64_t kMinLimit = 256;
+
+/// Whether the capsule may reach the box: by boxes, then by the ball about the box, which is the closer test
+/// for a thin capsule that runs aslant.
+bool may_touch(const SegmentSupport& s, const Box3& box, Vec3 center, float half_diagonal) {
+    if (!s.box.overlaps(box)) return false;
+    const Vec3 axis = s.b - s.a;
+    const Vec3 w = center - s.a;
+    const float along = dot(w, axis), length2 = length_squared(axis);
+    const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
+    const float reach = 1.0001f * (s.radius + half_diagonal);
+    return length_squared(w - t * axis) <= reach * reach;
+}
+
+/// Spreads the low 10 bits of x over every third bit.
+std::uint32_t spread_bits(std::uint32_t x) {
+    x = (x | (x << 16)) & 0x030000ffu;
+    x = (x | (x << 8)) & 0x0300f00fu;
+    x = (x | (x << 4)) & 0x030c30c3u;
+    return (x | (x << 2)) & 0x09249249u;
+}
+
+/// The children of a node with many, sorted along a space-filling curve, under a tree of boxes.
+class Hub {
+  public:
+    Hub(const Skeleton& skeleton, NodeId node, std::span<const SegmentSupport> supports) : node_(node) {
+        Box3 all;
+        for (const NodeId c : skeleton.children(node)) all.extend(supports[c.index()].box.center());
+        const Vec3 size = all.size();
+        const float scale = 1023 / std::max({size.x, size.y, size.z, 1e-30f});
+        std::vector<std::pair<std::uint32_t, NodeId>> keys;
+        for (const NodeId c : skeleton.children(node)) {
+            const Vec3 q = (supports[c.index()].box.center() - all.low) * scale;
+            const auto cell = [](float x) {
+                return spread_bits(static_cast<std::uint32_t>(std::clamp(x, 0.0f, 1023.0f)));
+            };
+            keys.emplace_back(cell(q.x) | cell(q.y) << 1 | cell(q.z) << 2, c);
+        }
+        std::sort(keys.begin(), keys.end());
+        std::vector<Box3> level;
+        for (const auto& [key, c] : keys) {
+            child_.push_back(c);
+            level.push_back(supports[c.index()].box);
+        }
+        while (level.size() > 1) {
+            std::vector<Box3> above((level.size() + kWay - 1) / kWay);
+            for (std::size_t i = 0; i < level.size(); ++i) above[i / kWay].extend(level[i]);
+            levels_.push_back(std::move(level));
+            level = std::move(above);
+        }
+    }
+
+    NodeId node() const { return node_; }
+
+    /// Calls visit(child) for all whose boxes overlap, until it returns false.
+    template <class Visit>
+    bool query(const Box3& box, const Visit& visit) const {
+        return query(levels_.size() - 1, 0, levels_.back().size(), box, visit);
+    }
+
+  private:
+    template <class Visit>
+    bool query(std::size_t level, std::size_t begin, std::size_t end, const Box3& box,
+               const Visit& visit) const {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!levels_[level][i].overlaps(box)) continue;
+            const bool more = level == 0
+                                  ? visit(child_[i])
+                                  : query(level - 1, i * kWay,
+                                          std::min((i + 1) * kWay, levels_[level - 1].size()), box, visit);
+            if (!more) return false;
+        }
+        return true;
+    }
+
+    NodeId node_;
+    std::vector<NodeId> child_;
+    std::vector<std::vector<Box3>> levels_;  ///< [0] the children
+};
+
+/// Floods the tree from a seed. A tree has no cycles, so remembering where one came from is all the
+/// bookkeeping.
+class Flood {
+  public:
+    Flood(const Skeleton& skeleton, std::span<const SegmentSupport> supports, std::span<const Hub> hubs,
+          std::size_t limit)
+        : skeleton_(skeleton), supports_(supports), hubs_(hubs), limit_(limit) {}
+
+    /// Appends the region's segments to `out`, sorted.
+    void run(const FieldRegion& region, std::vector<std::uint32_t>& out) {
+        NodeId seed = region.seed;
+        if (skeleton_.is_root(seed) && !skeleton_.is_tip(seed)) seed = skeleton_.leader(seed);
+        box_ = region.box;
+        center_ = box_.empty() ? skeleton_.position(seed) : box_.center();
+        half_diagonal_ = 0.5f * box_.diagonal();
+        first_ = out.size();
+        queue_.clear();
+        accept(seed, out);
+        queue_.push_back({seed, seed});
+        if (!skeleton_.is_root(seed)) queue_.push_back({skeleton_.parent(seed), seed});
+        for (std::size_t i = 0; i < queue_.size() && !full(out); ++i) visit(queue_[i], out);
+        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first_), out.end());
+    }
+
+  private:
+    struct Step {
+        NodeId node;
+        NodeId segment;  ///< through which the flood came
+    };
+
+    bool full(const std::vector<std::uint32_t>& out) const { return out.size() - first_ >= limit_; }
+    static void accept(NodeId segment, std::vector<std::uint32_t>& out) { out.push_back(segment.index()); }
+
+    bool touches(NodeId segment) const {
+        return may_touch(supports_[segment.index()], box_, center_, half_diagonal_);
+    }
+
+    void visit(Step step, std::vector<std::uint32_t>& out) {
+        const NodeId v = step.node;
+        if (v != step.segment && !skeleton_.is_root(v) && touches(v)) {
+            accept(v, out);
+            queue_.push_back({skeleton_.parent(v), v});
+        }
+        const auto consider = [&](NodeId c) {
+            if (full(out)) return false;
+            if (c != step.segment && touches(c)) {
+                accept(c, out);
+                queue_.push_back({c, c});
+            }
+            return true;
+        };
+        const auto children = skeleton_.children(v);
+        if (children.size() > kHub) {
+            const auto hub = std::lower_bound(hubs_.begin(), hubs_.end(), v,
+                                              [](const Hub& h, NodeId n) { return h.node() < n; });
+            hub->query(box_, consider);
+        } else {
+            for (const NodeId c : children) {
+                if (!consider(c)) return;
+            }
+        }
+    }
+
+    const Skeleton& skeleton_;
+    std::span<const SegmentSupport> supports_;
+    std::span<const Hub> hubs_;
+    std::size_t limit_;
+    Box3 box_;
+    Vec3 center_;
+    float half_diagonal_ = 0;
+    std::size_t first_ = 0;
+    std::vector<Step> queue_;
+};
+
+std::vector<Hub> find_hubs(const Skeleton& skeleton, std::span<const SegmentSupport> supports) {
+    std::vector<Hub> hubs;
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.children(n).size() > kHub) hubs.emplace_back(skeleton, n, supports);
+    }
+    return hubs;
+}
+
+}  // namespace
+
+CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
+                               std::span<const FieldRegion> regions, const Context& ctx) {
+    COPPICE_ASSERT(supports.size() == skeleton.size());
+    COPPICE_ASSERT(std::all_of(regions.begin(), regions.end(), [&](const FieldRegion& r) {
+        return r.seed && r.seed.index() < skeleton.size();
+    }));
+    const std::vector<Hub> hubs = find_hubs(skeleton, supports);
+    const std::size_t count = regions.size();
+    const std::size_t limit = std::max(kMinLimit, kMaxEntries / std::max<std::size_t>(count, 1));
+    std::vector<std::vector<std::uint32_t>> parts((count + kGrain - 1) / kGrain);
+    CandidateLists lists;
+    lists.first.assign(count + 1, 0);
+    parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
+        std::vector<std::uint32_t>& part = parts[range.begin / kGrain];
+        part.reserve(8 * range.size());
+        Flood flood(skeleton, supports, hubs, limit);
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            const std::size_t before = part.size();
+            flood.run(regions[i], part);
+            lists.first[i] = part.size() - before;
+        }
+    });
+    lists.segments.resize(exclusive_scan(std::span(lists.first)));
+    parallel_for(ctx, parts.size(), 1, [&](std::size_t i) {
+        std::copy(parts[i].begin(), parts[i].end(),
+                  lists.segments.begin() + static_cast<std::ptrdiff_t>(lists.first[i * kGrain]));
+    });
+    return lists;
+}
+
+}  // namespace coppice

@@ -1,0 +1,163 @@
+#include "coppice/field/convolution_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/field/field_simd_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kRegionGrain = 256;
+constexpr std::size_t kPressBatch = 64;
+
+SegmentSupport support_of(const kernel::SegmentConstants<float>& s, float reach) {
+    const Vec3 start{s.ax, s.ay, s.az}, u{s.ux, s.uy, s.uz};
+    const Vec3 a = start + s.begin * u, b = start + s.end * u;
+    // An extension of SCALIS goes on tapering, the others keep the node's radius: the greater of both is
+    // safe.
+    const float radius_a = reach * std::max(s.radius, s.radius + s.slope * s.begin);
+    const float radius_b = reach * std::max(s.radius + s.slope * s.length, s.radius + s.slope * s.end);
+    SegmentSupport support{capsule_box(a, a, radius_a), a, b, std::max(radius_a, radius_b)};
+    support.box.extend(capsule_box(b, b, radius_b));
+    return support;
+}
+
+/// The direction of each segment without length: that of the nearest one above it that has a length, else +Z.
+std::vector<Vec3> fallback_directions(const Skeleton& skeleton) {
+    std::vector<Vec3> direction(skeleton.size(), Vec3{0, 0, 1});
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.is_root(n)) continue;
+        const Vec3 axis = skeleton.position(n) - skeleton.position(skeleton.parent(n));
+        const float l = length(axis);
+        direction[n.index()] = l > 0 ? axis / l : direction[skeleton.parent(n).index()];
+    }
+    return direction;
+}
+
+/// By segment, the highest lower node of the chain of leaders it belongs to.
+std::vector<std::uint32_t> find_axes(const Skeleton& skeleton) {
+    std::vector<std::uint32_t> axes(skeleton.size());
+    for (const NodeId n : nodes(skeleton)) {
+        const bool follows = !skeleton.is_root(n) && skeleton.leader(skeleton.parent(n)) == n;
+        axes[n.index()] = follows ? axes[skeleton.parent(n).index()] : n.index();
+    }
+    return axes;
+}
+
+template <class Lists>
+auto list_of(Lists& lists, std::size_t region) {
+    return std::span(lists.segments)
+        .subspan(lists.first[region], lists.first[region + 1] - lists.first[region]);
+}
+
+int checked_blend(int blend) {
+    if (blend > 0 && std::has_single_bit(static_cast<unsigned>(blend))) return blend;
+    throw InvalidInput(fmt::format("field: blend must be 1, 2, 4 or 8, but is {}", blend));
+}
+
+}  // namespace
+
+ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions& options, const Context& ctx)
+    : skeleton_(&skeleton),
+      builder_(options),
+      segments_(skeleton.size()),
+      supports_(skeleton.size()),
+      axes_(find_axes(skeleton)),
+      blend_(checked_blend(options.blend)),
+      contact_(options.contact) {
+    const std::vector<Vec3> direction = fallback_directions(skeleton);
+    parallel_for(ctx, skeleton.size(), kGrain, [&](std::size_t i) {
+        const NodeId n(static_cast<std::uint32_t>(i));
+        if (skeleton.is_root(n)) {
+            segments_[i] = builder_.build_ball(skeleton.position(n), skeleton.radius(n));
+            if (!skeleton.is_tip(n)) segments_[i].weight = 0;
+        } else {
+            const NodeId p = skeleton.parent(n);
+            segments_[i] = builder_.build(skeleton.segment(n), direction[i], skeleton.is_tip(n),
+                                          skeleton.is_root(p) && skeleton.leader(p) == n);
+        }
+        supports_[i] = support_of(segments_[i], builder_.reach());
+    });
+}
+
+void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const Context& ctx) {
+    lists_ = find_candidates(*skeleton_, supports_, regions, ctx);
+    rivals_ = {std::vector<std::uint64_t>(regions.size() + 1, 0), {}};
+    sort_by_axis(lists_, ctx);
+}
+
+void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const TubeTree& tubes,
+                                   const Context& ctx) {
+    set_regions(regions, ctx);
+    if (contact_ == 0) return;
+    ContactLists contacts = find_contacts(*skeleton_, lists_, regions, tubes, ctx);
+    lists_ = std::move(contacts.own);
+    rivals_ = std::move(contacts.rivals);
+    sort_by_axis(rivals_, ctx);
+}
+
+void ConvolutionField::sort_by_axis(CandidateLists& lists, const Context& ctx) const {
+    if (blend_ == 1) return;
+    parallel_for(ctx, lists.first.size() - 1, kRegionGrain,
+                 [&](std::size_t i) { sort_by_axis(list_of(lists, i)); });
+}
+
+void ConvolutionField::sort_by_axis(std::span<std::uint32_t> segments) const {
+    std::sort(segments.begin(), segments.end(), [this](std::uint32_t a, std::uint32_t b) {
+        return axes_[a] != axes_[b] ? axes_[a] < axes_[b] : a < b;
+    });
+}
+
+std::span<const std::uint32_t> ConvolutionField::candidates(std::uint32_t region) const {
+    COPPICE_ASSERT(region < region_count());
+    return list_of(lists_, region);
+}
+
+std::span<const std::uint32_t> ConvolutionField::rivals(std::uint32_t region) const {
+    COPPICE_ASSERT(region < region_count());
+    return list_of(rivals_, region);
+}
+
+void ConvolutionField::sample(std::uint32_t region, std::span<const Vec3> points,
+                              std::span<FieldSample> out) const {
+    sum(candidates(region), points, out);
+    if (!rivals(region).empty()) press(rivals(region), points, out);
+}
+
+void ConvolutionField::press(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
+                             std::span<FieldSample> out) const {
+    std::array<FieldSample, kPressBatch> batch;
+    for (std::size_t begin = 0; begin < points.size(); begin += kPressBatch) {
+        const std::size_t count = std::min(kPressBatch, points.size() - begin);
+        sum(rivals, points.subspan(begin, count), std::span(batch).first(count));
+        for (std::size_t i = 0; i < count; ++i) {
+            const float against = contact_ * batch[i].value;
+            if (against <= 1) continue;
+            FieldSample& own = out[begin + i];
+            own.value /= against;
+            own.gradient = own.gradient / against - batch[i].gradient * (own.value / batch[i].value);
+        }
+    }
+}
+
+void ConvolutionField::sample_everywhere(std::span<const Vec3> points, std::span<FieldSample> out) const {
+    std::vector<std::uint32_t> all(segments_.size());
+    std::iota(all.begin(), all.end(), 0u);
+    if (blend_ > 1) sort_by_axis(all);
+    sum(all, points, out);
+}
+
+void ConvolutionField::sum(std::span<const std::uint32_t> segments, std::span<const Vec3> points,
+                           std::span<FieldSample> out) const {
+    sum_segments(builder_.kernel(), {segments_.data(), segments, axes_.data(), blend_}, points, out);
+}
+
+}  // namespace coppice

@@ -1,0 +1,231 @@
+#include "coppice/field/field_simd_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "coppice/base/error.h"
+
+// Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
+// code.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "coppice/field/field_simd.cpp"
+#include <hwy/foreach_target.h>  // includes this file once per instruction set
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+
+#define COPPICE_KERNEL_PER_TARGET
+#undef COPPICE_KERNEL_NAMESPACE
+#define COPPICE_KERNEL_NAMESPACE HWY_NAMESPACE
+#include "coppice/field/segment_kernel.h"
+
+#include "coppice/field/cauchy_kernel.h"
+#include "coppice/field/quartic_kernel.h"
+#include "coppice/field/scalis_kernel.h"
+
+namespace coppice::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::ScalableTag<float>;
+constexpr std::size_t kLanes = hn::MaxLanes(Tag());
+
+/// One number per point.
+struct Lane {
+    hn::Vec<Tag> v;
+
+    HWY_INLINE Lane() = default;
+    template <class Number>
+    requires std::is_arithmetic_v<Number> HWY_INLINE explicit Lane(Number x)
+        : v(hn::Set(Tag(), static_cast<float>(x))) {}
+    HWY_INLINE explicit Lane(hn::Vec<Tag> x) : v(x) {}
+};
+
+HWY_INLINE Lane operator+(Lane a, Lane b) { return Lane(hn::Add(a.v, b.v)); }
+HWY_INLINE Lane operator-(Lane a, Lane b) { return Lane(hn::Sub(a.v, b.v)); }
+HWY_INLINE Lane operator-(Lane a) { return Lane(hn::Neg(a.v)); }
+HWY_INLINE Lane operator*(Lane a, Lane b) { return Lane(hn::Mul(a.v, b.v)); }
+HWY_INLINE Lane operator/(Lane a, Lane b) { return Lane(hn::Div(a.v, b.v)); }
+HWY_INLINE Lane smaller(Lane a, Lane b) { return Lane(hn::Min(a.v, b.v)); }
+HWY_INLINE Lane larger(Lane a, Lane b) { return Lane(hn::Max(a.v, b.v)); }
+HWY_INLINE Lane square_root(Lane a) { return Lane(hn::Sqrt(a.v)); }
+
+/// x from `low` on, else 0.
+HWY_INLINE Lane from(Lane x, Lane low) { return Lane(hn::IfThenElseZero(hn::Ge(x.v, low.v), x.v)); }
+
+HWY_INLINE Lane value_within(Lane x, Lane high, Lane value) {
+    const auto inside = hn::And(hn::Gt(x.v, hn::Zero(Tag())), hn::Lt(x.v, high.v));
+    return Lane(hn::IfThenElseZero(inside, value.v));
+}
+
+/// arctan(z) / z = polynomial of degree 8 in z^2 through the Chebyshev points of [0, 1]: relative error 2e-8.
+HWY_INLINE Lane upper_angle(Lane y, Lane x) {
+    const Lane size = Lane(hn::Abs(x.v));
+    const Lane z = smaller(y, size) / larger(y, size);
+    const Lane s = z * z;
+    Lane p(0.0027662835);
+    p = p * s + Lane(-0.0157312491);
+    p = p * s + Lane(0.0421376236);
+    p = p * s + Lane(-0.0745685483);
+    p = p * s + Lane(0.106183706);
+    p = p * s + Lane(-0.141977978);
+    p = p * s + Lane(0.19991872);
+    p = p * s + Lane(-0.333330367);
+    p = p * s + Lane(0.999999982);
+    p = p * z;
+    const auto steep = hn::Gt(y.v, size.v);
+    p = Lane(hn::IfThenElse(steep, (Lane(1.57079632679) - p).v, p.v));
+    return Lane(hn::IfThenElse(hn::Lt(x.v, hn::Zero(Tag())), (Lane(3.14159265359) - p).v, p.v));
+}
+
+template <class K>
+HWY_INLINE void add(const K& formula, const SegmentConstants<Lane>& s, Point<Lane> p, Sample<Lane>& sum) {
+    add_segment(formula, s, p, sum);
+}
+HWY_INLINE void add(const ScalisKernel<Lane>& formula, const SegmentConstants<Lane>& s, Point<Lane> p,
+                    Sample<Lane>& sum) {
+    formula.add(s, p, sum);
+}
+
+template <class K>
+HWY_INLINE void add_entry(const K& formula, const SegmentList& list, std::size_t i, Point<Lane> p,
+                          Sample<Lane>& sum) {
+    const kernel::SegmentConstants<float>& s = list.segments[list.ids[i]];
+    const SegmentConstants<Lane> broadcast{Lane(s.ax),     Lane(s.ay),     Lane(s.az),    Lane(s.ux),
+                                           Lane(s.uy),     Lane(s.uz),     Lane(s.begin), Lane(s.end),
+                                           Lane(s.length), Lane(s.radius), Lane(s.slope), Lane(s.weight)};
+    add(formula, broadcast, p, sum);
+}
+
+/// total += F^n, and its gradient / n: F^(n-1) times that of F.
+template <int n>
+HWY_INLINE void add_power(Sample<Lane> axis, Sample<Lane>& total) {
+    // Powers stay finite even for the sum of all 2^32 segments that a skeleton can have, and are normal
+    // numbers or 0: others are slow. What a power hides is beyond the accuracy of the field.
+    constexpr float kLeast = n == 8 ? 0x1p-15f : n == 4 ? 0x1p-30f : 0x1p-60f;
+    const Lane f = smaller(from(axis.value, Lane(kLeast)), Lane(2048.0f));
+    Lane power = f, square = f;  // F^(n-1) is F, F F^2 or F F^2 F^4
+    for (int k = 2; k < n; k *= 2) {
+        square = square * square;
+        power = power * square;
+    }
+    total.value = total.value + power * f;
+    total.gx = total.gx + power * axis.gx;
+    total.gy = total.gy + power * axis.gy;
+    total.gz = total.gz + power * axis.gz;
+}
+
+/// The n-th root of what add_power summed up.
+template <int n>
+HWY_INLINE Sample<Lane> take_root(Sample<Lane> total) {
+    Lane root = total.value;
+    for (int k = 1; k < n; k *= 2) root = square_root(root);
+    // F^(1-n); of nothing, 0. The least normal number keeps the quotient finite.
+    const Lane scale = root * (Lane(1.0f) / larger(total.value, Lane(1.17549435e-38f)));
+    return {root, scale * total.gx, scale * total.gy, scale * total.gz};
+}
+
+/// kLanes points, as x y z of each, against the whole list: the sums stay in registers.
+template <int n, class K>
+HWY_INLINE void sum_block(const K& formula, const SegmentList& list, const float* HWY_RESTRICT points,
+                          float* HWY_RESTRICT out) {
+    const Tag d;
+    Point<Lane> p;
+    hn::LoadInterleaved3(d, points, p.x.v, p.y.v, p.z.v);
+    const Sample<Lane> nothing{Lane(0.0f), Lane(0.0f), Lane(0.0f), Lane(0.0f)};
+    Sample<Lane> sum = nothing;
+    const std::size_t count = list.ids.size();
+    if constexpr (n > 1) {
+        Sample<Lane> total = nothing;
+        std::uint32_t axis = list.axes[list.ids[0]];
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t a = list.axes[list.ids[i]];
+            if (a != axis) {
+                axis = a;
+                add_power<n>(sum, total);
+                sum = nothing;
+            }
+            add_entry(formula, list, i, p, sum);
+        }
+        add_power<n>(sum, total);
+        sum = take_root<n>(total);
+    } else {
+        for (std::size_t i = 0; i < count; ++i) add_entry(formula, list, i, p, sum);
+        // Rounding may leave a sum of nothing slightly below 0, which roots and logarithms do not forgive.
+        sum.value = larger(sum.value, Lane(0.0f));
+    }
+    hn::StoreInterleaved4(sum.value.v, sum.gx.v, sum.gy.v, sum.gz.v, d, out);
+}
+
+template <int n, class K>
+HWY_FLATTEN void sum_all(const K& formula, const SegmentList& list, std::span<const Vec3> points,
+                         std::span<FieldSample> out) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(FieldSample) == 4 * sizeof(float));
+    const std::size_t count = points.size();
+    Vec3 padded[kLanes];
+    FieldSample result[kLanes];
+    const bool whole = count >= kLanes;
+    if (!whole) {
+        std::copy_n(points.data(), count, padded);
+        std::fill_n(padded + count, kLanes - count, count > 0 ? points.back() : Vec3{});
+    }
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        // The last block of many overlaps the one before it: the same bits twice cost less than a copy. One
+        // call for all, so that the compiler cannot round whole and padded blocks differently.
+        const std::size_t first = whole ? std::min(i, count - kLanes) : 0;
+        sum_block<n>(formula, list, whole ? &points[first].x : &padded[0].x,
+                     whole ? &out[first].value : &result[0].value);
+    }
+    if (!whole) std::copy_n(result, count, out.data());
+}
+
+/// A single axis is its own norm: it takes the plain sum.
+template <class K>
+HWY_INLINE void sum_axes(const K& formula, const SegmentList& list, std::span<const Vec3> points,
+                         std::span<FieldSample> out) {
+    const auto& ids = list.ids;
+    const bool many = list.blend > 1 && !ids.empty() && list.axes[ids.front()] != list.axes[ids.back()];
+    switch (many ? list.blend : 1) {
+        case 2:
+            return sum_all<2>(formula, list, points, out);
+        case 4:
+            return sum_all<4>(formula, list, points, out);
+        case 8:
+            return sum_all<8>(formula, list, points, out);
+        default:
+            return sum_all<1>(formula, list, points, out);
+    }
+}
+
+void sum_points(const KernelConstants& constants, const SegmentList& list, std::span<const Vec3> points,
+                std::span<FieldSample> out) {
+    switch (constants.kernel) {
+        case Kernel::quartic:
+            return sum_axes(QuarticKernel<Lane>(constants.shape, constants.weight), list, points, out);
+        case Kernel::cauchy:
+            return sum_axes(CauchyKernel<Lane>(constants.shape, constants.weight), list, points, out);
+        case Kernel::scalis:
+            return sum_axes(ScalisKernel<Lane>(), list, points, out);
+    }
+}
+
+}  // namespace coppice::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace coppice {
+
+HWY_EXPORT(sum_points);
+
+void sum_segments(const KernelConstants& kernel, const SegmentList& list, std::span<const Vec3> points,
+                  std::span<FieldSample> out) {
+    COPPICE_ASSERT(points.size() == out.size());
+    HWY_DYNAMIC_DISPATCH(sum_points)(kernel, list, points, out);
+}
+
+}  // namespace coppice
+
+#endif

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/vec.h"
+#include "coppice/field/kernel_constants.h"
+#include "coppice/field/segment_kernel.h"
+#include "coppice/implicit/field_ref.h"
+
+namespace coppice {
+
+/// Which segments to sum, in this order.
+struct SegmentList {
+    const kernel::SegmentConstants<float>* segments;
+    std::span<const std::uint32_t> ids;
+    /// By segment; the segments of one axis stand together in `ids`. Unused for the plain sum.
+    const std::uint32_t* axes;
+    int blend;  ///< 1, 2, 4 or 8: see FieldOptions
+};
+
+/// The blended sum of the segments at every point, with the widest vectors of this machine. A point's bits do
+/// not depend on its place.
+void sum_segments(const KernelConstants& kernel, const SegmentList& list, std::span<const Vec3> points,
+                  std::span<FieldSample> out);
+
+}  // namespace coppice

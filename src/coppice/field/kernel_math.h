@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+/// Marks what a CUDA build compiles for both sides.
+#ifdef __CUDACC__
+#define COPPICE_HOST_DEVICE __host__ __device__
+#else
+#define COPPICE_HOST_DEVICE
+#endif
+
+/// The namespace of the formulas in *_kernel.h. Plain numbers use coppice::kernel; field_simd.cpp defines
+/// COPPICE_KERNEL_PER_TARGET and includes the same headers again for every instruction set, each into a
+/// namespace of its own, because a function can only be inlined into code of its own instruction set.
+#ifndef COPPICE_KERNEL_NAMESPACE
+#define COPPICE_KERNEL_NAMESPACE kernel
+#endif
+
+/// What the formulas need besides + - *, /, for float and double. A vector type brings its own set, found by
+/// its namespace.
+namespace coppice::kernel {
+
+template <class T>
+COPPICE_HOST_DEVICE inline T smaller(T a, T b) {
+    return b < a ? b : a;
+}
+
+template <class T>
+COPPICE_HOST_DEVICE inline T larger(T a, T b) {
+    return a < b ? b : a;
+}
+
+COPPICE_HOST_DEVICE inline float square_root(float x) { return std::sqrt(x); }
+COPPICE_HOST_DEVICE inline double square_root(double x) { return std::sqrt(x); }
+
+/// `value` where 0 < x < high, else 0.
+template <class T>
+COPPICE_HOST_DEVICE inline T value_within(T x, T high, T value) {
+    return x > T(0) && x < high ? value : T(0);
+}
+
+/// Angle in [0, pi] of the point (x, y) with y >= 0.
+COPPICE_HOST_DEVICE inline float upper_angle(float y, float x) { return std::atan2(y, x); }
+COPPICE_HOST_DEVICE inline double upper_angle(double y, double x) { return std::atan2(y, x); }
+
+}  // namespace coppice::kernel

@@ -1,0 +1,54 @@
+#include "coppice/field/cauchy_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "coppice/base/random.h"
+#include "field_support.h"
+
+namespace coppice {
+namespace {
+
+using kernel::CauchyKernel;
+
+CauchyKernel<double> cauchy_kernel(double width) { return {width, CauchyKernel<double>::line_weight(width)}; }
+
+TEST(CauchyKernel, IsTheIntegralOfItsDefinition) {
+    const CounterRandom random(2, 1);
+    for (std::uint64_t i = 0; i < 400; ++i) {
+        const double k = random.uniform(5 * i, 0.5, 8), h2 = random.uniform(5 * i + 1, 0, 9);
+        const double x0 = random.uniform(5 * i + 2, -6, 6), x1 = x0 + random.uniform(5 * i + 3, 0, 8);
+        // Zhu2015, eq. 3 for the level 1 and radius 1.
+        const double lambda = 2 / std::numbers::pi * k * std::pow(1 + k * k, 1.5);
+        const auto f = [&](double x) { return std::pow(1 + k * k * (h2 + x * x), -2); };
+        const double expected = lambda * test::integrate(f, x0, x1, 400);
+        EXPECT_NEAR(cauchy_kernel(k)(h2, x0, x1).value, expected, 1e-9 * (1 + expected));
+    }
+}
+
+TEST(CauchyKernel, AnInfiniteLineHasTheLevelAtItsRadius) {
+    for (const double k : {0.5, 1.0, 2.0, 3.0, 8.0})
+        EXPECT_NEAR(cauchy_kernel(k)(1, -1e5, 1e5).value, 1, 1e-12);
+}
+
+TEST(CauchyKernel, DerivativesAreThoseOfTheValue) {
+    const CounterRandom random(2, 2);
+    constexpr double kStep = 1e-5;
+    for (std::uint64_t i = 0; i < 200; ++i) {
+        const auto f = cauchy_kernel(random.uniform(5 * i, 0.5, 4));
+        const double h2 = random.uniform(5 * i + 1, 0.01, 4);
+        const double x0 = random.uniform(5 * i + 2, -4, 4), x1 = x0 + random.uniform(5 * i + 3, 0, 5);
+        const auto n = f(h2, x0, x1);
+        const auto slope = [&](double dh, double d0, double d1) {
+            return (f(h2 + dh, x0 + d0, x1 + d1).value - f(h2 - dh, x0 - d0, x1 - d1).value) / (2 * kStep);
+        };
+        EXPECT_NEAR(n.d_h2, slope(kStep, 0, 0), 1e-6 * (1 + std::abs(n.d_h2)));
+        EXPECT_NEAR(n.d_x0, slope(0, kStep, 0), 1e-6 * (1 + std::abs(n.d_x0)));
+        EXPECT_NEAR(n.d_x1, slope(0, 0, kStep), 1e-6 * (1 + std::abs(n.d_x1)));
+    }
+}
+
+}  // namespace
+}  // namespace coppice
