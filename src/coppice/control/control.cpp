@@ -1,0 +1,335 @@
+#include "coppice/control/control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "coppice/base/parallel.h"
+#include "coppice/control/hub_internal.h"
+#include "coppice/control/sides_internal.h"
+
+namespace coppice {
+namespace {
+
+using control::Branch;
+using control::Frame;
+using control::Hub;
+using control::QuadKind;
+using control::Ring;
+
+constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
+// A closed cubic B-spline with corners at radius 1 on a square, octagon or 16-gon has this mean radius; the
+// cage is larger by the inverse.
+float shrinkage(int sides) { return sides == 4 ? 0.657f : sides == 8 ? 0.902f : 0.975f; }
+// Where the last ring of a round end lies, in radii: ahead of the end node and away from the axis.
+constexpr float kRoundEndAhead = 1.0f;
+constexpr float kRoundEndOut = 1.1f;
+constexpr std::size_t kGrain = 256;
+
+class CageBuilder {
+  public:
+    CageBuilder(const Skeleton& s, std::span<const NodeId> source, const ControlOptions& options,
+                const Context& ctx)
+        : s_(s),
+          source_(source),
+          options_(options),
+          ctx_(ctx),
+          shrinkage_(shrinkage(options.sides)),
+          node_(s.size()) {}
+
+    ControlMesh build() && {
+        make_hubs();
+        count();
+        fill_hubs();
+        fill_chains();
+        fill_tubes();
+        for (int sides = 4; sides < options_.sides; sides *= 2) control::double_sides(out_, kind_);
+        return std::move(out_);
+    }
+
+  private:
+    struct Node {
+        std::uint32_t first_vertex = 0;
+        std::uint32_t first_quad = 0;
+        std::uint32_t hub = 0;  ///< index + 1
+        Ring upper{};           ///< where the tube from the parent begins, at the parent
+        Ring lower{};           ///< where it ends, at this node; both counter-clockwise about its direction
+    };
+
+    Node& at(NodeId n) { return node_[n.index()]; }
+    std::uint32_t degree(NodeId n) const {
+        return static_cast<std::uint32_t>(s_.children(n).size()) + (s_.is_root(n) ? 0 : 1);
+    }
+    // A ring or hub whose orientation does not depend on the chains that meet there.
+    bool is_fixed(NodeId n) const { return degree(n) >= 3 || (degree(n) == 2 && s_.is_root(n)); }
+
+    Branch branch_to_parent(NodeId n) const {
+        const Segment seg = s_.segment(n);
+        return {normalized(seg.a - seg.b), seg.radius_b, distance(seg.a, seg.b)};
+    }
+    Branch branch_to_child(NodeId c) const {
+        const Segment seg = s_.segment(c);
+        return {normalized(seg.b - seg.a), seg.radius_a, distance(seg.a, seg.b)};
+    }
+
+    void make_hubs() {
+        std::vector<NodeId> branching;
+        for (const NodeId n : nodes(s_)) {
+            if (degree(n) < 3) continue;
+            branching.push_back(n);
+            at(n).hub = static_cast<std::uint32_t>(branching.size());
+        }
+        hub_.resize(branching.size());
+        parallel_for(ctx_, branching.size(), kGrain,
+                     [&](std::size_t i) { hub_[i] = make_hub(branching[i]); });
+    }
+
+    Hub make_hub(NodeId n) const {
+        std::vector<Branch> branch;
+        for (const NodeId c : s_.children(n)) branch.push_back(branch_to_child(c));
+        const auto straightest_from = [&](std::uint32_t from, std::size_t count) {
+            std::uint32_t best = from == 0 ? 1 : 0;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                if (i != from && dot(branch[i].direction, branch[from].direction) <
+                                     dot(branch[best].direction, branch[from].direction)) {
+                    best = i;
+                }
+            }
+            return best;
+        };
+        const auto children = static_cast<std::uint32_t>(branch.size());
+        if (!s_.is_root(n)) {
+            branch.push_back(branch_to_parent(n));
+            return control::build_hub(branch, children, straightest_from(children, children));
+        }
+        const auto thickest = static_cast<std::uint32_t>(
+            std::find(s_.children(n).begin(), s_.children(n).end(), s_.leader(n)) - s_.children(n).begin());
+        return control::build_hub(branch, thickest, straightest_from(thickest, children));
+    }
+
+    std::uint32_t vertex_count(NodeId n) {
+        if (degree(n) == 0) return 8;
+        return degree(n) < 3 ? 4 : static_cast<std::uint32_t>(hub_[at(n).hub - 1].position.size());
+    }
+    std::uint32_t quad_count(NodeId n) {
+        const std::uint32_t tube = s_.is_root(n) ? 0 : 4;
+        if (degree(n) == 0) return 6;
+        if (degree(n) == 1) return tube + (is_open(n) ? 0 : 1);
+        return tube + (degree(n) < 3 ? 0 : static_cast<std::uint32_t>(hub_[at(n).hub - 1].face.size()));
+    }
+    bool is_open(NodeId n) const {
+        return s_.is_root(n) && degree(n) == 1 && options_.base == BaseShape::open;
+    }
+
+    void count() {
+        std::uint32_t vertices = 0, quads = 0;
+        for (const NodeId n : nodes(s_)) {
+            at(n).first_vertex = vertices;
+            at(n).first_quad = quads;
+            vertices += vertex_count(n);
+            quads += quad_count(n);
+        }
+        out_.cage.positions.resize(vertices);
+        out_.cage.origin = s_.origin();
+        out_.anchors.resize(vertices);
+        out_.cage.quads.resize(quads);
+        out_.region.resize(quads);
+        kind_.resize(quads);
+        out_.region_node.assign(source_.begin(), source_.end());
+        out_.clip.resize(s_.size());
+    }
+
+    void set_vertex(std::uint32_t v, Vec3 position, Vec3 anchor) {
+        out_.cage.positions[v] = position;
+        out_.anchors[v] = anchor;
+    }
+    void set_quad(std::uint32_t q, const Ring& corners, NodeId region, QuadKind kind) {
+        out_.cage.quads[q] = corners;
+        kind_[q] = kind;
+        out_.region[q] = region.index();
+    }
+
+    static Ring reversed(const Ring& r) { return {r[0], r[3], r[2], r[1]}; }
+
+    // Rings whose orientation is their own: branch nodes, roots in the middle of a chain, single nodes.
+    void fill_hubs() {
+        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+            const NodeId n(static_cast<std::uint32_t>(i));
+            if (degree(n) == 0) {
+                fill_ball(n);
+            } else if (degree(n) >= 3) {
+                fill_hub(n);
+            } else if (is_fixed(n)) {
+                const auto c = s_.children(n);
+                const Frame frame(
+                    normalized(branch_to_child(c[0]).direction - branch_to_child(c[1]).direction));
+                fill_ring(n, frame, 0);
+                at(c[0]).upper = ring_of(n);
+                at(c[1]).upper = reversed(ring_of(n));
+            }
+        });
+    }
+
+    void fill_hub(NodeId n) {
+        const Hub& hub = hub_[at(n).hub - 1];
+        const std::uint32_t first = at(n).first_vertex;
+        for (std::uint32_t v = 0; v < hub.position.size(); ++v) {
+            set_vertex(first + v, s_.position(n) + hub.position[v], s_.position(n));
+        }
+        const auto shifted = [&](Ring r) {
+            for (auto& v : r) v += first;
+            return r;
+        };
+        const auto children = s_.children(n);
+        for (std::size_t i = 0; i < children.size(); ++i) at(children[i]).upper = shifted(hub.cell[i]);
+        if (!s_.is_root(n)) at(n).lower = reversed(shifted(hub.cell.back()));
+        const NodeId region = s_.is_root(n) ? children[0] : n;
+        std::uint32_t q = at(n).first_quad + (s_.is_root(n) ? 0 : 4);
+        for (const control::HubFace& f : hub.face) set_quad(q++, shifted(f.corner), region, f.kind);
+    }
+
+    void fill_ball(NodeId n) {
+        const std::uint32_t v = at(n).first_vertex;
+        const float r = s_.radius(n) / shrinkage_ / std::numbers::sqrt3_v<float>;
+        for (std::uint32_t k = 0; k < 8; ++k) {
+            const Vec3 corner{k & 1 ? r : -r, k & 2 ? r : -r, k & 4 ? r : -r};
+            set_vertex(v + k, s_.position(n) + corner, s_.position(n));
+        }
+        constexpr Ring kCube[6] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                   {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+        for (std::uint32_t k = 0; k < 6; ++k) {
+            Ring face = kCube[k];
+            for (auto& corner : face) corner += v;
+            set_quad(at(n).first_quad + k, face, n, QuadKind::face);
+        }
+    }
+
+    Ring ring_of(NodeId n) {
+        const std::uint32_t v = at(n).first_vertex;
+        return {v, v + 1, v + 2, v + 3};
+    }
+
+    void fill_ring(NodeId n, const Frame& frame, float phase) {
+        const float r = s_.radius(n) / shrinkage_;
+        const auto out = frame.quarters(phase);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            set_vertex(at(n).first_vertex + k, s_.position(n) + out[k] * r, s_.position(n));
+        }
+    }
+
+    // Chains run from a root or branch node to the next branch node or tip.
+    void fill_chains() {
+        std::vector<NodeId> heads;
+        for (const NodeId n : nodes(s_)) {
+            if (!s_.is_root(n) && (is_fixed(s_.parent(n)) || s_.is_root(s_.parent(n)))) heads.push_back(n);
+        }
+        parallel_for(ctx_, heads.size(), kGrain / 4, [&](std::size_t i) { fill_chain(heads[i]); });
+    }
+
+    void fill_chain(NodeId head) {
+        const NodeId start = s_.parent(head);
+        std::vector<NodeId> chain{head};
+        while (degree(chain.back()) == 2) chain.push_back(s_.children(chain.back())[0]);
+        const NodeId end = chain.back();
+        std::vector<Frame> frame;
+        frame.reserve(chain.size());
+        float total = 0;
+        for (const NodeId n : chain) {
+            const Vec3 d = branch_to_child(n).direction;
+            frame.push_back(frame.empty() ? Frame(d) : frame.back().turned(d));
+            total += branch_to_child(n).length;
+        }
+        const bool start_fixed = is_fixed(start), end_fixed = is_fixed(end);
+        float phase = 0, twist = 0;
+        if (start_fixed) phase = ring_phase(at(head).upper, start, frame.front());
+        if (end_fixed) {
+            const float end_phase = ring_phase(at(end).lower, end, frame.back());
+            if (!start_fixed) phase = end_phase;
+            twist = std::remainder(end_phase - phase, kHalfPi);
+        }
+        if (!start_fixed) {
+            at(head).upper = ring_of(start);
+            fill_end(start, Frame(-frame.front().axis, frame.front().x), -phase, head,
+                     options_.base == BaseShape::round);
+            at(head).upper = reversed(ring_of(start));
+            if (!is_open(start)) set_quad(at(start).first_quad, ring_of(start), head, QuadKind::face);
+        }
+        float way = 0;
+        for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+            way += branch_to_child(chain[i]).length;
+            const Vec3 tangent = normalized(frame[i].axis + frame[i + 1].axis, frame[i].x);
+            fill_ring(chain[i], frame[i].turned(tangent), phase + twist * way / std::max(total, 1e-30f));
+            at(chain[i]).lower = ring_of(chain[i]);
+            at(chain[i + 1]).upper = ring_of(chain[i]);
+        }
+        if (end_fixed) {
+            align(at(end).lower, end, frame.back(), phase + twist);
+        } else {
+            fill_end(end, frame.back(), phase, end, options_.tips == TipShape::round);
+            at(end).lower = ring_of(end);
+            set_quad(at(end).first_quad + 4, ring_of(end), end, QuadKind::face);
+        }
+        align(at(head).upper, start, frame.front(), phase);
+    }
+
+    float ring_phase(const Ring& ring, NodeId n, const Frame& frame) const {
+        return frame.quarters_azimuth([&](int k) { return out_.cage.positions[ring[k]]; }, s_.position(n));
+    }
+
+    // Renumbers a ring so that its first corner lies at the given azimuth.
+    void align(Ring& ring, NodeId n, const Frame& frame, float phase) const {
+        const float off = control::wrap_angle(phase - ring_phase(ring, n, frame)) / kHalfPi;
+        const int shift = (static_cast<int>(std::lround(off)) + 4) % 4;
+        std::rotate(ring.begin(), ring.begin() + shift, ring.end());
+    }
+
+    // The last ring of a tip or base: on the ball about the end node when round, beyond the clip plane when
+    // flat.
+    void fill_end(NodeId n, const Frame& frame, float phase, NodeId region, bool round) {
+        const float r = s_.radius(n);
+        const Vec3 c = s_.position(n);
+        const float ahead = round ? kRoundEndAhead * r : 0.8f * r;
+        const float out = round ? kRoundEndOut * r : r;
+        const Vec3 anchor = round ? c : c - frame.axis * (0.5f * r);
+        const auto around = frame.quarters(phase);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            set_vertex(at(n).first_vertex + k, c + around[k] * out + frame.axis * ahead, anchor);
+        }
+        if (!round && !is_open(n)) out_.clip[region.index()] = {frame.axis, dot(frame.axis, c)};
+    }
+    void fill_tubes() {
+        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+            const NodeId n(static_cast<std::uint32_t>(i));
+            if (s_.is_root(n)) return;
+            const Ring &p = at(n).upper, &q = at(n).lower;
+            for (std::uint32_t k = 0; k < 4; ++k) {
+                const std::uint32_t next = (k + 1) % 4;
+                set_quad(at(n).first_quad + k, {p[k], p[next], q[next], q[k]}, n, QuadKind::tube);
+            }
+        });
+    }
+
+    const Skeleton& s_;
+    std::span<const NodeId> source_;
+    const ControlOptions& options_;
+    const Context& ctx_;
+    const float shrinkage_;
+    std::vector<Node> node_;
+    std::vector<Hub> hub_;
+    std::vector<QuadKind> kind_;
+    ControlMesh out_;
+};
+
+}  // namespace
+
+ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
+                               const ControlOptions& options, const Context& ctx) {
+    COPPICE_ASSERT(source.size() == skeleton.size());
+    if (options.sides != 4 && options.sides != 8 && options.sides != 16) {
+        throw InvalidInput(fmt::format("control: sides must be 4, 8 or 16, but is {}", options.sides));
+    }
+    return CageBuilder(skeleton, source, options, ctx).build();
+}
+
+}  // namespace coppice

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/mesh/control_mesh.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+enum class TipShape { round, flat };
+enum class BaseShape { flat, round, open };
+
+template <>
+struct EnumNames<TipShape> {
+    static constexpr std::array<std::string_view, 2> names{"round", "flat"};
+};
+template <>
+struct EnumNames<BaseShape> {
+    static constexpr std::array<std::string_view, 3> names{"flat", "round", "open"};
+};
+
+struct ControlOptions {
+    int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16
+    TipShape tips = TipShape::round;   ///< how branches end
+    BaseShape base = BaseShape::flat;  ///< how a tree ends at its root
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, ControlOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"sides", "quads around a branch before subdivision: 4, 8 or 16", Unit::none, 4, 16}, o.sides);
+    visit(Field{"tips", "how branches end"}, o.tips);
+    visit(Field{"base", "how a tree ends at its root"}, o.base);
+}
+
+/// Builds a coarse cage of quads around a skeleton: closed (but for an open base), manifold and oriented for
+/// every skeleton, one sphere per tree, in O(n) and in parallel.
+///
+/// A tube of four quads wraps every segment. At a node where two segments meet they share a ring of four
+/// vertices; at a branch node the directions about the node are divided into one cell of four corners per
+/// segment, and a cell is the ring with which its tube begins. One lateral, or two on opposite sides, share
+/// the seam between parent and leader (a scaffold [FuentesSuarez2018]: two poles of valence 2 (laterals + 2),
+/// nothing else irregular). More laterals sit on the four faces of a belt around the node, each inset to its
+/// own size (four corners of valence 5 each).
+///
+/// `source` maps each node of `skeleton` to the node of the skeleton on which the field is built; both may be
+/// the same.
+ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
+                               const ControlOptions& options, const Context& ctx);
+
+}  // namespace coppice

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "coppice/control/frame_internal.h"
+#include "coppice/control/sides_internal.h"
+
+namespace coppice::control {
+
+/// A segment as seen from the node it leaves.
+struct Branch {
+    Vec3 direction;  ///< unit, away from the node
+    float radius;    ///< [m] at the node
+    float length;    ///< [m]
+};
+
+struct HubFace {
+    Ring corner;
+    QuadKind kind;
+};
+
+/// The cage about one branch node: vertices, the ring each branch starts with, and the faces between rings.
+struct Hub {
+    std::vector<Vec3> position;  ///< [m] relative to the node
+    std::vector<Ring> cell;      ///< per branch: counter-clockwise about its direction; local vertex numbers
+    std::vector<HubFace> face;
+};
+
+/// Divides the surface about a node among its branches: three or more. `stem` is the one that leads to the
+/// parent, `leader` the one that continues it; a node without a parent names any two. O(k^2) for k branches.
+Hub build_hub(std::span<const Branch> branches, std::uint32_t stem, std::uint32_t leader);
+
+}  // namespace coppice::control
