@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice {
+
+/// Edges and vertex fans of a cage of quads, closed or with a boundary.
+///
+/// Half-edge h = 4 f + s is side s of quad f: from corner s to corner s + 1. An edge runs forward from its
+/// lower to its higher vertex. Edges are numbered by their lower vertex, then by their higher one, so that
+/// neighbours in a coherently numbered cage stay neighbours in memory.
+struct CageTopology {
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+
+    Buffer<Quad> quads;
+    Buffer<std::array<std::uint32_t, 4>> side;  ///< per quad and side: 2 edge + (1 if the side runs backward)
+    Buffer<std::array<std::uint32_t, 2>>
+        edge_half;  ///< per edge: forward and backward half-edge, or kNone at a boundary
+    Buffer<std::uint32_t>
+        fan_first;              ///< vertex v starts the half-edges fan[fan_first[v] .. fan_first[v + 1])
+    Buffer<std::uint32_t> fan;  ///< ascending within each vertex
+    Buffer<std::uint8_t> on_boundary;  ///< per vertex; empty when no edge is on a boundary
+
+    std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(fan_first.size()) - 1; }
+    std::uint32_t edge_count() const { return static_cast<std::uint32_t>(edge_half.size()); }
+    std::uint32_t face_count() const { return static_cast<std::uint32_t>(quads.size()); }
+    bool closed() const { return on_boundary.empty(); }
+
+    std::uint32_t corner(std::uint32_t half) const { return quads[half >> 2][half & 3]; }
+    static std::uint32_t next(std::uint32_t half) { return (half & ~3u) | ((half + 1) & 3); }
+    static std::uint32_t prev(std::uint32_t half) { return (half & ~3u) | ((half + 3) & 3); }
+
+    /// True for the lower of the one or two half-edges of an edge: that face counts the edge as its own.
+    bool owns_edge(std::uint32_t half) const {
+        const auto& pair = edge_half[side[half >> 2][half & 3] >> 1];
+        return half == (pair[0] < pair[1] ? pair[0] : pair[1]);
+    }
+    /// True for the first half-edge of its start vertex's fan: that face counts the vertex as its own.
+    bool owns_vertex(std::uint32_t half) const { return fan[fan_first[corner(half)]] == half; }
+};
+
+/// O(n), also with vertices of thousands of faces (n log n in their valence). Vertices without faces are
+/// allowed. Throws InvalidInput naming the quad or the edge when an index is out of range, a quad repeats a
+/// vertex, an edge has more than two faces, or its two faces do not run along it in opposite directions.
+CageTopology build_cage_topology(std::span<const Quad> quads, std::uint32_t vertex_count,
+                                 const Context& ctx = {});
+
+}  // namespace coppice

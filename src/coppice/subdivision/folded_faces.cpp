@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+
+#include "coppice/base/parallel.h"
+#include "coppice/subdivision/folded_faces_internal.h"
+#include "coppice/subdivision/patch_index_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr float kInward = 0.05f;                // cosine below which a face looks inward
+constexpr std::size_t kPointsPerBlock = 512;    // small enough for the first cache
+constexpr std::size_t kFacesPerRange = 1 << 15;
+
+// Squared sine and cosine below which a face is bad.
+struct Limits {
+    float sine, cosine;
+};
+
+// 1 for a bad face. `outward` has the direction from the anchors to the corners. Compares squares, so that
+// there is neither root nor division; the corners have to be scaled to about 1, since lengths enter with their
+// eighth power. Opposite corners' areas add up to that of the face.
+inline std::int32_t bad_face(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 outward, Limits limits) {
+    const Vec3 ab = b - a;
+    const Vec3 bc = c - b;
+    const Vec3 cd = d - c;
+    const Vec3 da = a - d;
+    const Vec3 normal = cross(c - a, d - b);
+    const float size = length_squared(normal);
+    const float at_a = dot(cross(da, ab), normal);
+    const float at_b = dot(cross(ab, bc), normal);
+    const float at_c = size - at_a;
+    const float at_d = size - at_b;
+    const float limit = limits.sine * size;
+    const float ab2 = length_squared(ab);
+    const float bc2 = length_squared(bc);
+    const float cd2 = length_squared(cd);
+    const float da2 = length_squared(da);
+    const float out = dot(normal, outward);
+    const bool convex = (at_a > 0) & (at_b > 0) & (at_c > 0) & (at_d > 0);
+    const bool even = (at_a * at_a >= limit * (da2 * ab2)) & (at_b * at_b >= limit * (ab2 * bc2)) &
+                      (at_c * at_c >= limit * (bc2 * cd2)) & (at_d * at_d >= limit * (cd2 * da2));
+    const bool outer = (out >= 0) & (out * out >= limits.cosine * (size * length_squared(outward)));
+    return (convex & even & outer) ? 0 : 1;
+}
+
+// The power of two that brings a length to between 1 and 2, within what floats can hold.
+float scale_of(float extent) {
+    constexpr std::int32_t kExponent = 0x7f800000;
+    const std::int32_t exponent = std::bit_cast<std::int32_t>(extent) & kExponent;
+    return std::bit_cast<float>(std::clamp(0x7f000000 - exponent, 0x00800000, 0x7f000000));
+}
+
+float extent(Vec3 a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
+
+// Points of some cage quads, one array per coordinate: quad (i, j) of a patch has the corners k, k + 1,
+// k + N + 2, k + N + 1 with k = j (N + 1) + i. The last row and column start no quad.
+template <int N>
+class Block {
+  public:
+    static constexpr std::size_t kRow = N + 1;
+    static constexpr std::size_t kPatch = kRow * kRow;
+    static constexpr std::size_t kPatches = std::max<std::size_t>(1, kPointsPerBlock / kPatch);
+
+    explicit Block(Limits limits) : limits_(limits) {}
+
+    void add(const FoldedFaces& mesh, const typename PatchIndex<N>::Grid& grid) {
+        const std::size_t begin = patches_++ * kPatch;
+        const Vec3 origin = mesh.positions[grid[0][0]];
+        const float reach = std::max({extent(mesh.positions[grid[0][N]] - origin),
+                                      extent(mesh.positions[grid[N][N]] - origin),
+                                      extent(mesh.positions[grid[N][0]] - origin)});
+        const float scale = scale_of(reach);
+        std::size_t k = begin;
+        for (const auto& row : grid) {
+            for (const std::uint32_t v : row) {
+                const Vec3 p = mesh.positions[v];
+                const Vec3 a = mesh.anchors[v];
+                x_[k] = p.x;
+                y_[k] = p.y;
+                z_[k] = p.z;
+                u_[k] = p.x - a.x;
+                v_[k] = p.y - a.y;
+                w_[k] = p.z - a.z;
+                ++k;
+            }
+        }
+        for (float* column : {x_.data(), y_.data(), z_.data(), u_.data(), v_.data(), w_.data()}) {
+            for (std::size_t i = begin; i < begin + kPatch; ++i) column[i] *= scale;
+        }
+    }
+    bool full() const { return patches_ == kPatches; }
+
+    // Appends the bad faces; the first patch is that of cage quad `first`.
+    void test(std::uint32_t first, std::vector<std::uint32_t>& bad) {
+        const std::size_t count = patches_ * kPatch - (patches_ > 0 ? kRow + 1 : 0);
+        patches_ = 0;
+        std::int32_t any = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto point = [&](std::size_t i) { return Vec3{x_[i], y_[i], z_[i]}; };
+            const auto away = [&](std::size_t i) { return Vec3{u_[i], v_[i], w_[i]}; };
+            const std::size_t b = k + 1, c = k + kRow + 1, d = k + kRow;
+            const Vec3 outward = (away(k) + away(b)) + (away(c) + away(d));
+            bad_[k] = kStartsQuad[k] & bad_face(point(k), point(b), point(c), point(d), outward, limits_);
+            any |= bad_[k];
+        }
+        if (any == 0) return;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (bad_[k] == 0) continue;
+            const std::size_t inside = k % kPatch;
+            const std::size_t face = (first + k / kPatch) * N * N + inside / kRow * N + inside % kRow;
+            bad.push_back(static_cast<std::uint32_t>(face));
+        }
+    }
+
+  private:
+    using Numbers = std::array<float, kPatches * kPatch>;
+    using Marks = std::array<std::int32_t, kPatches * kPatch>;
+
+    static constexpr Marks kStartsQuad = [] {
+        Marks marks{};
+        for (std::size_t k = 0; k < marks.size(); ++k) {
+            marks[k] = k % kRow < N && k % kPatch / kRow < N ? 1 : 0;
+        }
+        return marks;
+    }();
+
+    Limits limits_;
+    std::size_t patches_ = 0;
+    Numbers x_, y_, z_, u_, v_, w_;
+    Marks bad_;
+};
+
+template <int N>
+void test_patches(const FoldedFaces& mesh, const PatchIndex<N>& index, IndexRange patches, Limits limits,
+                  std::vector<std::uint32_t>& bad) {
+    const auto block = std::make_unique<Block<N>>(limits);
+    typename PatchIndex<N>::Grid grid;
+    auto first = static_cast<std::uint32_t>(patches.begin);
+    for (auto f = first; f < patches.end; ++f) {
+        index.grid(f, grid);
+        block->add(mesh, grid);
+        if (!block->full()) continue;
+        block->test(first, bad);
+        first = f + 1;
+    }
+    block->test(first, bad);
+}
+
+Limits limits_of(const FoldedFaces& mesh) { return {mesh.quality * mesh.quality, kInward * kInward}; }
+
+}  // namespace
+
+std::vector<std::uint32_t> FoldedFaces::all(const PatchRefinement& patches, const Context& ctx) const {
+    const std::size_t count = patches.cage().face_count();
+    const std::size_t grain = std::max<std::size_t>(1, kFacesPerRange >> (2 * patches.levels()));
+    std::vector<std::vector<std::uint32_t>> parts((count + grain - 1) / grain);
+    with_grid_size(patches.levels(), [&]<int N>() {
+        const PatchIndex<N> index(patches.cage());
+        parallel_for_ranges(ctx, count, grain, [&](IndexRange range) {
+            test_patches<N>(*this, index, range, limits_of(*this), parts[range.begin / grain]);
+        });
+    });
+    std::vector<std::uint32_t> bad;
+    for (const auto& part : parts) bad.insert(bad.end(), part.begin(), part.end());
+    return bad;
+}
+
+bool FoldedFaces::is_bad(const Quad& face) const {
+    const Vec3 a = positions[face[0]];
+    const float scale = scale_of(std::max(
+        {extent(positions[face[1]] - a), extent(positions[face[2]] - a), extent(positions[face[3]] - a)}));
+    Vec3 outward;
+    const auto away = [&](int k) { return scale * (positions[face[k]] - anchors[face[k]]); };
+    outward = (away(0) + away(1)) + (away(2) + away(3));
+    const auto point = [&](int k) { return scale * positions[face[k]]; };
+    return bad_face(point(0), point(1), point(2), point(3), outward, limits_of(*this)) != 0;
+}
+
+}  // namespace coppice

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice {
+
+/// A surface of quads as half-edges: h = 4 f + s runs from corner s of quad f to corner s + 1, so that only
+/// twin, edge and start vertex are stored [Dupuy2021].
+struct HalfedgeMesh {
+    static constexpr std::int32_t kBoundary = -1;
+
+    std::vector<std::int32_t> twin;  ///< kBoundary where the surface ends
+    std::vector<std::int32_t> edge;
+    std::vector<std::int32_t> vertex;
+    std::int32_t edge_count = 0;
+    std::vector<Vec3d> points;  ///< one per vertex
+
+    std::int32_t face_count() const { return static_cast<std::int32_t>(twin.size() / 4); }
+    std::int32_t vertex_count() const { return static_cast<std::int32_t>(points.size()); }
+};
+
+/// Throws InvalidInput when an edge has more than two quads, or two that run along it in the same direction.
+HalfedgeMesh build_halfedges(std::span<const Vec3> points, std::span<const Quad> quads);
+
+/// One Catmull-Clark step by the half-edge rule of [Dupuy2021]: every half-edge becomes four. Simple, serial
+/// and in double precision: the reference that PatchRefinement is tested against. Refined vertices: old ones
+/// | face points | edge points.
+HalfedgeMesh refine_halfedges(const HalfedgeMesh& mesh);
+
+QuadMesh to_quads(const HalfedgeMesh& mesh);
+
+}  // namespace coppice

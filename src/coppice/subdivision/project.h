@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/mesh/control_mesh.h"
+#include "coppice/subdivision/catmull_clark.h"
+
+namespace coppice {
+
+enum class ProjectionMethod { rays, gradient, none };
+
+template <>
+struct EnumNames<ProjectionMethod> {
+    static constexpr std::array<std::string_view, 3> names = {"rays", "gradient", "none"};
+};
+
+struct ProjectOptions {
+    ProjectionMethod method = ProjectionMethod::rays;
+    float tolerance = 1e-4f;   ///< error aimed at, as a fraction of the distance from anchor to surface
+    float max_stretch = 3;     ///< a ray ends at this multiple of the distance from anchor to start; > 1
+    int max_evaluations = 12;  ///< of the field, per vertex and pass, along the ray and then along the gradient
+    float damping = 0.95f;     ///< of a gradient step [Zhu2015]
+    int relax_passes = 0;      ///< each is a tangential step and a new projection
+    float relax_weight = 0.3f;
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, ProjectOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"method",
+                "how refined vertices reach the surface: along rays from the skeleton or along the gradient"},
+          o.method);
+    visit(Field{"tolerance", "error of the projection as a fraction of the local radius", Unit::radius, 1e-6,
+                0.1},
+          o.tolerance);
+    visit(Field{"max_stretch", "length at which a ray gives up, in multiples of its first length", Unit::none,
+                1.01, 100},
+          o.max_stretch);
+    visit(Field{"max_evaluations", "field evaluations per vertex at most", Unit::none, 1, 100},
+          o.max_evaluations);
+    visit(Field{"damping", "factor on each step along the gradient", Unit::none, 0.1, 1}, o.damping);
+    visit(Field{"relax_passes", "tangential relaxations, each followed by a projection", Unit::none, 0, 100},
+          o.relax_passes);
+    visit(Field{"relax_weight", "part of the way to the neighbours' mean per relaxation", Unit::none, 0, 1},
+          o.relax_weight);
+}
+
+struct ProjectReport {
+    std::uint64_t vertices = 0;         ///< projected in the last pass
+    std::uint64_t evaluations = 0;      ///< of the field, in all passes
+    std::uint32_t max_evaluations = 0;  ///< of one vertex, along one ray or one way down the gradient
+    std::uint64_t not_converged = 0;    ///< left at their best point so far, in the last pass
+    std::uint64_t anchors_outside = 0;  ///< no surface between anchor and start, whatever the gradient gave
+    std::uint64_t clipped = 0;  ///< stopped by a clip plane
+
+    double mean_evaluations() const {
+        return vertices == 0 ? 0 : static_cast<double>(evaluations) / static_cast<double>(vertices);
+    }
+};
+
+/// Moves every refined vertex that has a quad onto the surface value = level.
+///
+/// rays: along the ray from the vertex's anchor through the vertex, to a crossing near the vertex. Vertices
+/// on different rays cannot slide together. Newton's rule on value^(2/5) as a function of the squared
+/// distance from the anchor, where the compact quartic kernel is a straight line, within a bracket: two or
+/// three evaluations as a rule. gradient: damped steps along the gradient on the same transformed field
+/// [Zhu2015, section 4.3; the sign of its eq. 5 is reversed], none longer than half the first distance to
+/// the anchor, and none that leaves less than a quarter of the present one. A vertex whose ray meets no
+/// surface, because its anchor lies outside or the ray never leaves the solid, follows the gradient from
+/// where it was; it stays there when that leads nowhere either. Both stop at the clip plane of the cage quad's region. Neither moves a vertex that coincides with
+/// its anchor, nor ever writes a number that is not finite when positions and anchors are.
+///
+/// `positions` and `anchors` have one entry per refined vertex (PatchRefinement::refine of both),
+/// `region_of_cage_face` one per cage quad, `clip_of_region` one per region, or none at all. The field is
+/// asked in batches of one region; number cage quads of a region one after the other to make these large.
+/// Deterministic for any number of threads. Throws InvalidInput when an option is out of range or the sizes
+/// do not match.
+ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, const PatchRefinement& patches,
+                      std::span<const std::uint32_t> region_of_cage_face,
+                      std::span<const ClipPlane> clip_of_region, FieldRef field,
+                      const ProjectOptions& options = {}, const Context& ctx = {});
+
+}  // namespace coppice

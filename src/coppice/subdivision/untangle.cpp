@@ -1,0 +1,302 @@
+#include "coppice/subdivision/untangle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/subdivision/folded_faces_internal.h"
+#include "coppice/subdivision/patch_index_internal.h"
+#include "coppice/subdivision/project_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr int kRings = 2;              // of faces around the bad ones that move too
+constexpr float kWeight = 0.6f;        // part of the way to the neighbours' mean
+constexpr int kSteps = 3;              // along the gradient, at most, while passes project
+constexpr float kDamping = 0.95f;      // of each
+constexpr float kLongestStep = 0.3f;   // in distances to the anchor
+constexpr float kTolerance = 1e-4f;    // of the distance to the anchor
+constexpr std::uint32_t kPatience = 10;  // passes without gain
+constexpr std::size_t kFacesPerRange = 1024;
+
+// A set of indices that is as cheap to empty as it was to fill.
+class IndexSet {
+  public:
+    explicit IndexSet(std::size_t universe) : words_((universe + 63) / 64, 0) {}
+
+    bool insert(std::uint32_t i) {
+        const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+        if ((words_[i / 64] & bit) != 0) return false;
+        words_[i / 64] |= bit;
+        return true;
+    }
+    void erase(std::span<const std::uint32_t> all) {
+        for (const std::uint32_t i : all) words_[i / 64] = 0;
+    }
+
+  private:
+    std::vector<std::uint64_t> words_;
+};
+
+// A vertex that has moved, where it was at first, and where it was when the fewest faces were bad.
+struct Touched {
+    std::uint32_t vertex;
+    Vec3 first, best;
+};
+
+// What stays the same from pass to pass.
+struct Task {
+    std::span<Vec3> positions;
+    std::span<const Vec3> anchors;
+    std::span<const Quad> quads;
+    Regions regions;
+    FieldRef field;
+};
+
+// A vertex on its way back to the surface.
+class Mover {
+  public:
+    Mover() = default;
+    Mover(std::uint32_t slot, Vec3 old_point, Vec3 smoothed, Vec3 anchor, const ClipPlane& plane)
+        : slot_(slot), point_(smoothed), plane_(&plane), reach_(distance(smoothed, anchor)) {
+        on_plane_ = has_plane() && beyond(old_point) >= -kTolerance * reach_ * length(plane.normal);
+        drop_onto_plane();
+    }
+
+    std::uint32_t slot() const { return slot_; }
+    Vec3 point() const { return point_; }
+
+    // False when the vertex has arrived. Inside the solid a vertex on the plane is part of the flat end.
+    bool advance(const Reading& here) {
+        const float slope_squared = length_squared(here.gradient);
+        if (!(slope_squared > 0) || (on_plane_ && here.ratio >= 1)) return false;
+        Vec3 step = newton_step(here, slope_squared, kDamping);
+        const float size = length(step);
+        if (!std::isfinite(size)) return false;
+        if (size > kLongestStep * reach_) step *= kLongestStep * reach_ / size;
+        point_ += step;
+        drop_onto_plane();
+        const float left = (1 - kDamping) * size * reach_ + size * size;
+        return left > kTolerance * reach_ * reach_;
+    }
+
+  private:
+    bool has_plane() const { return length_squared(plane_->normal) > 0; }
+    float beyond(Vec3 p) const { return dot(plane_->normal, p) - plane_->offset; }
+    void drop_onto_plane() {
+        const float height = beyond(point_);
+        if (!has_plane() || (!on_plane_ && !(height > 0))) return;
+        on_plane_ = true;
+        point_ += plane_->normal * (-height / length_squared(plane_->normal));
+    }
+
+    std::uint32_t slot_ = 0;
+    Vec3 point_;
+    const ClipPlane* plane_ = nullptr;
+    float reach_ = 0;
+    bool on_plane_ = false;
+};
+
+// Collects movers of one region and writes where they end.
+class MoverBatch {
+  public:
+    MoverBatch(FieldRef field, std::span<Vec3> out) : field_(field), out_(out) {}
+
+    void add(const Mover& mover) { movers_[size_++] = mover; }
+
+    void move(std::uint32_t region, int steps) {
+        const float per_level = 1 / field_.level();
+        for (int step = 0; step < steps && size_ > 0; ++step) {
+            for (std::size_t k = 0; k < size_; ++k) points_[k] = movers_[k].point();
+            field_.sample(region, std::span(points_).first(size_), std::span(samples_).first(size_));
+            readings_.interpret(std::span(samples_).first(size_), per_level);
+            std::size_t left = 0;
+            for (std::size_t k = 0; k < size_; ++k) {
+                Mover& mover = movers_[k];
+                if (mover.advance(readings_.at(k, samples_[k], per_level))) {
+                    movers_[left++] = mover;
+                } else {
+                    out_[mover.slot()] = mover.point();
+                }
+            }
+            size_ = left;
+        }
+        for (std::size_t k = 0; k < size_; ++k) out_[movers_[k].slot()] = movers_[k].point();
+        size_ = 0;
+    }
+
+  private:
+    FieldRef field_;
+    std::span<Vec3> out_;
+    std::size_t size_ = 0;
+    std::array<Mover, kFieldBatch> movers_;
+    std::array<Vec3, kFieldBatch> points_;
+    std::array<FieldSample, kFieldBatch> samples_;
+    Readings readings_;
+};
+
+// The work around bad faces, pass by pass.
+class Untangling {
+  public:
+    Untangling(const Task& task, const PatchRefinement& patches, const FoldedFaces& folds,
+               std::vector<std::uint32_t> bad)
+        : task_(task),
+          stars_(patches.cage(), patches.levels()),
+          folds_(folds),
+          bad_(std::move(bad)),
+          vertex_set_(task.positions.size()),
+          touched_set_(task.positions.size()),
+          face_set_(task.quads.size()),
+          least_bad_(bad_.size()) {}
+
+    UntangleReport run(const UntangleOptions& options, const Context& ctx) {
+        UntangleReport report{.bad_before = bad_.size()};
+        std::uint32_t best_pass = 0;
+        while (!bad_.empty() && report.passes < static_cast<std::uint32_t>(options.passes) &&
+               report.passes < best_pass + kPatience) {
+            ctx.throw_if_cancelled();
+            ++report.passes;
+            collect_active();
+            move_active(report.passes <= static_cast<std::uint32_t>(options.projected_passes) ? kSteps : 0, ctx);
+            find_bad(ctx);
+            if (bad_.size() < least_bad_) {
+                least_bad_ = bad_.size();
+                best_pass = report.passes;
+                for (Touched& t : touched_) t.best = task_.positions[t.vertex];
+            }
+        }
+        for (const Touched& t : touched_) {
+            task_.positions[t.vertex] = t.best;
+            report.moved += t.best != t.first;
+        }
+        report.bad_after = least_bad_;
+        return report;
+    }
+
+  private:
+    // The corners of the bad faces and of kRings rings around them, less what is on a boundary.
+    void collect_active() {
+        active_.clear();
+        const auto add = [&](std::uint32_t face) {
+            for (const std::uint32_t v : task_.quads[face]) {
+                if (vertex_set_.insert(v)) active_.push_back(v);
+            }
+        };
+        for (const std::uint32_t face : bad_) add(face);
+        std::size_t begin = 0;
+        for (int ring = 0; ring < kRings; ++ring) {
+            const std::size_t end = active_.size();
+            for (; begin < end; ++begin) {
+                stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add(c.quad); });
+            }
+        }
+        vertex_set_.erase(active_);
+        std::erase_if(active_, [&](std::uint32_t v) { return stars_.on_boundary(v); });
+    }
+
+    Vec3 smoothed(std::uint32_t vertex) const {
+        const Vec3 p = task_.positions[vertex];
+        Vec3 way;
+        float count = 0;
+        stars_.for_each_corner(vertex, [&](QuadCorner c) {
+            way += task_.positions[task_.quads[c.quad][(c.corner + 1) & 3]] - p;
+            count += 1;
+        });
+        return p + way * (kWeight / count);
+    }
+
+    void move_active(int steps, const Context& ctx) {
+        moved_.resize(active_.size());
+        parallel_for_ranges(ctx, active_.size(), kFieldBatch, [&](IndexRange range) { move_range(range, steps); });
+        for (std::size_t k = 0; k < active_.size(); ++k) {
+            Vec3& p = task_.positions[active_[k]];
+            if (touched_set_.insert(active_[k])) touched_.push_back({active_[k], p, p});
+            if (is_finite(moved_[k])) p = moved_[k];
+        }
+    }
+
+    // As many vertices as a batch holds, by region.
+    void move_range(IndexRange range, int steps) {
+        std::array<std::pair<std::uint32_t, std::uint32_t>, kFieldBatch> order;  // region, index in active_
+        for (std::size_t k = range.begin; k < range.end; ++k) {
+            const std::uint32_t region = task_.regions.of_face[stars_.owner(active_[k])];
+            order[k - range.begin] = {region, static_cast<std::uint32_t>(k)};
+        }
+        std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(range.size()));
+        MoverBatch batch(task_.field, moved_);
+        std::uint32_t region = order[0].first;
+        for (std::size_t k = 0; k < range.size(); ++k) {
+            if (order[k].first != region) {
+                batch.move(region, steps);
+                region = order[k].first;
+            }
+            const std::uint32_t vertex = active_[order[k].second];
+            batch.add(Mover(order[k].second, task_.positions[vertex], smoothed(vertex), task_.anchors[vertex],
+                            task_.regions.plane(region)));
+        }
+        batch.move(region, steps);
+    }
+
+    // Only faces at a vertex that moved can have changed, and every bad face is one of these.
+    void find_bad(const Context& ctx) {
+        faces_.clear();
+        for (const std::uint32_t v : active_) {
+            stars_.for_each_corner(v, [&](QuadCorner c) {
+                if (face_set_.insert(c.quad)) faces_.push_back(c.quad);
+            });
+        }
+        face_set_.erase(faces_);
+        verdicts_.resize(faces_.size());
+        parallel_for(ctx, faces_.size(), kFacesPerRange, [&](std::size_t k) {
+            verdicts_[k] = folds_.is_bad(task_.quads[faces_[k]]) ? 1 : 0;
+        });
+        std::erase_if(bad_, [&](std::uint32_t f) { return !is_fixed(f); });
+        for (std::size_t k = 0; k < faces_.size(); ++k) {
+            if (verdicts_[k] != 0) bad_.push_back(faces_[k]);
+        }
+    }
+
+    // No corner can move: bad once is bad for ever.
+    bool is_fixed(std::uint32_t face) const {
+        const Quad& q = task_.quads[face];
+        return std::all_of(q.begin(), q.end(), [&](std::uint32_t v) { return stars_.on_boundary(v); });
+    }
+
+    Task task_;
+    PatchStars stars_;
+    FoldedFaces folds_;
+    std::vector<std::uint32_t> bad_, active_, faces_;
+    std::vector<std::uint8_t> verdicts_;
+    std::vector<Vec3> moved_;
+    std::vector<Touched> touched_;
+    IndexSet vertex_set_, touched_set_, face_set_;
+    std::size_t least_bad_;
+};
+
+}  // namespace
+
+UntangleReport untangle(std::span<Vec3> positions, std::span<const Vec3> anchors,
+                        const PatchRefinement& patches, std::span<const Quad> quads,
+                        std::span<const std::uint32_t> region_of_cage_face,
+                        std::span<const ClipPlane> clip_of_region, FieldRef field,
+                        const UntangleOptions& options, const Context& ctx) {
+    const Regions regions{region_of_cage_face, clip_of_region};
+    check_fields(options, "untangle");
+    check_projection("untangle", positions.size(), anchors.size(), patches, regions, field);
+    if (quads.size() != patches.quad_count()) throw InvalidInput("untangle: give the refined quads");
+    if (options.passes == 0) return {};
+    const FoldedFaces folds{positions, anchors, options.quality};
+    std::vector<std::uint32_t> bad = folds.all(patches, ctx);
+    if (bad.empty()) return {};
+    return Untangling({positions, anchors, quads, regions, field}, patches, folds, std::move(bad))
+        .run(options, ctx);
+}
+
+}  // namespace coppice

@@ -1,0 +1,319 @@
+#include "coppice/subdivision/project.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "coppice/base/error.h"
+#include "subdivision_cages.h"
+
+namespace coppice {
+namespace {
+
+constexpr float kSupport = 1.5f;  // of the compact kernel, in radii
+
+// Any function of region and point as a field with level 1.
+struct TestField {
+    std::function<FieldSample(std::uint32_t, Vec3)> at;
+    float level() const { return 1; }
+    void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
+        for (std::size_t i = 0; i < points.size(); ++i) out[i] = at(region, points[i]);
+    }
+};
+
+// ((1 - d^2 / R^2) / (1 - 1 / R^2))^(5/2) for a distance d with unit gradient `away`: 1 at d = 1, 0 from d =
+// R on.
+FieldSample compact(float d, Vec3 away) {
+    const float scale = 1 / (1 - 1 / (kSupport * kSupport));
+    const float base = std::max(0.0f, 1 - d * d / (kSupport * kSupport)) * scale;
+    const float slope = -2.5f * std::pow(base, 1.5f) * 2 * d / (kSupport * kSupport) * scale;
+    return {std::pow(base, 2.5f), away * slope};
+}
+
+TestField cylinder_field() {
+    return {[](std::uint32_t, Vec3 p) {
+        return compact(std::hypot(p.x, p.y), normalized(Vec3{p.x, p.y, 0}));
+    }};
+}
+
+TestField sphere_field(Vec3 center) {
+    return {[center](std::uint32_t, Vec3 p) { return compact(distance(p, center), normalized(p - center)); }};
+}
+
+TestField torus_field() {
+    return {[](std::uint32_t, Vec3 p) {
+        const Vec3 away = p - 3.0f * normalized(Vec3{p.x, p.y, 0});
+        return compact(length(away), normalized(away));
+    }};
+}
+
+// Two crossing cylinders, blended by adding their fields.
+TestField cross_field() {
+    return {[](std::uint32_t, Vec3 p) {
+        const FieldSample a = compact(std::hypot(p.x, p.y), normalized(Vec3{p.x, p.y, 0}));
+        const FieldSample b = compact(std::hypot(p.y, p.z), normalized(Vec3{0, p.y, p.z}));
+        return FieldSample{a.value + b.value, a.gradient + b.gradient};
+    }};
+}
+
+// A refined cage with an anchor per vertex.
+struct Scene {
+    PatchRefinement patches;
+    Buffer<Vec3> positions, anchors;
+    std::vector<std::uint32_t> regions;
+    std::vector<ClipPlane> clips;
+
+    Scene(const Cage& cage, const std::function<Vec3(Vec3)>& anchor_of, int levels = 2)
+        : patches(cage.quads, cage.vertex_count(), levels), regions(cage.quads.size(), 0) {
+        std::vector<Vec3> cage_anchors;
+        for (const Vec3& p : cage.points) cage_anchors.push_back(anchor_of(p));
+        positions = patches.refine(cage.points);
+        anchors = patches.refine(cage_anchors);
+    }
+    ProjectReport project(const TestField& field, const ProjectOptions& options = {}, unsigned threads = 1) {
+        Context ctx;
+        ctx.threads = threads;
+        return coppice::project(positions, anchors, patches, regions, clips, FieldRef(field), options, ctx);
+    }
+};
+
+Vec3 on_axis(Vec3 p) { return {0, 0, p.z}; }
+
+ProjectOptions with(ProjectionMethod method) {
+    ProjectOptions o;
+    o.method = method;
+    return o;
+}
+
+constexpr std::array kMethods = {ProjectionMethod::rays, ProjectionMethod::gradient};
+
+TEST(Project, ATubeGetsItsRadius) {
+    for (const ProjectionMethod method : kMethods) {
+        for (const float start :
+             {0.4f, 0.9f, 1.3f, 1.6f, 3.0f}) {  // 8 sides shrink to 0.9; the support ends at 1.5
+            SCOPED_TRACE(std::string(name_of(method)) + " from " + std::to_string(start));
+            Scene scene(tube_cage(6, 8, start, 1, false), on_axis);
+            const ProjectReport report = scene.project(cylinder_field(), with(method));
+            EXPECT_EQ(report.not_converged, 0u);
+            EXPECT_EQ(report.vertices, scene.patches.vertex_count());
+            for (const Vec3& p : scene.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 3e-4f);
+            // From nearby, one step and a look at where it led; the longest step outward is 1.6 times the
+            // distance.
+            const bool near = start > 0.7f && start < 1.5f;
+            EXPECT_LE(report.mean_evaluations(), method == ProjectionMethod::gradient ? 7 : near ? 2.1 : 4);
+        }
+    }
+}
+
+TEST(Project, RaysKeepTheirDirection) {
+    Scene scene(shaken(tube_cage(6, 4, 1, 1, false), 0.1f), on_axis);
+    const Buffer<Vec3> before = scene.positions;
+    scene.project(cylinder_field());
+    for (std::size_t v = 0; v < before.size(); ++v) {
+        const Vec3 from = normalized(before[v] - scene.anchors[v]);
+        const Vec3 to = normalized(scene.positions[v] - scene.anchors[v]);
+        EXPECT_NEAR(distance(from, to), 0, 1e-5f);
+    }
+}
+
+TEST(Project, SphereAndTorus) {
+    for (const ProjectionMethod method : kMethods) {
+        SCOPED_TRACE(name_of(method));
+        const Vec3 center{0.05f, -0.1f, 0.08f};  // the anchors are off the centre
+        Scene ball(hub_cage(5), [](Vec3) { return Vec3{}; });
+        EXPECT_EQ(ball.project(sphere_field(center), with(method)).not_converged, 0u);
+        for (const Vec3& p : ball.positions) EXPECT_NEAR(distance(p, center), 1, 1e-3f);
+        Scene ring(grid_cage(12, 6, true), [](Vec3 p) { return 3.0f * normalized(Vec3{p.x, p.y, 0}); });
+        EXPECT_EQ(ring.project(torus_field(), with(method)).not_converged, 0u);
+        for (const Vec3& p : ring.positions) {
+            EXPECT_NEAR(std::hypot(std::hypot(p.x, p.y) - 3, p.z), 1, 1e-3f);
+        }
+    }
+}
+
+TEST(Project, ABlendOfTwoBranches) {
+    for (const ProjectionMethod method : kMethods) {
+        SCOPED_TRACE(name_of(method));
+        Scene scene(tube_cage(5, 4, 1.2f, 1, false), [](Vec3 p) { return Vec3{0, 0, p.z}; });
+        for (Vec3& p : scene.positions) p.z += 1.6f;  // starts in the crotch and leaves it along one branch
+        for (Vec3& a : scene.anchors) a.z += 1.6f;
+        const TestField field = cross_field();
+        const ProjectReport report = scene.project(field, with(method));
+        EXPECT_EQ(report.not_converged, 0u);
+        for (const Vec3& p : scene.positions) EXPECT_NEAR(field.at(0, p).value, 1, 2e-3f);
+    }
+}
+
+TEST(Project, StopsAtTheClipPlane) {
+    for (const ProjectionMethod method : kMethods) {
+        SCOPED_TRACE(name_of(method));
+        Scene scene(tube_cage(6, 4, 1.2f, 1, true), [](Vec3 p) { return Vec3{0, 0, std::min(4.0f, p.z)}; });
+        scene.clips = {ClipPlane{{0, 0, 1}, 4.5f}};
+        const ProjectReport report = scene.project(cylinder_field(), with(method));
+        std::uint64_t on_plane = 0;
+        for (const Vec3& p : scene.positions) {
+            EXPECT_LE(p.z, 4.5f + 1e-5f);
+            on_plane += p.z > 4.5f - 1e-5f ? 1u : 0u;
+        }
+        EXPECT_GT(on_plane, 8u);
+        EXPECT_GT(report.clipped, 0u);
+        EXPECT_LE(report.clipped, on_plane);
+    }
+}
+
+TEST(Project, AVertexWithoutSurfaceInReachStays) {
+    for (const ProjectionMethod method : kMethods) {
+        SCOPED_TRACE(name_of(method));
+        Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
+        const Buffer<Vec3> before = scene.positions;
+        const ProjectReport report = scene.project(sphere_field({50, 0, 0}), with(method));
+        EXPECT_EQ(report.anchors_outside, scene.patches.vertex_count());
+        EXPECT_EQ(report.not_converged, scene.patches.vertex_count());
+        EXPECT_EQ(scene.positions, before);
+    }
+}
+
+TEST(Project, ARayThatNeverLeavesTheSolidDoesNotShootOff) {
+    for (const ProjectionMethod method : kMethods) {
+        SCOPED_TRACE(name_of(method));
+        Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
+        const Buffer<Vec3> before = scene.positions;
+        const TestField full{[](std::uint32_t, Vec3 p) { return FieldSample{2, normalized(-p) * 1e-6f}; }};
+        const ProjectReport report = scene.project(full, with(method));
+        EXPECT_EQ(report.not_converged, scene.patches.vertex_count());
+        for (std::size_t v = 0; v < before.size(); ++v)
+            EXPECT_LE(length(scene.positions[v]), 3.01f * length(before[v]));
+    }
+}
+
+TEST(Project, StaysFiniteWhateverTheFieldSays) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const std::vector<FieldSample> nasty = {{kNan, {kNan, kNan, kNan}},
+                                            {kInfinity, {1, 0, 0}},
+                                            {1e-38f, {1e-38f, 0, 0}},
+                                            {1e38f, {1e38f, -1e38f, 0}},
+                                            {2, {0, 0, 0}},
+                                            {0.5f, {kNan, 0, 0}},
+                                            {-3, {1, 1, 1}},
+                                            {1, {0, 0, 0}},
+                                            {0.5f, {1e-30f, 0, 0}}};
+    for (const ProjectionMethod method : kMethods) {
+        for (std::size_t k = 0; k <= nasty.size(); ++k) {
+            SCOPED_TRACE(std::string(name_of(method)) + " " + std::to_string(k));
+            Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
+            const TestField field{[&](std::uint32_t, Vec3 p) {
+                const auto pick = static_cast<std::size_t>(std::abs(p.x + 2 * p.y) * 1000) % nasty.size();
+                return nasty[k < nasty.size() ? k : pick];
+            }};
+            const ProjectReport report = scene.project(field, with(method));
+            EXPECT_LE(report.max_evaluations, 12u);
+            for (const Vec3& p : scene.positions) EXPECT_TRUE(is_finite(p) && length(p) < 10);
+        }
+    }
+}
+
+TEST(Project, AVertexOnItsAnchorStays) {
+    for (const ProjectionMethod method : kMethods) {
+        Scene scene(hub_cage(3), [](Vec3 p) { return p; });
+        const Buffer<Vec3> before = scene.positions;
+        EXPECT_EQ(scene.project(sphere_field({}), with(method)).evaluations, 0u);
+        EXPECT_EQ(scene.positions, before);
+    }
+}
+
+TEST(Project, NoneMovesNothing) {
+    Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
+    const Buffer<Vec3> before = scene.positions;
+    EXPECT_EQ(scene.project(sphere_field({}), with(ProjectionMethod::none)).evaluations, 0u);
+    EXPECT_EQ(scene.positions, before);
+}
+
+TEST(Project, EachVertexIsAskedForInTheRegionOfItsOwner) {
+    Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
+    for (std::size_t f = 0; f < scene.regions.size(); ++f)
+        scene.regions[f] = static_cast<std::uint32_t>(f / 2);
+    const TestField field{[](std::uint32_t region, Vec3 p) {
+        const float radius = 1 + 0.1f * static_cast<float>(region);
+        const FieldSample s = compact(length(p) / radius, normalized(p));
+        return FieldSample{s.value, s.gradient / radius};
+    }};
+    scene.project(field);
+    std::vector<std::uint32_t> owned(scene.patches.max_owned());
+    for (std::uint32_t f = 0; f < scene.regions.size(); ++f) {
+        const std::uint32_t count = scene.patches.owned_vertices(f, owned);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            EXPECT_NEAR(length(scene.positions[owned[k]]), 1 + 0.1f * static_cast<float>(f / 2), 1e-3f);
+        }
+    }
+}
+
+TEST(Project, RelaxationStaysOnTheSurfaceAndEvensItOut) {
+    const auto unevenness = [](int passes) {
+        Scene scene(shaken(tube_cage(8, 8, 1, 0.8f, false), 0.15f), on_axis);
+        ProjectOptions options;
+        options.relax_passes = passes;
+        EXPECT_EQ(scene.project(cylinder_field(), options).not_converged, 0u);
+        for (const Vec3& p : scene.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 3e-4f);
+        double sum = 0;
+        double squares = 0;
+        const Buffer<Quad> quads = scene.patches.quads();
+        for (const Quad& q : quads) {
+            const double area = length(cross(scene.positions[q[2]] - scene.positions[q[0]],
+                                             scene.positions[q[3]] - scene.positions[q[1]]));
+            sum += area;
+            squares += area * area;
+        }
+        return squares * static_cast<double>(quads.size()) / (sum * sum);
+    };
+    EXPECT_LT(unevenness(5), unevenness(0));
+}
+
+TEST(Project, SameBitsForAnyNumberOfThreads) {
+    for (const ProjectionMethod method : kMethods) {
+        const auto run = [&](unsigned threads) {
+            Scene scene(grid_cage(90, 40, true), [](Vec3 p) { return 3.0f * normalized(Vec3{p.x, p.y, 0}); });
+            ProjectOptions options = with(method);
+            options.relax_passes = 1;
+            const ProjectReport report = scene.project(torus_field(), options, threads);
+            return std::pair{scene.positions, report.evaluations};
+        };
+        const auto one = run(1);
+        for (const unsigned threads : {2u, 7u}) {
+            const auto many = run(threads);
+            EXPECT_EQ(std::memcmp(one.first.data(), many.first.data(), one.first.size() * sizeof(Vec3)), 0);
+            EXPECT_EQ(one.second, many.second);
+        }
+    }
+}
+
+TEST(Project, RefusesWrongSizesAndOptions) {
+    Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
+    EXPECT_THROW(scene.project(sphere_field({}), {.tolerance = 0}), InvalidInput);
+    EXPECT_THROW(scene.project(sphere_field({}), {.max_evaluations = 0}), InvalidInput);
+    scene.clips.resize(1);
+    scene.regions[3] = 1;
+    EXPECT_THROW(scene.project(sphere_field({})), InvalidInput);
+    scene.regions.pop_back();
+    EXPECT_THROW(scene.project(sphere_field({})), InvalidInput);
+    scene.anchors.pop_back();
+    EXPECT_THROW(scene.project(sphere_field({})), InvalidInput);
+}
+
+TEST(ProjectOptions, EveryMemberIsVisitedOnceWithItsDefaultInRange) {
+    ProjectOptions options;
+    std::size_t bytes = 0;
+    visit_fields(options, [&](const Field& field, auto& value) {
+        bytes += sizeof(value);
+        if constexpr (!std::is_enum_v<std::remove_reference_t<decltype(value)>>) {
+            EXPECT_GE(static_cast<double>(value), field.low * (1 - 1e-6)) << field.name;
+            EXPECT_LE(static_cast<double>(value), field.high) << field.name;
+        }
+    });
+    EXPECT_EQ(bytes, sizeof(ProjectOptions));
+}
+
+}  // namespace
+}  // namespace coppice
