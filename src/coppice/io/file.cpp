@@ -1,0 +1,175 @@
+#include "coppice/io/file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "coppice/base/error.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGather = std::size_t{1} << 18;  // smaller pieces wait until this many bytes are there
+constexpr std::size_t kTransfer = std::size_t{1} << 26;  // bytes per system call
+
+[[noreturn]] void fail(std::string_view action, const std::filesystem::path& path, std::string_view reason) {
+    throw IoError(fmt::format("cannot {} {}: {}", action, path.string(), reason));
+}
+
+std::string reason_of(int error) {
+    switch (error) {
+        case ENOENT:
+            return "there is no such file or folder";
+        case ENOTDIR:
+            return "a part of its path is not a folder";
+        case EISDIR:
+            return "it is a folder, not a file";
+        case EACCES:
+        case EPERM:
+            return "permission denied";
+        case EROFS:
+            return "the file system is read-only";
+        case ENOSPC:
+        case EDQUOT:
+            return "no space is left on the disk";
+        case EFBIG:
+            return "the file system does not hold files of that size";
+        case ENAMETOOLONG:
+            return "its name is too long";
+        default:
+            return std::generic_category().message(error);
+    }
+}
+
+struct Descriptor {
+    int value;
+    ~Descriptor() {
+        if (value >= 0) ::close(value);
+    }
+};
+
+/// One read, repeated when a signal interrupts it.
+std::size_t read_some(int descriptor, char* to, std::size_t size, const std::filesystem::path& path) {
+    for (;;) {
+        const ssize_t got = ::read(descriptor, to, std::min(size, kTransfer));
+        if (got >= 0) return static_cast<std::size_t>(got);
+        if (errno != EINTR) fail("read", path, reason_of(errno));
+    }
+}
+
+std::string too_large(std::uint64_t limit) {
+    constexpr std::uint64_t kMebi = std::uint64_t{1} << 20;
+    return limit % kMebi == 0 ? fmt::format("it is larger than {} MiB", limit / kMebi)
+                              : fmt::format("it is larger than {} bytes", limit);
+}
+
+}  // namespace
+
+std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
+    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+    struct stat status {};
+    if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, reason_of(errno));
+    if (S_ISDIR(status.st_mode)) fail("read", path, reason_of(EISDIR));
+    const auto size = static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0));
+    if (size > limit) fail("read", path, too_large(limit));
+
+    // One byte more than the file is said to hold: the end shows without growing; pipes and a file that grows
+    // go on.
+    std::string bytes(size + 1, '\0');
+    std::size_t used = 0;
+    while (const std::size_t got = read_some(file.value, bytes.data() + used, bytes.size() - used, path)) {
+        used += got;
+        if (used > limit) fail("read", path, too_large(limit));
+        if (used == bytes.size()) bytes.resize(std::max<std::size_t>(2 * used, 4096));
+    }
+    bytes.resize(used);
+    return bytes;
+}
+
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
+    std::error_code ignored;
+    if (target_.filename().empty()) fail("write", target_, "it names no file");
+    if (std::filesystem::is_symlink(target_, ignored)) {
+        const auto linked = std::filesystem::weakly_canonical(target_, ignored);
+        if (!ignored) target_ = linked;
+    }
+    struct stat status {};
+    const bool exists = ::stat(target_.c_str(), &status) == 0;
+    if (exists && S_ISDIR(status.st_mode)) fail("write", target_, reason_of(EISDIR));
+    if (exists && ::access(target_.c_str(), W_OK) != 0) fail("write", target_, reason_of(errno));
+    if (exists && !S_ISREG(status.st_mode)) {
+        descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+        if (descriptor_ < 0) fail("write", target_, reason_of(errno));
+        return;
+    }
+    const auto folder = target_.parent_path();
+    open_unfinished(folder.empty() ? "." : folder);
+    if (exists) static_cast<void>(::fchmod(descriptor_, status.st_mode & 07777));
+}
+
+AtomicFile::~AtomicFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!unfinished_.empty()) ::unlink(unfinished_.c_str());
+}
+
+/// O_EXCL makes the name ours, also among several files and processes at work in one folder; mkstemp would
+/// ignore the umask.
+void AtomicFile::open_unfinished(const std::filesystem::path& folder) {
+    for (unsigned attempt = 0;; ++attempt) {
+        auto name = folder / fmt::format(".coppice-{}-{}.part", ::getpid(), attempt);
+        descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor_ >= 0) {
+            unfinished_ = std::move(name);
+            return;
+        }
+        if (errno == ENOENT) fail("write", target_, "its folder does not exist; create it first");
+        if (errno == EACCES) fail("write", target_, "its folder is not writable");
+        if (errno != EEXIST && errno != EINTR) fail("write", target_, reason_of(errno));
+    }
+}
+
+void AtomicFile::write(std::string_view text) {
+    if (gathered_.size() + text.size() > kGather) flush();
+    if (text.size() >= kGather) {
+        write_through(text);
+    } else {
+        gathered_.append(text);
+    }
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+    write(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+void AtomicFile::write_through(std::string_view bytes) {
+    COPPICE_ASSERT(descriptor_ >= 0);
+    while (!bytes.empty()) {
+        const ssize_t done = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kTransfer));
+        if (done >= 0) {
+            bytes.remove_prefix(static_cast<std::size_t>(done));
+        } else if (errno != EINTR) {
+            fail("write", target_, reason_of(errno));
+        }
+    }
+}
+
+void AtomicFile::flush() {
+    write_through(gathered_);
+    gathered_.clear();
+}
+
+void AtomicFile::commit() {
+    flush();
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", target_, reason_of(errno));
+    if (unfinished_.empty()) return;
+    if (::rename(unfinished_.c_str(), target_.c_str()) != 0) fail("write", target_, reason_of(errno));
+    unfinished_.clear();
+}
+
+}  // namespace coppice

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace coppice {
+
+/// No reader takes larger files, unless asked to.
+inline constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
+
+/// The bytes of a file, or of a pipe until it ends. Throws `IoError`, one sentence that names the file, when
+/// it is missing, a folder, not readable, or larger than `limit` bytes.
+std::string read_file(const std::filesystem::path& path, std::uint64_t limit = kLargestFile);
+
+/// A file that appears whole or not at all.
+///
+/// Bytes go to a hidden file beside the target; `commit` renames it over the target, and whatever ends
+/// earlier (an exception, a cancelled run) removes it, so the target is never half-written. A target that
+/// exists keeps its permissions; a link is followed; a device or pipe such as /dev/stdout is written
+/// straight. Every trouble is an `IoError` that names the target: a folder that is missing, not writable or
+/// in the target's place, a write-protected target, a full disk.
+class AtomicFile {
+  public:
+    explicit AtomicFile(std::filesystem::path target);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    /// Small pieces are gathered, large ones go straight to the system.
+    void write(std::string_view text);
+    void write(std::span<const std::byte> bytes);
+
+    /// Makes the file appear under its name; to be called once, after the last `write`.
+    void commit();
+
+  private:
+    void open_unfinished(const std::filesystem::path& folder);
+    void write_through(std::string_view bytes);
+    void flush();
+
+    std::filesystem::path target_;
+    std::filesystem::path unfinished_;  ///< empty when the target is written straight, and after `commit`
+    std::string gathered_;
+    int descriptor_ = -1;
+};
+
+}  // namespace coppice

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "coppice/base/error.h"
+#include "coppice/base/vec.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice::io_internal {
+
+/// Faces and double precision positions as a reader collects them.
+class MeshBuilder {
+  public:
+    explicit MeshBuilder(std::string source) : source_(std::move(source)) {}
+
+    const std::string& source() const { return source_; }
+    std::size_t vertex_count() const { return vertices_.size(); }
+    std::size_t face_count() const { return mesh_.face_count(); }
+    void reserve_vertices(std::size_t count) { vertices_.reserve(count); }
+    void reserve_faces(std::size_t count) { mesh_.first.reserve(count + 1); }
+
+    /// False when a coordinate is not finite or beyond 1e30, where floats end.
+    [[nodiscard]] bool add_vertex(Vec3d p);
+    void add_face(std::span<const std::uint32_t> corners) { mesh_.add_face(corners); }
+    /// As `add_vertex` and `add_face`, with numbers in the message instead of lines.
+    void add_numbered_vertex(Vec3d p);
+    void add_numbered_face(std::span<const double> corners);
+
+    /// Equal positions become one vertex, named by the first of them.
+    void weld();
+
+    /// Chooses the origin and rounds. Throws `InvalidInput` when there is no face.
+    PolygonMesh take();
+
+  private:
+    std::string source_;
+    std::vector<Vec3d> vertices_;
+    std::vector<std::uint32_t> corners_;
+    PolygonMesh mesh_;
+};
+
+PolygonMesh parse_obj(std::string_view text, const std::string& source);
+PolygonMesh parse_ply(std::string_view bytes, const std::string& source);
+PolygonMesh parse_off(std::string_view text, const std::string& source);
+PolygonMesh parse_stl(std::string_view bytes, const std::string& source);
+PolygonMesh parse_glb(std::string_view bytes, const std::string& source);
+
+}  // namespace coppice::io_internal

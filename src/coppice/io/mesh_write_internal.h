@@ -1,0 +1,146 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/parallel.h"
+#include "coppice/io/file.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice::io_internal {
+
+static_assert(std::endian::native == std::endian::little,
+              "the binary formats are written as memory holds them");
+static_assert(sizeof(Vec3) == 3 * sizeof(float));
+
+/// Any of the mesh types, without a copy.
+struct MeshView {
+    explicit MeshView(const QuadMesh& m)
+        : positions(m.positions),
+          origin(m.origin),
+          corners(m.quads.empty() ? nullptr : m.quads[0].data()),
+          face_count(m.quads.size()),
+          sides(4) {}
+    explicit MeshView(const TriMesh& m)
+        : positions(m.positions),
+          origin(m.origin),
+          corners(m.triangles.empty() ? nullptr : m.triangles[0].data()),
+          face_count(m.triangles.size()),
+          sides(3) {}
+    explicit MeshView(const PolygonMesh& m)
+        : positions(m.positions),
+          origin(m.origin),
+          corners(m.corners.data()),
+          first(m.first.data()),
+          face_count(m.face_count()) {}
+
+    std::size_t first_corner(std::size_t f) const { return first != nullptr ? first[f] : f * sides; }
+    std::span<const std::uint32_t> face(std::size_t f) const {
+        return {corners + first_corner(f), first_corner(f + 1) - first_corner(f)};
+    }
+    /// A face of n corners becomes n - 2 triangles, so the triangles before face f need no counting.
+    std::size_t triangle_count() const { return first_corner(face_count) - 2 * face_count; }
+    bool has_origin() const { return origin != Vec3d{}; }
+
+    std::span<const Vec3> positions;
+    Vec3d origin;
+    const std::uint32_t* corners = nullptr;
+    const std::uint32_t* first = nullptr;  ///< for faces of several sizes
+    std::size_t face_count = 0;
+    std::size_t sides = 0;
+};
+
+/// emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, else a fan.
+template <class Emit>
+void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {
+    const auto c = mesh.face(f);
+    const auto& x = mesh.positions;
+    if (c.size() == 4 && length_squared(x[c[1]] - x[c[3]]) < length_squared(x[c[0]] - x[c[2]])) {
+        emit(c[1], c[2], c[3]);
+        emit(c[1], c[3], c[0]);
+        return;
+    }
+    for (std::size_t k = 1; k + 1 < c.size(); ++k) emit(c[0], c[k], c[k + 1]);
+}
+
+/// Bytes that grow at their end, without clearing what is about to be written.
+class Chunk {
+  public:
+    /// Makes sure that `size` bytes fit; every put below counts against them.
+    void reserve(std::size_t size) {
+        if (bytes_.size() - used_ < size) bytes_.resize(std::max(2 * bytes_.size(), used_ + size));
+    }
+    void put(char c) { bytes_[used_++] = c; }
+    void put(std::string_view text) { put_bytes(text.data(), text.size()); }
+    template <class T>
+    void put_raw(const T& value) {
+        put_bytes(&value, sizeof value);
+    }
+    template <class Number>
+    void put_number(Number value) {
+        char* const begin = bytes_.data() + used_;
+        used_ += static_cast<std::size_t>(std::to_chars(begin, begin + kNumber, value).ptr - begin);
+    }
+    void clear() { used_ = 0; }
+    std::string_view view() const { return {bytes_.data(), used_}; }
+
+    static constexpr std::size_t kNumber = 32;  ///< bytes to reserve for a number as text
+
+  private:
+    void put_bytes(const void* from, std::size_t size) {
+        std::memcpy(bytes_.data() + used_, from, size);
+        used_ += size;
+    }
+
+    Buffer<char> bytes_;
+    std::size_t used_ = 0;
+};
+
+/// The part of the progress that one section of a file takes.
+struct ProgressPart {
+    float begin = 0;
+    float end = 1;
+};
+
+/// Writes items 0 .. count: fill(i, chunk) appends item i. Fixed runs of items are formatted in parallel, a
+/// few at a time, and written in order.
+template <class Fill>
+void write_items(AtomicFile& file, std::size_t count, ProgressPart part, const Context& ctx,
+                 const Fill& fill) {
+    constexpr std::size_t kRun = 8192;
+    constexpr std::size_t kRunsAtOnce = 32;
+    std::vector<Chunk> chunks(std::min(kRunsAtOnce, (count + kRun - 1) / kRun));
+    for (std::size_t begin = 0; begin < count; begin += kRun * kRunsAtOnce) {
+        ctx.throw_if_cancelled();
+        ctx.report(part.begin +
+                   (part.end - part.begin) * static_cast<float>(begin) / static_cast<float>(count));
+        const std::size_t wave = std::min(count - begin, kRun * kRunsAtOnce);
+        parallel_for_ranges(ctx, wave, kRun, [&](IndexRange range) {
+            Chunk& chunk = chunks[range.begin / kRun];
+            chunk.clear();
+            for (std::size_t i = range.begin; i < range.end; ++i) fill(begin + i, chunk);
+        });
+        for (std::size_t i = 0; i * kRun < wave; ++i) file.write(chunks[i].view());
+    }
+}
+
+/// Unit normals per vertex, from the faces around it weighted by area; +Z where they cancel. The faces are
+/// added one after the other: sums in another order would have other bits.
+std::vector<Vec3> smooth_normals(const MeshView& mesh);
+
+enum class Subdivision { none, catmull_clark };
+
+void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_ply(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_stl(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx);
+
+}  // namespace coppice::io_internal

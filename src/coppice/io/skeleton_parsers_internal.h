@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "coppice/base/vec.h"
+#include "coppice/skeleton/raw.h"
+
+namespace coppice {
+
+/// One parser per format family: text in, raw nodes or cylinders out, nothing repaired yet. All throw
+/// InvalidInput "source:line: ..." where the text is not of the format, never recurse, and take memory in
+/// proportion to the text.
+
+std::vector<RawNode> parse_swc(std::string_view text, const std::string& source);
+
+/// A table with a header naming its columns, or without one in TreeQSM's order.
+std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source);
+bool is_cylinder_header(std::string_view line);
+
+/// A table without a header needs radius, length, start, axis, parent and extension.
+inline constexpr std::size_t kLeastHeaderlessColumns = 10;
+
+std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& source);
+bool is_raycloud_header(std::string_view line);
+
+std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source);
+
+/// Vertices joined by edges, as graph formats have them.
+struct EdgeGraph {
+    std::vector<Vec3d> position;
+    std::vector<double> radius;  ///< one for each vertex, or none at all
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    bool directed = false;       ///< edges are meant to run from parent to child
+    bool weld = false;           ///< vertices at the same position are one, of the greater radius
+    bool drop_isolated = false;  ///< vertices that no edge names do not count; an edge to itself names one
+};
+
+EdgeGraph parse_gel(std::string_view text, const std::string& source);
+EdgeGraph parse_obj_lines(std::string_view text, const std::string& source);
+EdgeGraph parse_edge_ply(std::string_view file, const std::string& source);
+
+/// Comment by which the writers of graph formats say that edges run from parent to child.
+inline constexpr std::string_view kDirectedMark = "coppice skeleton: edges run from parent to child";
+
+struct Forest {
+    std::vector<RawNode> nodes;
+    std::uint32_t loops_cut = 0;  ///< edges left out because they closed a loop
+};
+
+/// Gives every node a parent. Where directed edges form a forest, they are followed; otherwise each connected
+/// part is rooted at its thickest end, or its lowest when there are no radii, and searched by breadth, so
+/// that a loop is cut far from the root. Throws InvalidInput for positions that are not finite. O(n log n).
+Forest forest_of(const EdgeGraph& graph, const std::string& source);
+
+/// Model number `model`, from 1, of a TreeQSM .mat file; 0 takes the only one. Throws InvalidInput saying how
+/// many models there are when `model` names none of them.
+std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model);
+
+}  // namespace coppice

@@ -1,0 +1,34 @@
+// Every mesh reader against arbitrary bytes: the first byte picks the format, the rest is the file. A reader
+// returns a mesh whose indices are in range and whose positions are finite, or throws coppice::Error.
+
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "coppice/base/error.h"
+#include "coppice/io/mesh_reader.h"
+
+namespace {
+
+void require(bool condition) {
+    if (!condition) std::abort();
+}
+
+void check(const coppice::PolygonMesh& mesh) {
+    require(mesh.face_count() > 0 && mesh.first.back() == mesh.corners.size() && is_finite(mesh.origin));
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) require(mesh.face(f).size() >= 3);
+    for (const std::uint32_t v : mesh.corners) require(v < mesh.positions.size());
+    for (const coppice::Vec3 p : mesh.positions) require(is_finite(p));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    if (size == 0) return 0;
+    const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
+    try {
+        check(coppice::parse_mesh(bytes, static_cast<coppice::MeshFormat>(data[0] % 6), "input"));
+    } catch (const coppice::Error&) {  // the proper answer to a bad file
+    }
+    return 0;
+}
