@@ -1,0 +1,91 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/render/image.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+enum class RenderColor { plain, deviation };
+
+template <>
+struct EnumNames<RenderColor> {
+    static constexpr std::array<std::string_view, 2> names{"plain", "deviation"};
+};
+
+/// What to draw; refers to values that must outlive the call.
+///
+/// A mesh alone is drawn as a solid; a skeleton alone as round cones with its radii; both together as the
+/// solid mesh with the skeleton's axis shining through. The origins of both are respected.
+struct RenderScene {
+    const PolygonMesh* mesh = nullptr;
+    const Skeleton* skeleton = nullptr;
+    std::span<const float>
+        deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
+};
+
+/// How to draw it. The camera stands where the whole object just fills the picture.
+struct RenderOptions {
+    int width = 1024;             ///< [pixels]
+    int height = 1024;            ///< [pixels]
+    int samples = 16;             ///< per pixel; noise falls with its square root
+    float azimuth = -1.0f;        ///< [rad] from the object to the camera, counter-clockwise from +x
+    float elevation = 0.2f;       ///< [rad] of the camera above the horizon
+    float field_of_view = 0.5f;   ///< [rad] across the longer side of the picture
+    float margin = 0.04f;         ///< of the picture left free on each side
+    float sun_azimuth = -0.9f;    ///< [rad] from the camera's side to the sun, counter-clockwise
+    float sun_elevation = 0.85f;  ///< [rad] of the sun above the horizon
+    RenderColor color = RenderColor::plain;  ///< `deviation` needs RenderScene::deviation
+    float deviation_range = 0.1f;            ///< [radius] deviation drawn in full colour
+    bool wireframe = false;                  ///< draws the edges of the faces
+    float wire_width = 1.0f;                 ///< [pixels]
+    bool flat = false;                       ///< shows faces as they are, without smoothing of normals
+    bool ground = true;                      ///< a ground that receives the shadow
+    bool transparent = false;                ///< leaves the background out
+    float axis_width = 0.15f;                ///< [radius] of the skeleton where it shines through a mesh
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, RenderOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"width", "width of the picture in pixels", Unit::none, 16, 16384}, o.width);
+    visit(Field{"height", "height of the picture in pixels", Unit::none, 16, 16384}, o.height);
+    visit(Field{"samples", "rays per pixel; more is slower and less noisy", Unit::none, 1, 4096}, o.samples);
+    visit(Field{"azimuth", "where the camera stands, counter-clockwise from +x seen from above", Unit::radian,
+                -6.2832, 6.2832},
+          o.azimuth);
+    visit(Field{"elevation", "height of the camera above the horizon", Unit::radian, -1.5708, 1.5708},
+          o.elevation);
+    visit(Field{"field_of_view", "opening of the camera across the longer side", Unit::radian, 0.01, 2.5},
+          o.field_of_view);
+    visit(Field{"margin", "part of the picture left free on each side", Unit::none, 0, 0.45}, o.margin);
+    visit(Field{"sun_azimuth", "where the sun stands, counter-clockwise from the camera", Unit::radian,
+                -6.2832, 6.2832},
+          o.sun_azimuth);
+    visit(Field{"sun_elevation", "height of the sun above the horizon", Unit::radian, 0.05, 1.5708},
+          o.sun_elevation);
+    visit(Field{"color", "what the colour of the surface shows; deviation: inside blue, outside red"},
+          o.color);
+    visit(Field{"deviation_range", "deviation from the radius drawn in full colour", Unit::radius, 1e-4, 10},
+          o.deviation_range);
+    visit(Field{"wireframe", "draws the edges of the faces"}, o.wireframe);
+    visit(Field{"wire_width", "width of those edges in pixels", Unit::none, 0.2, 20}, o.wire_width);
+    visit(Field{"flat", "shows faces as they are, without smoothing across edges"}, o.flat);
+    visit(Field{"ground", "a ground that receives the shadow"}, o.ground);
+    visit(Field{"transparent", "leaves the background out"}, o.transparent);
+    visit(Field{"axis_width", "thickness of a skeleton that shines through a mesh", Unit::radius, 0.01, 1},
+          o.axis_width);
+}
+
+/// Draws the scene with sun and sky light [Wald2014]. The same bits for any number of threads; the time is
+/// that of building a tree over the faces (about n log n) plus that of up to three rays per sample. Throws
+/// InvalidInput for an empty scene, options out of range, more than 128 million pixels, or positions that are
+/// not finite; Cancelled when stopped.
+Image render(const RenderScene& scene, const RenderOptions& options = {}, const Context& ctx = {});
+
+}  // namespace coppice

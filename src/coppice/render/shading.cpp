@@ -1,0 +1,205 @@
+#include "coppice/render/shading_internal.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "coppice/base/random.h"
+
+namespace coppice {
+namespace {
+
+// Lengths are in diagonals of the object's box, light in units that make a sunlit surface of albedo 0.5
+// nearly full.
+constexpr float kOffset = 2e-6f;       // of secondary rays, above the rounding of positions
+constexpr float kSunRadius = 0.03f;    // tangent; larger than the real sun's for soft shadows
+constexpr float kAmbientReach = 0.6f;  // farther things do not darken
+constexpr float kGroundFull = 0.5f;    // the ground's shadow is full up to here, and gone at kGroundEnd
+constexpr float kGroundEnd = 1.1f;
+constexpr Vec3 kSunLight{1.30f, 1.22f, 1.08f};
+constexpr Vec3 kSkyLight{0.62f, 0.68f, 0.76f};
+constexpr Vec3 kEarthLight{0.34f, 0.31f, 0.28f};
+constexpr Vec3 kBounce{0.10f, 0.09f, 0.08f};  // what closed corners still receive from their walls
+constexpr Vec3 kClay{0.42f, 0.345f, 0.27f};
+constexpr Vec3 kUnknown{0.25f, 0.25f, 0.25f};
+constexpr Vec3 kBackground{0.90f, 0.91f, 0.92f};
+constexpr Vec3 kWire{0.03f, 0.03f, 0.04f};
+constexpr Vec3 kAxis{0.90f, 0.22f, 0.03f};
+constexpr float kAxisCover = 0.85f;
+constexpr float kWireCover = 0.8f;
+
+struct Pair {
+    float x, y;
+};
+
+constexpr Vec3 multiply(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+float smooth_step(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+/// Point `index` of the R2 sequence [Roberts2018], shifted by the pixel's own bits, so that neighbours
+/// differ.
+Pair spread(std::uint32_t index, std::uint64_t bits) {
+    const double x = static_cast<double>(bits >> 40) * 0x1p-24 + 0.7548776662466927 * index;
+    const double y = static_cast<double>(bits >> 16 & 0xffffff) * 0x1p-24 + 0.5698402909980532 * index;
+    return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
+}
+
+Vec3 around(Vec3 axis, float radius, float angle, float height) {
+    const Vec3 a = perpendicular(axis), b = cross(axis, a);
+    return normalized(axis * height + (a * std::cos(angle) + b * std::sin(angle)) * radius, axis);
+}
+
+Vec3 cosine_direction(Vec3 normal, Pair p) {
+    return around(normal, std::sqrt(p.x), 2 * std::numbers::pi_v<float> * p.y, std::sqrt(1 - p.x));
+}
+
+Vec3 sky(Vec3 direction) { return lerp(kEarthLight, kSkyLight, smooth_step(-0.3f, 0.5f, direction.z)); }
+
+float distance_to_segment(Pair p, Pair a, Pair b) {
+    const float dx = b.x - a.x, dy = b.y - a.y, px = p.x - a.x, py = p.y - a.y;
+    const float square = dx * dx + dy * dy;
+    const float t = square > 0 ? std::clamp((px * dx + py * dy) / square, 0.0f, 1.0f) : 0.0f;
+    return std::hypot(px - t * dx, py - t * dy);
+}
+
+Light over(Light front, Light back) {
+    return {front.color + back.color * (1 - front.alpha), front.alpha + back.alpha * (1 - front.alpha)};
+}
+
+}  // namespace
+
+struct Shading::Draws {
+    Pair sun, sky;
+};
+
+Vec3 deviation_color(float t) {
+    static constexpr std::array<Vec3, 5> kStops{Vec3{0.02f, 0.08f, 0.50f}, Vec3{0.14f, 0.38f, 0.75f},
+                                                Vec3{0.72f, 0.72f, 0.70f}, Vec3{0.80f, 0.28f, 0.12f},
+                                                Vec3{0.50f, 0.02f, 0.02f}};
+    if (std::isnan(t)) return kUnknown;
+    const float at = (std::clamp(t, -1.0f, 1.0f) + 1) * 2;
+    const auto i = std::min<std::size_t>(3, static_cast<std::size_t>(at));
+    return lerp(kStops[i], kStops[i + 1], at - static_cast<float>(i));
+}
+
+float to_srgb(float linear) {
+    const float x = std::clamp(linear, 0.0f, 1.0f);
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+}
+
+Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options)
+    : scene_(scene), camera_(camera), options_(options), ground_height_(scene.bounds().low.z) {
+    const float a = options.azimuth + options.sun_azimuth, e = options.sun_elevation;
+    sun_ = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+    ground_visible_ = options.ground && camera.position().z > ground_height_;
+}
+
+Light Shading::pixel(int x, int y) const {
+    const auto index = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(options_.width) +
+                       static_cast<std::uint64_t>(x);
+    const std::uint64_t place = CounterRandom(0, 0).bits(index), sun = CounterRandom(0, 1).bits(index),
+                        sky_bits = CounterRandom(0, 2).bits(index);
+    // Each kind of draw walks its points in another order; otherwise one corner of the pixel would always see
+    // one part of the sky.
+    const auto count = static_cast<std::uint32_t>(options_.samples);
+    const std::uint32_t mask = std::bit_ceil(count) - 1;
+    Light sum;
+    for (std::uint32_t s = 0; s < count; ++s) {
+        const Pair p = spread(s, place);
+        const Draws draws{spread(s ^ (static_cast<std::uint32_t>(sun) & mask), sun),
+                          spread(s ^ (static_cast<std::uint32_t>(sky_bits) & mask), sky_bits)};
+        const Light light = sample(static_cast<float>(x) + p.x, static_cast<float>(y) + p.y, draws);
+        sum.color += light.color;
+        sum.alpha += light.alpha;
+    }
+    const float weight = 1 / static_cast<float>(count);
+    return {sum.color * weight, sum.alpha * weight};
+}
+
+Light Shading::sample(float x, float y, const Draws& draws) const {
+    const Vec3 direction = camera_.direction(x, y);
+    Light light;
+    if (const auto hit = scene_.trace(camera_.position(), direction)) {
+        light = solid(*hit, x, y, draws);
+    } else {
+        const Light back = options_.transparent ? Light{} : Light{kBackground, 1};
+        light = ground_visible_ ? over(ground(direction, draws), back) : back;
+    }
+    if (scene_.has_axis()) {
+        if (const auto axis = scene_.trace_axis(camera_.position(), direction)) {
+            const float bright = 0.35f + 0.65f * dot(axis->normal, -direction);
+            light = over({kAxis * (bright * kAxisCover), kAxisCover}, light);
+        }
+    }
+    return light;
+}
+
+Vec3 Shading::sun_direction(const Draws& draws) const {
+    return around(sun_, kSunRadius * std::sqrt(draws.sun.x), 2 * std::numbers::pi_v<float> * draws.sun.y, 1);
+}
+
+Vec3 Shading::albedo(const Hit& hit) const {
+    if (options_.color == RenderColor::deviation && hit.on_mesh) {
+        return deviation_color(scene_.deviation(hit) / options_.deviation_range);
+    }
+    return kClay;
+}
+
+Light Shading::solid(const Hit& hit, float x, float y, const Draws& draws) const {
+    const Vec3 from = hit.position + hit.geometric_normal * (kOffset * (4 + hit.distance));
+    Vec3 light = kBounce;
+    const Vec3 to_sun = sun_direction(draws);
+    const float facing = dot(hit.normal, to_sun);
+    if (facing > 0 && dot(hit.geometric_normal, to_sun) > 0 &&
+        !scene_.occluded(from, to_sun, std::numeric_limits<float>::infinity())) {
+        light += kSunLight * facing;
+    }
+    const Vec3 to_sky = cosine_direction(hit.normal, draws.sky);
+    if (dot(hit.geometric_normal, to_sky) > 0 && !scene_.occluded(from, to_sky, kAmbientReach))
+        light += sky(to_sky);
+    Vec3 color = multiply(albedo(hit), light);
+    if (options_.wireframe && hit.on_mesh) color = lerp(color, kWire, kWireCover * wire(hit, x, y));
+    return {color, 1};
+}
+
+/// How much of the point (x, y) of the picture an edge of the face covers. Where faces are smaller than a few
+/// pixels the edges fade, since they would only blacken the surface.
+float Shading::wire(const Hit& hit, float x, float y) const {
+    const Quad& q = scene_.quad(hit.face);
+    std::array<Pair, 4> corner;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const auto p = camera_.project(scene_.position(q[k]));
+        if (p.depth <= 0) return 0;
+        corner[k] = {p.x, p.y};
+    }
+    float nearest = std::numeric_limits<float>::infinity(), longest = 0;
+    for (int k = 0; k < 4; ++k) {
+        const Pair a = corner[static_cast<std::size_t>(k)], b = corner[static_cast<std::size_t>((k + 1) % 4)];
+        longest = std::max(longest, std::hypot(b.x - a.x, b.y - a.y));
+        if (scene_.has_edge(hit.face, k)) nearest = std::min(nearest, distance_to_segment({x, y}, a, b));
+    }
+    const float half = 0.5f * options_.wire_width;
+    return (1 - smooth_step(half - 0.5f, half + 0.5f, nearest)) *
+           smooth_step(2, 8, longest / options_.wire_width);
+}
+
+/// A shadow without a ground of its own: black that covers as much as light is missing.
+Light Shading::ground(Vec3 direction, const Draws& draws) const {
+    if (direction.z >= -1e-6f) return {};
+    const float t = (ground_height_ - camera_.position().z) / direction.z;
+    const Vec3 p = camera_.position() + direction * t;
+    const float strength = 1 - smooth_step(kGroundFull, kGroundEnd, std::hypot(p.x, p.y));
+    if (strength <= 0) return {};
+    const Vec3 from = p + Vec3{0, 0, kOffset * 4};
+    float missing = 0;
+    if (scene_.occluded(from, sun_direction(draws), std::numeric_limits<float>::infinity())) missing += 0.42f;
+    if (scene_.occluded(from, cosine_direction({0, 0, 1}, draws.sky), kAmbientReach)) missing += 0.38f;
+    return {Vec3{}, missing * strength};
+}
+
+}  // namespace coppice

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+
+#include "coppice/render/traced_scene_internal.h"
+
+namespace coppice {
+
+/// Linear light, premultiplied by alpha.
+struct Light {
+    Vec3 color;
+    float alpha = 0;
+};
+
+/// Red for outside, blue for inside, pale grey for true; `t` runs over [-1, 1]. Linear.
+Vec3 deviation_color(float t);
+
+/// Encodes linear light in [0, 1] as sRGB.
+float to_srgb(float linear);
+
+/// Sun, sky and what the surface makes of them.
+class Shading {
+  public:
+    Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options);
+
+    /// The light of pixel (x, y), the mean of all samples. The same whatever is asked before.
+    Light pixel(int x, int y) const;
+
+  private:
+    struct Draws;  // the random numbers of one sample
+
+    Light sample(float x, float y, const Draws& draws) const;
+    Light solid(const Hit& hit, float x, float y, const Draws& draws) const;
+    Light ground(Vec3 direction, const Draws& draws) const;
+    Vec3 albedo(const Hit& hit) const;
+    float wire(const Hit& hit, float x, float y) const;
+    Vec3 sun_direction(const Draws& draws) const;
+
+    const TracedScene& scene_;
+    const Camera& camera_;
+    const RenderOptions& options_;
+    Vec3 sun_;
+    float ground_height_;
+    bool ground_visible_;
+};
+
+}  // namespace coppice

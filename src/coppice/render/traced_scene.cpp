@@ -1,0 +1,276 @@
+#include "coppice/render/traced_scene_internal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <new>
+
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+
+namespace coppice {
+namespace {
+
+constexpr double kGreatestSize = 1e15;  // [m] beyond it squares of floats overflow
+constexpr std::size_t kGrain = 65536;
+
+struct Box3d {
+    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+    void extend(Vec3d p, double radius) {
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], p[k] - radius);
+            high[k] = std::max(high[k], p[k] + radius);
+        }
+    }
+};
+
+void throw_embree_error(RTCDevice device, const Context& ctx) {
+    const RTCError code = rtcGetDeviceError(device);
+    if (code == RTC_ERROR_NONE) return;
+    ctx.throw_if_cancelled();
+    if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    throw Unsupported(
+        fmt::format("the ray tracer cannot take this scene (Embree error {})", static_cast<int>(code)));
+}
+
+template <class T>
+std::span<T> new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t count) {
+    void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
+    if (data == nullptr) throw std::bad_alloc();
+    return {static_cast<T*>(data), count};
+}
+
+struct Ball {
+    Vec3 center;
+    float radius;
+};
+static_assert(sizeof(Ball) == 16);
+
+/// Segments as cones; what a cone cannot be (no length, one end inside the other, a single node) as a ball.
+struct Tubes {
+    std::vector<Ball> cones;  ///< two per cone
+    std::vector<Ball> balls;
+
+    void add(Ball a, Ball b) {
+        if (distance(a.center, b.center) <= std::abs(a.radius - b.radius) * 1.0001f + 1e-9f) {
+            balls.push_back(a.radius > b.radius ? a : b);
+        } else {
+            cones.push_back(a);
+            cones.push_back(b);
+        }
+    }
+};
+
+void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::vector<Ball>& balls) {
+    if (balls.empty()) return;
+    RTCGeometry geometry = rtcNewGeometry(device, type);
+    std::ranges::copy(
+        balls, new_buffer<Ball>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, balls.size()).begin());
+    if (type == RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE) {
+        const auto first =
+            new_buffer<std::uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, balls.size() / 2);
+        for (std::size_t i = 0; i < first.size(); ++i) first[i] = static_cast<std::uint32_t>(2 * i);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+}
+
+}  // namespace
+
+TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx)
+    : deviation_(scene.deviation) {
+    const float skeleton_width = scene.mesh != nullptr ? options.axis_width : 1;
+    place(scene, skeleton_width);
+    const auto config = fmt::format("threads={}", ctx.threads);
+    device_.reset(rtcNewDevice(config.c_str()));
+    if (!device_) throw Unsupported("the ray tracer does not run on this processor (Embree needs SSE2)");
+    solid_is_mesh_ = scene.mesh != nullptr;
+    if (scene.mesh != nullptr) {
+        add_faces(*scene.mesh);
+        if (!options.flat) smooth_normals();
+        solid_ = build_mesh(ctx);
+        if (scene.skeleton != nullptr) axis_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
+    } else {
+        solid_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
+    }
+    collect_frame_points(scene, skeleton_width);
+}
+
+/// The axis inside a mesh counts with the width it is drawn with, so that the ground touches the mesh.
+void TracedScene::place(const RenderScene& scene, float skeleton_width) {
+    Box3d box;
+    if (scene.mesh != nullptr) {
+        for (const std::uint32_t v : scene.mesh->corners) {
+            box.extend(Vec3d(scene.mesh->positions[v]) + scene.mesh->origin, 0);
+        }
+    }
+    if (scene.skeleton != nullptr) {
+        for (const NodeId n : nodes(*scene.skeleton)) {
+            box.extend(Vec3d(scene.skeleton->position(n)) + scene.skeleton->origin(),
+                       skeleton_width * scene.skeleton->radius(n));
+        }
+    }
+    const double size = distance(box.low, box.high);
+    if (!(size < kGreatestSize))
+        throw InvalidInput("render: the object is larger than 1e15 m; check its coordinates");
+    center_ = 0.5 * (box.low + box.high);
+    scale_ = size > 0 ? 1 / size : 1;
+    const Vec3d half = 0.5 * scale_ * (box.high - box.low);
+    bounds_.extend(Vec3(half));
+    bounds_.extend(-Vec3(half));
+}
+
+void TracedScene::add_faces(const PolygonMesh& mesh) {
+    positions_.reserve(mesh.positions.size());
+    for (const Vec3 p : mesh.positions) positions_.push_back(local(p, mesh.origin));
+    quads_.reserve(mesh.face_count());
+    edges_.reserve(mesh.face_count());
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+        const auto c = mesh.face(f);
+        if (c.size() == 4) {
+            quads_.push_back({c[0], c[1], c[2], c[3]});
+            edges_.push_back(0b1111);
+            continue;
+        }
+        for (std::size_t k = 1; k + 1 < c.size(); ++k) {
+            quads_.push_back({c[0], c[k], c[k + 1], c[k + 1]});
+            edges_.push_back(
+                static_cast<std::uint8_t>((k == 1 ? 1 : 0) | 0b10 | (k + 2 == c.size() ? 0b1000 : 0)));
+        }
+    }
+}
+
+/// The mean of the normals of the faces around each vertex, weighted by area.
+void TracedScene::smooth_normals() {
+    normals_.assign(positions_.size(), Vec3{});
+    for (const Quad& q : quads_) {
+        const Vec3 n = cross(positions_[q[2]] - positions_[q[0]], positions_[q[3]] - positions_[q[1]]);
+        for (std::size_t k = 0; k < (q[2] == q[3] ? 3u : 4u); ++k) normals_[q[k]] += n;
+    }
+    for (Vec3& n : normals_) n = normalized(n, Vec3{});
+}
+
+void TracedScene::collect_frame_points(const RenderScene& scene, float skeleton_width) {
+    if (scene.mesh != nullptr) {
+        std::vector<bool> used(positions_.size());
+        for (const std::uint32_t v : scene.mesh->corners) used[v] = true;
+        for (std::size_t v = 0; v < used.size(); ++v) {
+            if (used[v]) frame_points_.push_back({positions_[v]});
+        }
+    }
+    if (scene.skeleton == nullptr) return;
+    const Skeleton& s = *scene.skeleton;
+    for (const NodeId n : nodes(s)) {
+        frame_points_.push_back(
+            {local(s.position(n), s.origin()), static_cast<float>(skeleton_width * s.radius(n) * scale_)});
+    }
+}
+
+EmbreeScene TracedScene::build_mesh(const Context& ctx) {
+    EmbreeScene scene(rtcNewScene(device_.get()));
+    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD);
+    const auto positions =
+        new_buffer<Vec3>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
+    const auto quads = new_buffer<Quad>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, quads_.size());
+    parallel_for(ctx, positions.size(), kGrain, [&](std::size_t i) { positions[i] = positions_[i]; });
+    parallel_for(ctx, quads.size(), kGrain, [&](std::size_t i) { quads[i] = quads_[i]; });
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    commit(scene.get(), ctx);
+    return scene;
+}
+
+EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Context& ctx) {
+    const auto ball = [&](Vec3 p, float radius) {
+        return Ball{local(p, s.origin()), std::max(1e-6f, static_cast<float>(width * radius * scale_))};
+    };
+    Tubes tubes;
+    for (const NodeId n : nodes(s)) {
+        if (!s.is_root(n)) {
+            const Segment g = s.segment(n);
+            tubes.add(ball(g.a, g.radius_a), ball(g.b, g.radius_b));
+        } else if (s.is_tip(n)) {
+            tubes.balls.push_back(ball(s.position(n), s.radius(n)));
+        }
+    }
+    EmbreeScene scene(rtcNewScene(device_.get()));
+    attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE, tubes.cones);
+    attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT, tubes.balls);
+    commit(scene.get(), ctx);
+    return scene;
+}
+
+void TracedScene::commit(RTCScene scene, const Context& ctx) {
+    const auto go_on = [](void* context, double) {
+        return !static_cast<const Context*>(context)->stop.stop_requested();
+    };
+    rtcSetSceneProgressMonitorFunction(scene, go_on, const_cast<Context*>(&ctx));
+    rtcCommitScene(scene);
+    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    throw_embree_error(device_.get(), ctx);
+}
+
+std::optional<Hit> TracedScene::trace(Vec3 origin, Vec3 direction) const {
+    return trace(solid_.get(), origin, direction);
+}
+
+std::optional<Hit> TracedScene::trace_axis(Vec3 origin, Vec3 direction) const {
+    return trace(axis_.get(), origin, direction);
+}
+
+std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 direction) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit r{};
+    r.ray.org_x = origin.x, r.ray.org_y = origin.y, r.ray.org_z = origin.z;
+    r.ray.dir_x = direction.x, r.ray.dir_y = direction.y, r.ray.dir_z = direction.z;
+    r.ray.tfar = std::numeric_limits<float>::infinity();
+    r.ray.mask = ~0u;
+    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &context, &r);
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+
+    Hit hit;
+    hit.distance = r.ray.tfar;
+    hit.position = origin + direction * hit.distance;
+    hit.geometric_normal = normalized(Vec3{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, -direction);
+    hit.on_mesh = solid_is_mesh_ && scene == solid_.get();
+    hit.face = r.hit.primID;
+    hit.u = r.hit.u, hit.v = r.hit.v;
+    if (dot(hit.geometric_normal, direction) > 0) hit.geometric_normal = -hit.geometric_normal;
+    hit.normal = hit.geometric_normal;
+    if (hit.on_mesh && !normals_.empty()) {
+        const Quad& q = quads_[hit.face];
+        const float u = hit.u, v = hit.v;
+        const Vec3 n =
+            u + v <= 1 ? normals_[q[0]] * (1 - u - v) + normals_[q[1]] * u + normals_[q[3]] * v
+                       : normals_[q[2]] * (u + v - 1) + normals_[q[3]] * (1 - u) + normals_[q[1]] * (1 - v);
+        const Vec3 smooth = normalized(n, hit.geometric_normal);
+        hit.normal = dot(smooth, hit.geometric_normal) < 0 ? -smooth : smooth;
+    }
+    return hit;
+}
+
+bool TracedScene::occluded(Vec3 origin, Vec3 direction, float far) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRay r{};
+    r.org_x = origin.x, r.org_y = origin.y, r.org_z = origin.z;
+    r.dir_x = direction.x, r.dir_y = direction.y, r.dir_z = direction.z;
+    r.tfar = far;
+    r.mask = ~0u;
+    rtcOccluded1(solid_.get(), &context, &r);
+    return r.tfar < 0;
+}
+
+float TracedScene::deviation(const Hit& hit) const {
+    const Quad& q = quads_[hit.face];
+    const float u = hit.u, v = hit.v;
+    if (u + v <= 1) return deviation_[q[0]] * (1 - u - v) + deviation_[q[1]] * u + deviation_[q[3]] * v;
+    return deviation_[q[2]] * (u + v - 1) + deviation_[q[3]] * (1 - u) + deviation_[q[1]] * (1 - v);
+}
+
+}  // namespace coppice

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/render/camera_internal.h"
+#include "coppice/render/render.h"
+
+namespace coppice {
+
+template <class T, void (*release)(T)>
+struct Release {
+    using pointer = T;
+    void operator()(T object) const { release(object); }
+};
+using EmbreeDevice = std::unique_ptr<RTCDevice, Release<RTCDevice, rtcReleaseDevice>>;
+using EmbreeScene = std::unique_ptr<RTCScene, Release<RTCScene, rtcReleaseScene>>;
+
+/// Where a ray met the object.
+struct Hit {
+    Vec3 position;
+    Vec3 normal;            ///< unit, smoothed, on the side of the ray's origin
+    Vec3 geometric_normal;  ///< unit, of the face, on the same side
+    float distance = 0;
+    bool on_mesh = false;
+    std::uint32_t face = 0;  ///< of `quads()`, if on the mesh
+    float u = 0, v = 0;      ///< corners 0..3 lie at (0,0), (1,0), (1,1), (0,1)
+};
+
+/// The object, moved to the origin and scaled so that the diagonal of its box is 1, ready for rays.
+class TracedScene {
+  public:
+    TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx);
+
+    std::optional<Hit> trace(Vec3 origin, Vec3 direction) const;
+    std::optional<Hit> trace_axis(Vec3 origin, Vec3 direction) const;  ///< of the skeleton inside a mesh
+    bool occluded(Vec3 origin, Vec3 direction, float far) const;
+
+    const std::vector<FramePoint>& frame_points() const { return frame_points_; }
+    Box3 bounds() const { return bounds_; }
+    bool has_axis() const { return axis_ != nullptr; }
+
+    const Quad& quad(std::uint32_t face) const { return quads_[face]; }
+    bool has_edge(std::uint32_t face, int k) const {
+        return (edges_[face] >> k & 1) != 0;
+    }  ///< corner k to k + 1
+    Vec3 position(std::uint32_t vertex) const { return positions_[vertex]; }
+    float deviation(const Hit& hit) const;  ///< NaN where unknown
+
+  private:
+    void place(const RenderScene& scene, float skeleton_width);
+    void add_faces(const PolygonMesh& mesh);
+    void smooth_normals();
+    void collect_frame_points(const RenderScene& scene, float skeleton_width);
+    EmbreeScene build_mesh(const Context& ctx);
+    EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
+    void commit(RTCScene scene, const Context& ctx);
+    std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
+    Vec3 local(Vec3 p, Vec3d origin) const { return Vec3((Vec3d(p) + (origin - center_)) * scale_); }
+
+    Vec3d center_;
+    double scale_ = 1;
+    Box3 bounds_;
+    std::vector<FramePoint> frame_points_;
+    std::vector<Vec3> positions_;
+    std::vector<Vec3> normals_;  ///< per vertex; empty when faces are shown flat
+    std::vector<Quad> quads_;    ///< triangles repeat their last corner; larger faces are fans
+    std::vector<std::uint8_t> edges_;
+    std::span<const float> deviation_;
+    bool solid_is_mesh_ = false;
+    EmbreeDevice device_;
+    EmbreeScene solid_, axis_;
+};
+
+}  // namespace coppice

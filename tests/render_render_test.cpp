@@ -1,0 +1,288 @@
+#include "coppice/render/render.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace coppice {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+PolygonMesh cube(float half, Vec3d origin = {}) {
+    PolygonMesh m;
+    for (int i = 0; i < 8; ++i) {
+        m.positions.push_back({i & 1 ? half : -half, i & 2 ? half : -half, i & 4 ? half : -half});
+    }
+    const std::uint32_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                       {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    for (const auto& f : faces) m.add_face(f);
+    m.origin = origin;
+    return m;
+}
+
+Skeleton fork() {
+    return Skeleton({NodeId{}, NodeId(0), NodeId(1), NodeId(1), NodeId{}},
+                    {{0, 0, 0}, {0, 0, 1}, {0.5f, 0, 1.6f}, {-0.5f, 0, 1.6f}, {1, 0, 0.2f}},
+                    {0.1f, 0.08f, 0.05f, 0.05f, 0.2f});
+}
+
+RenderOptions small() {
+    RenderOptions o;
+    o.width = o.height = 64;
+    o.samples = 4;
+    o.azimuth = 0;
+    o.elevation = 0;
+    o.ground = false;
+    o.transparent = true;
+    return o;
+}
+
+/// Columns and rows that the object touches.
+struct Extent {
+    int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
+};
+Extent extent(const Image& image) {
+    Extent e;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            if (image.at(x, y)[3] == 0) continue;
+            e.left = std::min(e.left, x), e.right = std::max(e.right, x);
+            e.top = std::min(e.top, y), e.bottom = std::max(e.bottom, y);
+        }
+    }
+    return e;
+}
+
+int opaque_pixels(const Image& image) {
+    int count = 0;
+    for (const auto& p : image.pixels) count += p[3] == 255 ? 1 : 0;
+    return count;
+}
+
+TEST(Render, TheObjectFillsThePictureUpToTheMargin) {
+    const PolygonMesh mesh = cube(2);
+    RenderOptions o = small();
+    o.margin = 0.125f;  // 8 of 64 pixels on each side
+    // Seen square on, the front face of the cube is what fills the picture.
+    const Extent e = extent(render({.mesh = &mesh}, o));
+    EXPECT_NEAR(e.left, 8, 1);
+    EXPECT_NEAR(e.right, 55, 1);
+    EXPECT_NEAR(e.top, 8, 1);
+    EXPECT_NEAR(e.bottom, 55, 1);
+}
+
+TEST(Render, EverythingFitsFromEverySide) {
+    const Skeleton skeleton = fork();
+    RenderOptions o = small();
+    o.width = 96;
+    o.samples = 1;
+    for (const float azimuth : {-2.0f, 0.0f, 1.0f, kPi}) {
+        for (const float elevation : {-1.57f, -0.3f, 0.4f, 1.57f}) {
+            o.azimuth = azimuth;
+            o.elevation = elevation;
+            const Extent e = extent(render({.skeleton = &skeleton}, o));
+            EXPECT_GE(e.left, 2);
+            EXPECT_LE(e.right, 93);
+            EXPECT_GE(e.top, 1);
+            EXPECT_LE(e.bottom, 62);
+            EXPECT_TRUE(e.right - e.left > 78 || e.bottom - e.top > 50);
+        }
+    }
+}
+
+TEST(Render, SizeAndPlaceDoNotMatter) {
+    RenderOptions o = small();
+    o.azimuth = 0.7f;
+    o.elevation = 0.5f;
+    const PolygonMesh reference = cube(1);
+    const int expected = opaque_pixels(render({.mesh = &reference}, o));
+    for (const float half : {1e-3f, 1e6f, 1e14f}) {
+        const PolygonMesh mesh = cube(half, {5e6, -3e6, 100});
+        EXPECT_NEAR(opaque_pixels(render({.mesh = &mesh}, o)), expected, 4) << half;
+    }
+}
+
+TEST(Render, MeshAndSkeletonShareOneSpace) {
+    // The skeleton's ball touches the cube's faces from inside once both origins count.
+    const PolygonMesh mesh = cube(1, {1000, 0, 0});
+    const Skeleton inside({NodeId{}}, {{0, 0, 0}}, {0.9f}, {1000, 0, 0});
+    const Extent e = extent(render({.mesh = &mesh, .skeleton = &inside}, small()));
+    EXPECT_NEAR(e.left, 2.5, 1);
+    EXPECT_NEAR(e.right, 60.5, 1);
+}
+
+TEST(Render, TheSkeletonShinesThroughTheMesh) {
+    const PolygonMesh mesh = cube(1);
+    const Skeleton inside({NodeId{}}, {{0, 0, 0}}, {0.9f});
+    const auto plain = render({.mesh = &mesh}, small()).at(32, 32);
+    const auto both = render({.mesh = &mesh, .skeleton = &inside}, small()).at(32, 32);
+    EXPECT_GT(both[0], both[2] + 60);
+    EXPECT_LT(plain[0], plain[2] + 60);
+}
+
+TEST(Render, SamePictureForAnyNumberOfThreads) {
+    const Skeleton skeleton = fork();
+    RenderOptions o = small();
+    o.ground = true;
+    const Image one = render({.skeleton = &skeleton}, o, {.threads = 1});
+    EXPECT_EQ(one, render({.skeleton = &skeleton}, o, {.threads = 2}));
+    EXPECT_EQ(one, render({.skeleton = &skeleton}, o, {.threads = 7}));
+}
+
+TEST(Render, WiresFollowTheEdgesOfQuadsAndNotTheirDiagonals) {
+    const PolygonMesh mesh = cube(1);
+    RenderOptions o = small();
+    o.samples = 16;
+    o.margin = 0;
+    o.flat = true;
+    const Image plain = render({.mesh = &mesh}, o);
+    o.wireframe = true;
+    o.wire_width = 4;
+    const Image wired = render({.mesh = &mesh}, o);
+    EXPECT_LT(wired.at(1, 32)[0] + 40, plain.at(1, 32)[0]) << "the left edge is dark";
+    EXPECT_LT(wired.at(32, 62)[0] + 40, plain.at(32, 62)[0]) << "so is the lower one";
+    for (const int i : {20, 28, 32, 44}) {
+        EXPECT_EQ(wired.at(i, i), plain.at(i, i)) << "neither diagonal is drawn";
+        EXPECT_EQ(wired.at(i, 63 - i), plain.at(i, 63 - i));
+    }
+}
+
+TEST(Render, LargerFacesShowNoEdgesInside) {
+    PolygonMesh mesh;  // a hexagon across the view along -x
+    std::uint32_t ring[6];
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        const float a = kPi / 3 * static_cast<float>(i);
+        mesh.positions.push_back({0, std::cos(a), std::sin(a)});
+        ring[i] = i;
+    }
+    mesh.add_face(ring);
+    RenderOptions o = small();
+    const Image plain = render({.mesh = &mesh}, o);
+    o.wireframe = true;
+    const Image wired = render({.mesh = &mesh}, o);
+    for (int x = 12; x < 52; ++x) EXPECT_EQ(wired.at(x, 32), plain.at(x, 32)) << x;
+    EXPECT_NE(wired.at(32, extent(plain).top + 1), plain.at(32, extent(plain).top + 1));
+}
+
+TEST(Render, InsideIsBlueAndOutsideRed) {
+    const PolygonMesh mesh = cube(1);
+    RenderOptions o = small();
+    o.color = RenderColor::deviation;
+    const auto middle = [&](float deviation) {
+        const std::vector<float> values(8, deviation);
+        return render({.mesh = &mesh, .deviation = values}, o).at(20, 32);
+    };
+    EXPECT_GT(middle(0.1f)[0], middle(0.1f)[2] + 40);
+    EXPECT_GT(middle(-0.1f)[2], middle(-0.1f)[0] + 40);
+    EXPECT_NEAR(middle(0.0f)[0], middle(0.0f)[2], 30);
+    EXPECT_EQ(middle(0.5f), middle(0.1f)) << "the colours end at the range";
+    EXPECT_NO_THROW(middle(std::numeric_limits<float>::quiet_NaN()));
+}
+
+TEST(Render, DeviationComesWithAScaleBar) {
+    const PolygonMesh mesh = cube(1);
+    RenderOptions o = small();
+    o.width = 400;
+    o.height = 200;  // the cube leaves both sides free
+    o.color = RenderColor::deviation;
+    const std::vector<float> values(8, 0.0f);
+    const Image image = render({.mesh = &mesh, .deviation = values}, o);
+    bool red = false, blue = false;
+    for (int x = 320; x < 400; ++x) {
+        for (int y = 0; y < 200; ++y) {
+            const auto p = image.at(x, y);
+            red = red || (p[3] == 255 && y < 100 && p[0] > p[2] + 100);
+            blue = blue || (p[3] == 255 && y > 100 && p[2] > p[0] + 100);
+        }
+    }
+    EXPECT_TRUE(red);
+    EXPECT_TRUE(blue);
+}
+
+TEST(Render, TheGroundReceivesAShadow) {
+    const PolygonMesh mesh = cube(1);
+    RenderOptions o = small();
+    o.elevation = 0.5f;
+    o.margin = 0.3f;
+    const auto covered = [](const Image& image) {
+        int count = 0;
+        for (const auto& p : image.pixels) count += p[3] > 0 ? 1 : 0;
+        return count;
+    };
+    const int without = covered(render({.mesh = &mesh}, o));
+    o.ground = true;
+    EXPECT_GT(covered(render({.mesh = &mesh}, o)), without + 50);
+    o.elevation = -0.5f;
+    const int from_below = covered(render({.mesh = &mesh}, o));
+    o.ground = false;
+    EXPECT_EQ(from_below, covered(render({.mesh = &mesh}, o))) << "from below there is no ground to see";
+}
+
+TEST(Render, APlainBackgroundIsOpaque) {
+    const PolygonMesh mesh = cube(1);
+    RenderOptions o = small();
+    o.transparent = false;
+    EXPECT_EQ(opaque_pixels(render({.mesh = &mesh}, o)), 64 * 64);
+}
+
+TEST(Render, DegenerateSkeletonsAreDrawn) {
+    // A zero-length segment, a ball inside another, and single nodes.
+    const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId{}},
+                     {{0, 0, 0}, {0, 0, 0}, {0, 0, 0.1f}, {2, 0, 0}}, {0.5f, 0.5f, 0.1f, 0.3f});
+    EXPECT_GT(opaque_pixels(render({.skeleton = &s}, small())), 100);
+    const Skeleton dot({NodeId{}}, {{3, 4, 5}}, {1e-4f});
+    EXPECT_GT(opaque_pixels(render({.skeleton = &dot}, small())), 1000);
+}
+
+TEST(Render, AMeshWithoutSizeIsNoCrash) {
+    PolygonMesh mesh;
+    mesh.positions.assign(3, Vec3{1, 2, 3});
+    const std::uint32_t face[3] = {0, 1, 2};
+    mesh.add_face(face);
+    EXPECT_EQ(opaque_pixels(render({.mesh = &mesh}, small())), 0);
+}
+
+TEST(Render, BadInputIsRefused) {
+    PolygonMesh mesh = cube(1);
+    EXPECT_THROW(render({}, small()), InvalidInput);
+    const PolygonMesh empty;
+    EXPECT_THROW(render({.mesh = &empty}, small()), InvalidInput);
+    RenderOptions o = small();
+    o.samples = 0;
+    EXPECT_THROW(render({.mesh = &mesh}, o), InvalidInput);
+    o = small();
+    o.width = o.height = 16384;
+    EXPECT_THROW(render({.mesh = &mesh}, o), InvalidInput) << "too much memory";
+    o = small();
+    o.color = RenderColor::deviation;
+    EXPECT_THROW(render({.mesh = &mesh}, o), InvalidInput) << "no deviations";
+    mesh.positions[3].y = std::numeric_limits<float>::infinity();
+    EXPECT_THROW(render({.mesh = &mesh}, small()), InvalidInput);
+}
+
+TEST(Render, AStopEndsIt) {
+    const PolygonMesh mesh = cube(1);
+    std::stop_source source;
+    Context ctx;
+    ctx.stop = source.get_token();
+    ctx.progress = [&](float) { source.request_stop(); };
+    EXPECT_THROW(render({.mesh = &mesh}, small(), ctx), Cancelled);
+}
+
+TEST(Render, ProgressRisesToOne) {
+    const PolygonMesh mesh = cube(1);
+    float last = -1;
+    Context ctx;
+    ctx.progress = [&](float f) {
+        EXPECT_GE(f, last);
+        last = f;
+    };
+    render({.mesh = &mesh}, small(), ctx);
+    EXPECT_FLOAT_EQ(last, 1);
+}
+
+}  // namespace
+}  // namespace coppice
