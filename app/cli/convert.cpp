@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/io/mesh_writer.h"
+#include "coppice/io/skeleton_writer.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+struct ConvertFlags {
+    std::filesystem::path input, output;
+    ReadSkeletonOptions read;
+    WriteSkeletonOptions write;
+};
+
+/// The kind of the output, which must be that of the input.
+FileKind agreed_kind(const ConvertFlags& flags) {
+    const FileKind from = kind_of_input(flags.input);
+    if (from == FileKind::skeleton && flags.write.format != SkeletonFormat::automatic) return from;
+    const FileKind to = kind_of_output(flags.output, from);
+    if (from == to) return from;
+    if (from == FileKind::skeleton) {
+        throw UsageError(fmt::format(
+            "'{}' is a skeleton and '{}' the name of a mesh; use coppice mesh {} -o {}", flags.input.string(),
+            flags.output.string(), flags.input.string(), flags.output.string()));
+    }
+    throw UsageError(
+        fmt::format("'{}' is a mesh, and '{}' the name of a skeleton, which cannot be made of it",
+                    flags.input.string(), flags.output.string()));
+}
+
+ExitCode convert(Run& run, const ConvertFlags& flags) {
+    if (flags.input.empty() || flags.output.empty())
+        throw UsageError("name both files: coppice convert IN -o OUT");
+    const FileKind kind = agreed_kind(flags);
+    std::string what;
+    if (kind == FileKind::skeleton) {
+        check_output_folder(flags.output);
+        const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
+        run.stage("write", [&](const Context&) { write_skeleton(flags.output, file.skeleton, flags.write); });
+        what = grouped(file.skeleton.size()) + " nodes";
+    } else {
+        check_mesh_output(flags.output);
+        const PolygonMesh mesh = load_mesh(run, flags.input);
+        run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, {}, ctx); });
+        what = grouped(mesh.face_count()) + " faces";
+    }
+    run.finish(fmt::format("{}: {}", flags.output.string(), what));
+    return kDone;
+}
+
+}  // namespace
+
+Command convert_command(CLI::App& app) {
+    auto [command, flags] = new_command<ConvertFlags>(
+        app, "convert",
+        "Turn a skeleton file into another kind of skeleton file, or a mesh file into another mesh file");
+    command.app->add_option("input", flags->input, "skeleton or mesh to read")->type_name("IN");
+    command.app->add_option("-o,--output", flags->output, "file to write; its ending tells the format")
+        ->type_name("OUT");
+    add_options(*command.app, flags->read, "Reading a skeleton", "input");
+    add_options(*command.app, flags->write, "Writing a skeleton", "output");
+    command.run = [flags = flags](Run& run) { return convert(run, *flags); };
+    return command;
+}
+
+}  // namespace coppice::cli

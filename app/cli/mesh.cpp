@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/io/mesh_writer.h"
+#include "coppice/recipe/mesh_skeleton.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+struct MeshFlags {
+    std::filesystem::path skeleton, cage;
+    std::vector<std::filesystem::path> outputs;
+    MeshOptions mesh;
+    ReadSkeletonOptions read;
+};
+
+void check_flags(const MeshFlags& flags) {
+    if (flags.skeleton.empty() || (flags.outputs.empty() && flags.cage.empty())) {
+        throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
+    }
+    for (const auto& output : flags.outputs) check_mesh_output(output);
+    if (flags.cage.empty()) return;
+    check_mesh_output(flags.cage);
+    if (mesh_format_of_name(flags.cage) != MeshFormat::usda) {
+        throw UsageError(fmt::format("--cage writes USDA; end the name '{}' in .usda", flags.cage.string()));
+    }
+}
+
+ExitCode mesh(Run& run, const MeshFlags& flags) {
+    check_flags(flags);
+    const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
+    const MeshResult result =
+        run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(file.skeleton, flags.mesh, ctx); });
+    for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
+    run.stage("write", [&](const Context& ctx) {
+        for (const auto& output : flags.outputs) write_mesh(output, result.mesh, {}, ctx);
+        if (!flags.cage.empty()) write_cage(flags.cage, result.cage.cage, ctx);
+    });
+    run.counts()["vertices"] = result.mesh.positions.size();
+    run.counts()["quads"] = result.mesh.quads.size();
+    run.counts()["cage_quads"] = result.cage.cage.quads.size();
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {} quads", flags.skeleton.string(),
+                           grouped(file.skeleton.size()), grouped(file.report.total()),
+                           grouped(result.mesh.quads.size())));
+    return kDone;
+}
+
+}  // namespace
+
+Command mesh_command(CLI::App& app) {
+    auto [command, flags] =
+        new_command<MeshFlags>(app, "mesh", "Turn a skeleton with radii into one closed surface of quads");
+    command.app
+        ->add_option("skeleton", flags->skeleton,
+                     "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)")
+        ->type_name("SKELETON");
+    command.app
+        ->add_option("-o,--output", flags->outputs,
+                     "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated")
+        ->type_name("MESH")
+        ->expected(1)
+        ->take_all();
+    command.app
+        ->add_option("--cage", flags->cage, "also write the control cage, for subdivision elsewhere (.usda)")
+        ->type_name("FILE");
+    add_options(*command.app, flags->mesh, "Surface");
+    add_options(*command.app, flags->read, "Reading the skeleton", "input");
+    command.run = [flags = flags](Run& run) { return mesh(run, *flags); };
+    return command;
+}
+
+}  // namespace coppice::cli

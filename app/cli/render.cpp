@@ -1,0 +1,114 @@
+#include "coppice/render/render.h"
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/base/parallel.h"
+#include "coppice/io/file.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/render/png.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+struct RenderFlags {
+    std::filesystem::path input, second, output;
+    RenderOptions render;
+    ReadSkeletonOptions read;
+};
+
+struct Inputs {
+    std::optional<PolygonMesh> mesh;
+    std::optional<SkeletonFile> skeleton;
+};
+
+Inputs load(Run& run, const RenderFlags& flags) {
+    Inputs in;
+    for (const auto& path : {flags.input, flags.second}) {
+        if (path.empty()) continue;
+        if (kind_of_input(path) == FileKind::mesh) {
+            if (in.mesh) throw UsageError("give at most one mesh and one skeleton to coppice render");
+            in.mesh = load_mesh(run, path);
+            validate(*in.mesh);
+        } else {
+            if (in.skeleton) throw UsageError("give at most one mesh and one skeleton to coppice render");
+            in.skeleton = load_skeleton(run, path, flags.read);
+        }
+    }
+    return in;
+}
+
+/// Per vertex: the least distance to a segment in radii of that segment, minus one.
+std::vector<float> deviations(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
+    constexpr std::size_t kGrain = 1024;
+    const CapsuleTree capsules(skeleton, mesh.origin, ctx);
+    std::vector<float> out(mesh.positions.size());
+    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
+        std::uint32_t hint = CapsuleTree::kNone;
+        for (std::size_t v = range.begin; v < range.end; ++v) {
+            const auto nearest = capsules.nearest(Vec3d(mesh.positions[v]), hint);
+            const bool found = nearest.capsule != CapsuleTree::kNone;
+            hint = nearest.capsule;
+            out[v] = found ? static_cast<float>(nearest.rho - 1) : std::numeric_limits<float>::quiet_NaN();
+        }
+    });
+    return out;
+}
+
+void check_flags(const RenderFlags& flags) {
+    if (flags.input.empty() || flags.output.empty())
+        throw UsageError("name the files: coppice render IN [IN2] -o PNG");
+    if (flags.output.extension() != ".png" && flags.output.extension() != ".PNG") {
+        throw UsageError(
+            fmt::format("'{}' is no name of a picture; use the ending .png", flags.output.string()));
+    }
+    check_output_folder(flags.output);
+}
+
+ExitCode render_file(Run& run, const RenderFlags& flags) {
+    check_flags(flags);
+    const Inputs in = load(run, flags);
+    const bool by_deviation = flags.render.color == RenderColor::deviation;
+    if (by_deviation && !(in.mesh && in.skeleton)) {
+        throw UsageError(
+            "--color deviation needs a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
+    }
+    std::vector<float> deviation;
+    if (by_deviation) {
+        deviation = run.stage(
+            "measure", [&](const Context& ctx) { return deviations(*in.mesh, in.skeleton->skeleton, ctx); });
+    }
+    const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
+                            .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
+                            .deviation = deviation};
+    const Image image =
+        run.stage("render", [&](const Context& ctx) { return render(scene, flags.render, ctx); });
+    run.stage("write", [&](const Context&) {
+        AtomicFile file(flags.output);
+        file.write(encode_png(image));
+        file.commit();
+    });
+    run.counts()["pixels"] = image.pixels.size();
+    run.finish(fmt::format("{}: {} x {} pixels", flags.output.string(), image.width, image.height));
+    return kDone;
+}
+
+}  // namespace
+
+Command render_command(CLI::App& app) {
+    auto [command, flags] =
+        new_command<RenderFlags>(app, "render", "Draw a mesh, a skeleton, or both with sun and sky light");
+    command.app->add_option("input", flags->input, "mesh or skeleton")->type_name("IN");
+    command.app->add_option("second", flags->second, "the skeleton of the mesh, or the mesh")
+        ->type_name("IN2");
+    command.app->add_option("-o,--output", flags->output, "picture to write")->type_name("PNG");
+    add_options(*command.app, flags->render, "Picture");
+    add_options(*command.app, flags->read, "Reading a skeleton");
+    command.run = [flags = flags](Run& run) { return render_file(run, *flags); };
+    return command;
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,113 @@
+#include "run.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+#include "coppice/io/file.h"
+#include "files.h"
+#include "options.h"
+#include "version.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr int kBarWidth = 30;
+constexpr Field kThreads{"threads", "threads to use; 0 takes all of the machine", Unit::none, 0, 1024};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::uint64_t peak_memory_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+double rounded(double seconds) { return std::round(seconds * 1e6) / 1e6; }
+
+}  // namespace
+
+void add_common_flags(CLI::App& app, CommonFlags& flags) {
+    const std::string group = "Running";
+    detail::add_flag(app, kThreads, flags.threads, "--threads", group);
+    app.add_option("--report", flags.report,
+                   "write times, counts, repairs and peak memory to this file as JSON")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_flag("--quiet", flags.quiet, "no progress and no summary")->group(group);
+}
+
+Run::Run(std::string command, CommonFlags flags, std::stop_token stop)
+    : command_(std::move(command)),
+      flags_(std::move(flags)),
+      stop_(std::move(stop)),
+      terminal_(!flags_.quiet && isatty(STDERR_FILENO) != 0) {
+    if (!flags_.report.empty()) check_output_folder(flags_.report);
+}
+
+Context Run::context(const std::string& stage) {
+    Context ctx;
+    const unsigned available = std::max(1u, std::thread::hardware_concurrency());
+    ctx.threads = std::min(static_cast<unsigned>(flags_.threads), available);
+    ctx.stop = stop_;
+    ctx.throw_if_cancelled();
+    if (terminal_) {
+        shown_percent_ = -1;
+        ctx.progress = [this, stage](float fraction) { show_progress(stage, fraction); };
+        show_progress(stage, 0);
+    }
+    return ctx;
+}
+
+Run::Clock::~Clock() {
+    run_.stages_.emplace_back(name_, seconds_since(start_));
+    run_.clear_progress();
+}
+
+void Run::show_progress(const std::string& stage, float fraction) {
+    const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0f, 1.0f));
+    if (percent == shown_percent_) return;
+    shown_percent_ = percent;
+    const std::string bar(static_cast<std::size_t>(percent * kBarWidth / 100), '#');
+    fmt::print(stderr, "\r{:<10} [{:<{}}] {:>3} %", stage, bar, kBarWidth, percent);
+    std::fflush(stderr);
+}
+
+void Run::clear_progress() {
+    if (!terminal_ || shown_percent_ < 0) return;
+    fmt::print(stderr, "\r\033[K");
+    std::fflush(stderr);
+    shown_percent_ = -1;
+}
+
+void Run::finish(const std::string& summary) {
+    const double total = seconds_since(start_);
+    if (!flags_.report.empty()) {
+        Json stages = Json::array();
+        for (const auto& [name, seconds] : stages_)
+            stages.push_back({{"name", name}, {"seconds", rounded(seconds)}});
+        const Json report{{"coppice", kVersion},
+                          {"command", command_},
+                          {"seconds", rounded(total)},
+                          {"stages", stages},
+                          {"counts", counts_},
+                          {"repairs", repairs_},
+                          {"peak_memory_bytes", peak_memory_bytes()}};
+        AtomicFile file(flags_.report);
+        file.write(report.dump(2) + "\n");
+        file.commit();
+    }
+    if (!terminal_) return;
+    std::vector<std::string> parts;
+    for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
+    fmt::print(stderr, "{}\n{:.2f} s ({}), {} MB at most\n", summary, total, fmt::join(parts, ", "),
+               peak_memory_bytes() / 1'000'000);
+}
+
+}  // namespace coppice::cli

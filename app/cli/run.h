@@ -1,0 +1,77 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/recipe/json.h"
+
+namespace coppice::cli {
+
+/// What every command takes.
+struct CommonFlags {
+    int threads = 0;
+    std::filesystem::path report;
+    bool quiet = false;
+};
+void add_common_flags(CLI::App& app, CommonFlags& flags);
+
+/// One run of a command: hands each stage its context, shows its progress, keeps the time, and writes the
+/// report.
+class Run {
+  public:
+    Run(std::string command, CommonFlags flags, std::stop_token stop);
+
+    /// Runs stage(context) and returns what it returns; throws Cancelled when a stop was asked for meanwhile.
+    template <class Stage>
+    auto stage(const std::string& name, Stage&& stage) {
+        const Clock clock(*this, name);
+        return std::forward<Stage>(stage)(context(name));
+    }
+
+    /// A stage that another part of the program has timed.
+    void add_stage(const std::string& name, double seconds) { stages_.emplace_back(name, seconds); }
+
+    Json& counts() { return counts_; }
+    Json& repairs() { return repairs_; }
+
+    /// Writes the report, if one was asked for, and two lines for people: what came out, and how long it
+    /// took.
+    void finish(const std::string& summary);
+
+  private:
+    class Clock {
+      public:
+        Clock(Run& run, std::string name) : run_(run), name_(std::move(name)) {}
+        ~Clock();
+        Clock(const Clock&) = delete;
+        Clock& operator=(const Clock&) = delete;
+
+      private:
+        Run& run_;
+        std::string name_;
+        std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    };
+
+    Context context(const std::string& stage);
+    void show_progress(const std::string& stage, float fraction);
+    void clear_progress();
+
+    std::string command_;
+    CommonFlags flags_;
+    std::stop_token stop_;
+    bool terminal_;
+    int shown_percent_ = -1;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::vector<std::pair<std::string, double>> stages_;
+    Json counts_ = Json::object();
+    Json repairs_ = Json::object();
+};
+
+}  // namespace coppice::cli

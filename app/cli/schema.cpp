@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/io/skeleton_reader.h"
+#include "coppice/io/skeleton_writer.h"
+#include "coppice/measure/surface_report.h"
+#include "coppice/recipe/json.h"
+#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/render/render.h"
+
+namespace coppice::cli {
+namespace {
+
+struct SchemaFlags {};
+
+ExitCode schema(Run& run) {
+    const Json all{{"mesh", schema_of<MeshOptions>()},
+                   {"check", schema_of<CheckOptions>()},
+                   {"render", schema_of<RenderOptions>()},
+                   {"read_skeleton", schema_of<ReadSkeletonOptions>()},
+                   {"write_skeleton", schema_of<WriteSkeletonOptions>()}};
+    fmt::print("{}\n", all.dump(2));
+    run.finish("schema printed");
+    return kDone;
+}
+
+}  // namespace
+
+Command schema_command(CLI::App& app) {
+    auto command = new_command<SchemaFlags>(app, "schema",
+                                            "Print every option with type, unit, range and default as JSON")
+                       .first;
+    command.run = schema;
+    return command;
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,106 @@
+#include "coppice/recipe/mesh_skeleton.h"
+
+#include <chrono>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/field/convolution_field.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/subdivision/catmull_clark.h"
+
+namespace coppice {
+namespace {
+
+/// Seconds per stage, and the bar's way through them.
+class Stages {
+  public:
+    explicit Stages(const Context& ctx, std::vector<std::pair<std::string, double>>& seconds)
+        : ctx_(ctx), seconds_(seconds) {}
+
+    template <class Work>
+    auto run(const char* name, float progress_after, const Work& work) {
+        ctx_.throw_if_cancelled();
+        const auto start = std::chrono::steady_clock::now();
+        auto result = work();
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        seconds_.emplace_back(name, took.count());
+        ctx_.report(progress_after);
+        return result;
+    }
+
+  private:
+    const Context& ctx_;
+    std::vector<std::pair<std::string, double>>& seconds_;
+};
+
+// Where the end of a tree is cut flat, the field goes on far enough to be full there.
+FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
+    constexpr float kBeyondCut = 1.5f;
+    if (control.base == BaseShape::round) field.root_extension = -1;
+    if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;
+    return field;
+}
+
+// The field of a region is asked about the points of its quads, and a little beyond.
+std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
+    constexpr float kMargin = 0.3f;  // [radii]
+    std::vector<FieldRegion> regions(control.region_node.size());
+    for (std::size_t f = 0; f < control.region.size(); ++f) {
+        Box3& box = regions[control.region[f]].box;
+        for (const std::uint32_t v : control.cage.quads[f]) {
+            box.extend(control.cage.positions[v]);
+            box.extend(control.anchors[v]);
+        }
+    }
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+        regions[r].seed = control.region_node[r];
+        if (!regions[r].box.empty()) {
+            regions[r].box = regions[r].box.inflated(kMargin * skeleton.radius(regions[r].seed));
+        }
+    }
+    return regions;
+}
+
+}  // namespace
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
+    check_fields(options.control, "control");
+    MeshResult out;
+    Stages stages(ctx, out.stages);
+    PrepareResult prepared = stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
+    out.prepared = prepared.report;
+    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(prepared.skeleton, ctx); });
+    out.parted = parted.report;
+    out.cage = stages.run("cage", 0.15f, [&] {
+        return build_control_mesh(parted.skeleton, parted.source, options.control, ctx);
+    });
+    const ConvolutionField field = stages.run("field", 0.25f, [&] {
+        ConvolutionField f(prepared.skeleton, with_ends(options.field, options.control), ctx);
+        f.set_regions(field_regions(out.cage, prepared.skeleton), {parted.skeleton.parents(), parted.tube},
+                      ctx);
+        return f;
+    });
+    const QuadMesh& cage = out.cage.cage;
+    const PatchRefinement patches = stages.run("topology", 0.3f, [&] {
+        return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), options.levels,
+                               ctx);
+    });
+    out.mesh.origin = cage.origin;
+    out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
+    out.mesh.positions = stages.run("refine", 0.45f, [&] { return patches.refine(cage.positions, ctx); });
+    const Buffer<Vec3> anchors =
+        stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
+    out.projected = stages.run("project", 0.85f, [&] {
+        return project(out.mesh.positions, anchors, patches, out.cage.region, out.cage.clip, FieldRef(field),
+                       options.project, ctx);
+    });
+    if (options.project.method != ProjectionMethod::none && options.levels > 0) {
+        out.untangled = stages.run("untangle", 1.0f, [&] {
+            return untangle(out.mesh.positions, anchors, patches, out.mesh.quads, out.cage.region,
+                            out.cage.clip, FieldRef(field), options.untangle, ctx);
+        });
+    }
+    return out;
+}
+
+}  // namespace coppice
