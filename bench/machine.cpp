@@ -1,0 +1,64 @@
+#include "machine.h"
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sys/utsname.h>
+
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace coppice::bench {
+namespace {
+
+// The text behind "key:" in a file of such lines.
+std::string value_of(const char* file, const std::string& key) {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+        if (!line.starts_with(key)) continue;
+        const std::size_t colon = line.find(':');
+        const std::size_t start =
+            colon == std::string::npos ? colon : line.find_first_not_of(" \t", colon + 1);
+        if (start != std::string::npos) return line.substr(start);
+    }
+    return {};
+}
+
+std::size_t status_bytes(const std::string& key) {
+    std::istringstream value(value_of("/proc/self/status", key));
+    std::size_t kibibytes = 0;
+    value >> kibibytes;
+    return kibibytes * 1024;
+}
+
+std::string compiler() {
+#if defined(__clang__)
+    return fmt::format("clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#else
+    return fmt::format("GCC {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#endif
+}
+
+}  // namespace
+
+std::string machine_description() {
+    utsname system{};
+    uname(&system);
+    std::string processor = value_of("/proc/cpuinfo", "model name");
+    if (processor.empty()) processor = system.machine;
+    return fmt::format("{}, {} cores, {} {}, {}", processor, std::thread::hardware_concurrency(),
+                       system.sysname, system.release, compiler());
+}
+
+std::size_t resident_bytes() { return status_bytes("VmRSS:"); }
+
+std::size_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
+
+void reset_peak() {
+    malloc_trim(0);
+    // Documented in proc(5). Where it is forbidden the old peak stays, and figures come out too large, never
+    // too small.
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+}  // namespace coppice::bench

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "scenes.h"
+
+namespace coppice::bench {
+
+struct BenchOptions {
+    int repeat = 9;       ///< timed runs of a scene; fewer where they would take longer than `seconds`
+    double seconds = 20;  ///< [s] per scene for the timed runs; at least three are made
+    int levels = 2;       ///< of subdivision
+    int samples = 16;     ///< rays per pixel of the picture
+    std::uint64_t largest_output = 3'000'000;  ///< [quads] larger meshes are neither written nor drawn
+    std::filesystem::path folder;              ///< where files are written and removed again
+};
+
+/// One thing that was measured, several times.
+struct Measure {
+    std::string name;             ///< "mesh", "mesh: project", "opensubdiv", "write ply", ...
+    std::vector<double> samples;  ///< [s]
+    double median() const;
+    double least() const;
+};
+
+struct SceneResult {
+    std::string scene;
+    std::uint64_t segments = 0, cage_quads = 0, quads = 0, vertices = 0;
+    std::uint64_t hash = 0;        ///< of positions and quads, the same in every run
+    std::uint64_t peak_bytes = 0;  ///< memory in use at the worst moment, above the input
+    std::vector<Measure> measures;
+
+    const Measure* find(const std::string& name) const;  ///< null when it was not measured
+    double bytes_per_quad() const { return static_cast<double>(peak_bytes) / static_cast<double>(quads); }
+    double microseconds_per_segment() const;
+    double ratio_to_opensubdiv() const;  ///< median of mesh / median of opensubdiv
+};
+
+/// Measures one scene: an untimed run, which also tells the memory and warms it up, then from skeleton to
+/// quads and OpenSubdiv's refinement of the same cage in turns, then writing and drawing. Throws Error when
+/// two runs differ.
+SceneResult bench_scene(const Scene& scene, const BenchOptions& options, const Context& ctx);
+
+}  // namespace coppice::bench

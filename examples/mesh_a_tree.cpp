@@ -1,0 +1,27 @@
+// mesh_a_tree SKELETON MESH: the whole way from a skeleton file to a surface file.
+
+#include <cstdio>
+#include <exception>
+
+#include "coppice/io/mesh_writer.h"
+#include "coppice/io/skeleton_reader.h"
+#include "coppice/recipe/mesh_skeleton.h"
+
+int main(int argc, char** argv) {
+    if (argc != 3) {
+        std::fprintf(stderr, "usage: mesh_a_tree SKELETON MESH\n");
+        return 2;
+    }
+    try {
+        const coppice::SkeletonFile file = coppice::read_skeleton(argv[1]);
+        coppice::MeshOptions options;
+        options.levels = 2;
+        const coppice::MeshResult result = coppice::mesh_skeleton(file.skeleton, options);
+        coppice::write_mesh(argv[2], result.mesh);
+        std::printf("%u nodes, %zu quads\n", file.skeleton.size(), result.mesh.quads.size());
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "mesh_a_tree: %s\n", error.what());
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Holds the #includes of src/coppice, app and bench against layers.txt, and the length of every source file against 600.
+
+    layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 when there is one
+    layers_test.py --self-test     makes a small tree of files with known faults and expects exactly these
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+INCLUDE = re.compile(r'\s*#\s*include\s*["<]coppice/([^/">]+)/[^">]*[">]')
+LONGEST = 600  # lines
+ENDINGS = {".h", ".cpp", ".py", ".mjs", ".cmake"}
+
+
+def read_layers(path):
+    """Module -> the modules it may include."""
+    allowed = {}
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        line = line.split("#")[0].strip()
+        if not line:
+            continue
+        module, colon, targets = line.partition(":")
+        if not colon or module in allowed:
+            sys.exit(f"{path}:{number}: expected 'module: modules it may include', each module once")
+        unknown = [t for t in targets.split() if t not in allowed]
+        if unknown:
+            sys.exit(f"{path}:{number}: {module} may include {unknown[0]}, which is not listed above it")
+        allowed[module] = {"base", module, *targets.split()}
+    return allowed
+
+
+def module_of(relative):
+    """src/coppice/io/file.h -> io, app/cli/main.cpp -> app, anything else -> None."""
+    parts = relative.parts
+    if parts[:2] == ("src", "coppice"):
+        return parts[2] if len(parts) > 3 else None
+    return parts[0] if parts[0] in ("app", "bench") else None
+
+
+def source_files(root):
+    for folder in ("src", "app", "bench", "tests", "examples"):
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in ENDINGS and "node_modules" not in path.parts:
+                yield path
+
+
+def faults_of(path, root, allowed):
+    relative = path.relative_to(root)
+    lines = path.read_text(errors="replace").splitlines()
+    if len(lines) > LONGEST:
+        yield f"{relative}: {len(lines)} lines; a file has at most {LONGEST}"
+    module = module_of(relative)
+    if module is None:
+        return
+    if module not in allowed:
+        yield f"{relative}: the module {module} is missing in layers.txt"
+        return
+    for number, line in enumerate(lines, 1):
+        match = INCLUDE.match(line)
+        if match and match[1] not in allowed[module]:
+            yield f"{relative}:{number}: forbidden arrow {module} -> {match[1]}: {line.strip()}"
+
+
+def all_faults(root):
+    allowed = read_layers(root / "layers.txt")
+    files = list(source_files(root))
+    if not files:
+        sys.exit(f"{root}: no sources found")
+    return [fault for path in files for fault in faults_of(path, root, allowed)]
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        files = {
+            "layers.txt": "# comment\nbase:\nmesh:\nio: mesh\napp: io mesh\n",
+            "src/coppice/base/a.h": '#include "coppice/mesh/b.h"\n',
+            "src/coppice/mesh/b.h": '#include "coppice/base/a.h"\n#include <vector>\n',
+            "src/coppice/io/c.cpp": '// long\n' * 601,
+            "src/coppice/mesh/d.cpp": '\n  #  include <coppice/io/c.h>\n',
+            "src/coppice/new/e.h": "",
+            "app/cli/main.cpp": '#include "coppice/io/c.h"\n',
+        }
+        for name, text in files.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text)
+        found = all_faults(root)
+    expected = [
+        "src/coppice/base/a.h:1: forbidden arrow base -> mesh",
+        "src/coppice/io/c.cpp: 601 lines",
+        "src/coppice/mesh/d.cpp:2: forbidden arrow mesh -> io",
+        "src/coppice/new/e.h: the module new is missing",
+    ]
+    if len(found) != len(expected) or any(not f.startswith(e) for f, e in zip(found, expected)):
+        sys.exit("self-test: expected\n  " + "\n  ".join(expected) + "\nbut found\n  " + "\n  ".join(found))
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        self_test()
+        return
+    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
+    faults = all_faults(root)
+    for fault in faults:
+        print(fault)
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()
