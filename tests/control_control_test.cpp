@@ -90,7 +90,7 @@ TEST(BuildControlMesh, AnOpenBaseLeavesOneHoleOfFourEdges) {
 TEST(BuildControlMesh, FlatEndsAreCutAtTheirNodes) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
                      {0.1f, 0.1f, 0.1f});
-    const ControlMesh m = cage_of(s, {.tips = TipShape::flat});
+    const ControlMesh m = cage_of(s, {.tips = TipShape::flat, .base = BaseShape::flat});
     EXPECT_EQ(m.clip[1].normal, (Vec3{0, 0, -1}));
     EXPECT_FLOAT_EQ(m.clip[1].offset, 0);
     EXPECT_EQ(m.clip[2].normal, (Vec3{0, 0, 1}));

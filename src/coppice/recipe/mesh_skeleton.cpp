@@ -67,16 +67,20 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
     check_fields(options.control, "control");
     MeshResult out;
     Stages stages(ctx, out.stages);
-    PrepareResult prepared = stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
+    const PrepareResult prepared = stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
-    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(prepared.skeleton, ctx); });
+    const SeparateResult separated = stages.run("separate", 0.08f, [&] {
+        return separate_crossings(prepared.skeleton, options.separate, ctx);
+    });
+    out.crossings = separated.crossings;
+    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(separated.skeleton, ctx); });
     out.parted = parted.report;
     out.cage = stages.run("cage", 0.15f, [&] {
         return build_control_mesh(parted.skeleton, parted.source, options.control, ctx);
     });
     const ConvolutionField field = stages.run("field", 0.25f, [&] {
-        ConvolutionField f(prepared.skeleton, with_ends(options.field, options.control), ctx);
-        f.set_regions(field_regions(out.cage, prepared.skeleton), {parted.skeleton.parents(), parted.tube},
+        ConvolutionField f(separated.skeleton, with_ends(options.field, options.control), ctx);
+        f.set_regions(field_regions(out.cage, separated.skeleton), {parted.skeleton.parents(), parted.tube},
                       ctx);
         return f;
     });

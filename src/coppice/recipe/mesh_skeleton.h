@@ -8,6 +8,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/control/control.h"
 #include "coppice/control/part.h"
+#include "coppice/control/separate.h"
 #include "coppice/field/field_options.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
@@ -21,6 +22,7 @@ namespace coppice {
 /// Everything that decides what surface a skeleton gets.
 struct MeshOptions {
     int levels = 2;  ///< times the cage is subdivided; each makes four quads of one
+    float separate = 0.6f;  ///< [sum of radii] branches whose axes cross nearer than this bend around each other; 0 = off
     PrepareOptions prepare;
     ControlOptions control;
     FieldOptions field;
@@ -33,6 +35,9 @@ requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
           o.levels);
+    visit(Field{"separate", "branches whose axes cross nearer than this times the sum of their radii bend apart; 0 = off",
+                Unit::none, 0, 1},
+          o.separate);
     visit(Field{"prepare", "Preparing the skeleton"}, o.prepare);
     visit(Field{"control", "Control cage"}, o.control);
     visit(Field{"field", "Convolution field"}, o.field);
@@ -44,6 +49,7 @@ struct MeshResult {
     QuadMesh mesh;
     ControlMesh cage;
     PrepareReport prepared;
+    std::uint32_t crossings = 0;  ///< pairs of segments that ran through each other, bent apart
     PartReport parted;
     ProjectReport projected;
     UntangleReport untangled;

@@ -12,7 +12,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
-#include "coppice/skeleton/segment_distance_internal.h"
+#include "coppice/base/segment_distance.h"
 
 namespace coppice {
 namespace {

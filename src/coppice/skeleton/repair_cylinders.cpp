@@ -2,7 +2,7 @@
 
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
-#include "coppice/skeleton/segment_distance_internal.h"
+#include "coppice/base/segment_distance.h"
 
 namespace coppice {
 namespace {
