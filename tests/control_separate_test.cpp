@@ -46,9 +46,7 @@ TEST(SeparateCrossings, LeavesShallowOverlapsAndDistantBranchesAlone) {
     }
 }
 
-TEST(SeparateCrossings, DepthZeroChangesNothing) {
-    EXPECT_EQ(separate_crossings(loop(0), 0, {}).moved, 0u);
-}
+TEST(SeparateCrossings, DepthZeroChangesNothing) { EXPECT_EQ(separate_crossings(loop(0), 0, {}).moved, 0u); }
 
 TEST(SeparateCrossings, RootsStayAndTheZooStaysValid) {
     for (const auto& [name, s] : skeleton_zoo()) {

@@ -175,6 +175,31 @@ TEST(Project, AVertexWithoutSurfaceInReachStays) {
     }
 }
 
+TEST(Project, AVertexWhoseAnchorLiesOutsideFollowsTheGradient) {
+    Scene scene(hub_cage(3), [](Vec3 p) { return p; });
+    for (Vec3& p : scene.positions) p = 1.2f * normalized(p);
+    for (std::size_t v = 0; v < scene.anchors.size(); ++v)
+        scene.anchors[v] = scene.positions[v] * (1.45f / 1.2f);
+    const ProjectReport report = scene.project(sphere_field({}));
+    EXPECT_EQ(report.anchors_outside, scene.patches.vertex_count());
+    EXPECT_EQ(report.not_converged, 0u);
+    for (const Vec3& p : scene.positions) EXPECT_NEAR(length(p), 1, 1e-3f);
+}
+
+TEST(Project, AVertexWhoseRayStaysInsideFollowsTheGradient) {
+    Scene scene(grid_cage(6, 6, false), [](Vec3 p) { return p; });
+    const TestField slab{[](std::uint32_t, Vec3 p) {
+        return compact(std::abs(p.z), {0, 0, p.z > 0 ? 1.0f : -1.0f});
+    }};
+    for (Vec3& p : scene.positions) p.z = 0.8f;
+    for (std::size_t v = 0; v < scene.anchors.size(); ++v)
+        scene.anchors[v] = scene.positions[v] + Vec3{1, 0, 0};
+    const ProjectReport report = scene.project(slab);
+    EXPECT_EQ(report.anchors_outside, 0u);
+    EXPECT_EQ(report.not_converged, 0u);
+    for (const Vec3& p : scene.positions) EXPECT_NEAR(p.z, 1, 1e-3f);
+}
+
 TEST(Project, ARayThatNeverLeavesTheSolidDoesNotShootOff) {
     for (const ProjectionMethod method : kMethods) {
         SCOPED_TRACE(name_of(method));

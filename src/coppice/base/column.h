@@ -12,12 +12,13 @@
 
 namespace coppice {
 
-/// Memory for arrays of megabytes, in huge pages where the system has them: filling fresh small pages costs ten times more.
+/// Memory for arrays of megabytes, in huge pages where the system has them: filling fresh small pages costs
+/// ten times more.
 void* allocate_large(std::size_t bytes);
 void free_large(void* p) noexcept;
 
-/// Allocator that leaves plain values uninitialised (also those with default member values, such as Vec3), so that large
-/// arrays are touched first by the threads that fill them.
+/// Allocator that leaves plain values uninitialised (also those with default member values, such as Vec3), so
+/// that large arrays are touched first by the threads that fill them.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
     static constexpr std::size_t kLarge = std::size_t{4} << 20;  ///< [bytes]

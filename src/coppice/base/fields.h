@@ -23,7 +23,9 @@ template <class E>
 struct EnumNames;
 
 template <class E>
-concept NamedEnum = std::is_enum_v<E> && requires { EnumNames<E>::names; };
+concept NamedEnum = std::is_enum_v<E> && requires {
+    EnumNames<E>::names;
+};
 
 template <NamedEnum E>
 constexpr std::string_view name_of(E value) {
@@ -33,8 +35,8 @@ constexpr std::string_view name_of(E value) {
 /// An option struct O describes itself through a free function
 ///     template <class Self, class Visitor> requires SameOptions<Self, O>
 ///     constexpr void visit_fields(Self& options, Visitor&& visit);
-/// which calls visit(Field, member) once for every member: bool, int, float, or a NamedEnum. Command line, JSON and the
-/// schema are all made from it.
+/// which calls visit(Field, member) once for every member: bool, int, float, or a NamedEnum. Command line,
+/// JSON and the schema are all made from it.
 template <class Self, class O>
 concept SameOptions = std::is_same_v<std::remove_const_t<Self>, O>;
 

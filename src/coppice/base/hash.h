@@ -11,7 +11,8 @@ class Hash {
   public:
     template <class T>
     Hash& add(std::span<const T> values) {
-        for (const std::byte b : std::as_bytes(values)) value_ = (value_ ^ static_cast<std::uint64_t>(b)) * 0x100000001b3ull;
+        for (const std::byte b : std::as_bytes(values))
+            value_ = (value_ ^ static_cast<std::uint64_t>(b)) * 0x100000001b3ull;
         return *this;
     }
     template <class T>

@@ -17,15 +17,17 @@ void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grai
         return;
     }
     const auto loop = [&] {
-        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, ranges, 1), [&](const auto& block) {
-            for (std::size_t i = block.begin(); i < block.end(); ++i) run(i);
-        });
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, ranges, 1),
+                                  [&](const auto& block) {
+                                      for (std::size_t i = block.begin(); i < block.end(); ++i) run(i);
+                                  });
     };
     if (ctx.threads == 0) {
         loop();
     } else {
         // More threads than the machine has are allowed too: tests ask for them.
-        const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism, ctx.threads);
+        const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
+                                                ctx.threads);
         oneapi::tbb::task_arena(static_cast<int>(ctx.threads)).execute(loop);
     }
 }

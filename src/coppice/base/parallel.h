@@ -17,9 +17,9 @@ struct IndexRange {
     std::size_t size() const { return end - begin; }
 };
 
-/// Runs body(range) over disjoint ranges that cover [0, count), each `grain` long but for the last. The ranges depend
-/// on `count` and `grain` alone, so whatever is computed per range has the same bits for any number of threads. The body
-/// must not throw. With one thread, or one range, this is a plain loop.
+/// Runs body(range) over disjoint ranges that cover [0, count), each `grain` long but for the last. The
+/// ranges depend on `count` and `grain` alone, so whatever is computed per range has the same bits for any
+/// number of threads. The body must not throw. With one thread, or one range, this is a plain loop.
 void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grain,
                          const std::function<void(IndexRange)>& body);
 
@@ -33,7 +33,8 @@ void parallel_for(const Context& ctx, std::size_t count, std::size_t grain, cons
 
 /// Folds map(range) of the fixed ranges in index order: deterministic also for floating point.
 template <class T, class Map, class Fold>
-T parallel_reduce(const Context& ctx, std::size_t count, std::size_t grain, T init, const Map& map, const Fold& fold) {
+T parallel_reduce(const Context& ctx, std::size_t count, std::size_t grain, T init, const Map& map,
+                  const Fold& fold) {
     std::vector<T> part((count + grain - 1) / grain, init);
     parallel_for_ranges(ctx, count, grain, [&](IndexRange range) { part[range.begin / grain] = map(range); });
     for (const T& p : part) init = fold(init, p);

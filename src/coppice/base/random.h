@@ -12,15 +12,19 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/// Random numbers without state: the draw depends on (seed, stage, index) alone, so no result depends on the order of draws.
+/// Random numbers without state: the draw depends on (seed, stage, index) alone, so no result depends on the
+/// order of draws.
 class CounterRandom {
   public:
-    constexpr CounterRandom(std::uint64_t seed, std::uint64_t stage) : key_(mix_bits(mix_bits(seed) ^ stage)) {}
+    constexpr CounterRandom(std::uint64_t seed, std::uint64_t stage)
+        : key_(mix_bits(mix_bits(seed) ^ stage)) {}
 
     constexpr std::uint64_t bits(std::uint64_t index) const { return mix_bits(key_ ^ mix_bits(index)); }
 
     /// Uniform in [0, 1).
-    constexpr double uniform(std::uint64_t index) const { return static_cast<double>(bits(index) >> 11) * 0x1p-53; }
+    constexpr double uniform(std::uint64_t index) const {
+        return static_cast<double>(bits(index) >> 11) * 0x1p-53;
+    }
 
     /// Uniform in [low, high).
     constexpr double uniform(std::uint64_t index, double low, double high) const {

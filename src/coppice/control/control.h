@@ -20,9 +20,9 @@ struct EnumNames<BaseShape> {
 };
 
 struct ControlOptions {
-    int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16
-    TipShape tips = TipShape::round;   ///< how branches end
-    BaseShape base = BaseShape::round; ///< how a tree ends at its root
+    int sides = 4;                      ///< quads around a branch before subdivision; 4, 8 or 16
+    TipShape tips = TipShape::round;    ///< how branches end
+    BaseShape base = BaseShape::round;  ///< how a tree ends at its root
 };
 
 template <class Self, class Visitor>
@@ -36,12 +36,12 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// Builds a coarse cage of quads around a skeleton: closed (but for an open base), manifold and oriented for
 /// every skeleton, one sphere per tree, in O(n) and in parallel.
 ///
-/// A tube of four quads (or `sides`) wraps every segment. At a node where two segments meet they share a ring of four
-/// vertices; at a branch node the directions about the node are divided into one cell of four corners per
-/// segment, and a cell is the ring with which its tube begins. Up to four
-/// laterals that are well spread around the node open the corners of one ring (a scaffold
-/// [FuentesSuarez2018]: a fork has two poles of valence 6, nothing else irregular). Others sit on the four
-/// faces of a belt around the node, each inset to its own size (four corners of valence 5 each).
+/// A tube of four quads (or `sides`) wraps every segment. At a node where two segments meet they share a ring
+/// of four vertices; at a branch node the directions about the node are divided into one cell of four corners
+/// per segment, and a cell is the ring with which its tube begins. Up to four laterals that are well spread
+/// around the node open the corners of one ring (a scaffold [FuentesSuarez2018]: a fork has two poles of
+/// valence 6, nothing else irregular). Others sit on the four faces of a belt around the node, each inset to
+/// its own size (four corners of valence 5 each).
 ///
 /// `source` maps each node of `skeleton` to the node of the skeleton on which the field is built; both may be
 /// the same.

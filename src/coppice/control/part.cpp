@@ -153,8 +153,8 @@ class Parting {
         return false;
     }
 
-    // A tip that hardly shows: inside the union, or so near a longer sibling all the way that rays from the sibling's axis see
-    // what shows of it.
+    // A tip that hardly shows: inside the union, or so near a longer sibling all the way that rays from the
+    // sibling's axis see what shows of it.
     bool is_swallowed(NodeId n, NodeId c, NodeId lead) const {
         const View v = view(n, c);
         if (c != lead && v.length + 0.7f * v.radius <= root_distance(n, v)) return true;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;
 constexpr int kPasses = 12;
-// Two segments are neighbours while the way between them is shorter than this many times the sum of their radii ...
+// Two segments are neighbours while the way between them is shorter than this many times the sum of their
+// radii ...
 constexpr float kNeighbours = 5;
 // ... and a search for that way ends after so many nodes.
 constexpr int kMostSteps = 64;
@@ -20,6 +21,11 @@ constexpr int kMostSteps = 64;
 constexpr float kApart = 1.0f;
 // A bend fades out within this many times the push, along the branch.
 constexpr float kFade = 5;
+// A tangle with more crossings than this per node cannot be parted: it is left as it is.
+constexpr std::size_t kTangle = 4;
+constexpr std::size_t kMostPerGroup = 16 * kTangle * BoxTree::kWidth;
+// So many nodes bend along at most.
+constexpr int kMostBent = 4096;
 // A branch thicker than this many times the other does not give way at all.
 constexpr float kStands = 2;
 
@@ -30,14 +36,18 @@ struct Pair {
 class Separation {
   public:
     Separation(const Skeleton& s, float depth, const Context& ctx)
-        : s_(s), depth_(depth), ctx_(ctx), position_(s.positions().begin(), s.positions().end()), push_(s.size()) {}
+        : s_(s),
+          depth_(depth),
+          ctx_(ctx),
+          position_(s.positions().begin(), s.positions().end()),
+          push_(s.size()) {}
 
     SeparateResult run() && {
         std::uint32_t crossings = 0, moved = 0;
         std::vector<Pair> pairs = find_pairs();
         crossings = static_cast<std::uint32_t>(pairs.size());
-        if (crossings == 0) return {s_, 0, 0};
-        for (int pass = 0; pass < kPasses && !pairs.empty(); ++pass) {
+        if (pairs.empty() || is_tangle(pairs)) return {s_, crossings, 0};
+        for (int pass = 0; pass < kPasses && !pairs.empty() && !is_tangle(pairs); ++pass) {
             ctx_.throw_if_cancelled();
             for (const Pair& p : pairs) push_apart(p);
             apply();
@@ -50,6 +60,8 @@ class Separation {
     }
 
   private:
+    bool is_tangle(const std::vector<Pair>& pairs) const { return pairs.size() > kTangle * s_.size(); }
+
     struct Closest {
         Vec3d on_a, on_b;
         double at_a, at_b;  ///< parameters along the segments
@@ -64,7 +76,8 @@ class Separation {
             const Segment seg = s_.segment(n);
             return seg.radius_a + static_cast<float>(t) * (seg.radius_b - seg.radius_a);
         };
-        return {lerp(a0, a1, c.on_a), lerp(b0, b1, c.on_b), c.on_a, c.on_b, radius(p.a, c.on_a), radius(p.b, c.on_b)};
+        return {lerp(a0, a1, c.on_a), lerp(b0, b1, c.on_b), c.on_a, c.on_b,
+                radius(p.a, c.on_a),  radius(p.b, c.on_b)};
     }
 
     // Pairs that cross, in an order that depends on the skeleton alone.
@@ -73,13 +86,15 @@ class Separation {
         parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
             const Vec3 from = position_[(s_.is_root(n) ? n : s_.parent(n)).index()];
-            const float r = s_.is_root(n) ? s_.radius(n) : std::max(s_.segment(n).radius_a, s_.segment(n).radius_b);
+            const float r =
+                s_.is_root(n) ? s_.radius(n) : std::max(s_.segment(n).radius_a, s_.segment(n).radius_b);
             boxes[i] = capsule_box(from, position_[i], depth_ * r);
         });
         const BoxTree tree(boxes, ctx_);
         std::vector<std::vector<Pair>> found(tree.group_count());
         parallel_for(ctx_, found.size(), kGrain / BoxTree::kWidth, [&](std::size_t g) {
             tree.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t p, std::uint32_t q) {
+                if (found[g].size() >= kMostPerGroup) return;
                 const NodeId a(std::min(tree.item(p), tree.item(q))), b(std::max(tree.item(p), tree.item(q)));
                 if (!s_.is_root(a) && !s_.is_root(b) && crosses({a, b})) found[g].push_back({a, b});
             });
@@ -98,7 +113,8 @@ class Separation {
         return distance(c.on_a, c.on_b) < depth_ * sum && !neighbours(p, kNeighbours * sum);
     }
 
-    // Whether the way along the skeleton from one segment to the other, themselves left out, is shorter than the limit.
+    // Whether the way along the skeleton from one segment to the other, themselves left out, is shorter than
+    // the limit.
     bool neighbours(const Pair& p, float limit) const {
         NodeId a = p.a, b = p.b;
         float way = 0;
@@ -123,8 +139,10 @@ class Separation {
         const float missing = kApart * (c.radius_a + c.radius_b) - gap;
         if (missing <= 0) return;
         // Axes that meet are pushed apart across both.
-        const Vec3d across = cross(Vec3d(position_[p.a.index()]) - c.on_a, Vec3d(position_[p.b.index()]) - c.on_b);
-        const Vec3 direction(gap > 1e-3f * (c.radius_a + c.radius_b) ? normalized(between) : normalized(across));
+        const Vec3d across =
+            cross(Vec3d(position_[p.a.index()]) - c.on_a, Vec3d(position_[p.b.index()]) - c.on_b);
+        const Vec3 direction(gap > 1e-3f * (c.radius_a + c.radius_b) ? normalized(between)
+                                                                     : normalized(across));
         float share_a = c.radius_b / (c.radius_a + c.radius_b);
         if (c.radius_a > kStands * c.radius_b) share_a = 0;
         if (c.radius_b > kStands * c.radius_a) share_a = 1;
@@ -145,12 +163,13 @@ class Separation {
         };
         std::vector<Visit> stack{{n, s_.parent(n), static_cast<float>(l * (1 - t)) - nearer},
                                  {s_.parent(n), n, static_cast<float>(l * t) - nearer}};
-        while (!stack.empty()) {
+        for (int visits = 0; visits < kMostBent && !stack.empty(); ++visits) {
             const Visit v = stack.back();
             stack.pop_back();
             const float weight = 1 - std::max(v.way, 0.0f) / reach;
             if (weight <= 0) continue;
-            if (!s_.is_root(v.node) && weight * size > length(push_[v.node.index()])) push_[v.node.index()] = push * weight;
+            if (!s_.is_root(v.node) && weight * size > length(push_[v.node.index()]))
+                push_[v.node.index()] = push * weight;
             const auto go = [&](NodeId to) {
                 if (to && to != v.from) {
                     stack.push_back({to, v.node, v.way + distance(s_.position(to), s_.position(v.node))});

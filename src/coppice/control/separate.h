@@ -14,11 +14,11 @@ struct SeparateResult {
     std::uint32_t moved = 0;      ///< nodes that lie elsewhere than before
 };
 
-/// Bends branches around each other where their axes come nearer than `depth` times the sum of their radii although they are
-/// far apart along the skeleton: a tube around such a branch would pierce the other, and no closed surface of sphere type
-/// without self-intersections exists. The thinner branch gives way sideways, and the bend fades out along it within a few
-/// times its size. Shallower overlaps are left to the contact of the field. depth 0 changes nothing. Roots and topology
-/// stay. O(n log n) for the search.
+/// Bends branches around each other where their axes come nearer than `depth` times the sum of their radii
+/// although they are far apart along the skeleton: a tube around such a branch would pierce the other, and no
+/// closed surface of sphere type without self-intersections exists. The thinner branch gives way sideways,
+/// and the bend fades out along it within a few times its size. Shallower overlaps are left to the contact of
+/// the field. depth 0 changes nothing. Roots and topology stay. O(n log n) for the search.
 SeparateResult separate_crossings(const Skeleton& skeleton, float depth, const Context& ctx);
 
 }  // namespace coppice

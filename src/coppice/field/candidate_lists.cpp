@@ -12,20 +12,8 @@ namespace {
 constexpr std::size_t kGrain = 256;  // regions per task
 constexpr std::size_t kHub = 64;     // a node with more children gets a tree of boxes
 constexpr std::size_t kWay = 16;     // of that tree
-constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 24;
+constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMinLimit = 256;
-
-/// Whether the capsule may reach the box: by boxes, then by the ball about the box, which is the closer test
-/// for a thin capsule that runs aslant.
-bool may_touch(const SegmentSupport& s, const Box3& box, Vec3 center, float half_diagonal) {
-    if (!s.box.overlaps(box)) return false;
-    const Vec3 axis = s.b - s.a;
-    const Vec3 w = center - s.a;
-    const float along = dot(w, axis), length2 = length_squared(axis);
-    const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
-    const float reach = 1.0001f * (s.radius + half_diagonal);
-    return length_squared(w - t * axis) <= reach * reach;
-}
 
 /// Spreads the low 10 bits of x over every third bit.
 std::uint32_t spread_bits(std::uint32_t x) {

@@ -25,6 +25,18 @@ struct SegmentSupport {
     float radius = 0;  ///< [m] greatest
 };
 
+/// Whether the capsule may reach the box: by boxes, then by the ball about the box, which is the closer test
+/// for a thin capsule that runs aslant.
+inline bool may_touch(const SegmentSupport& s, const Box3& box, Vec3 center, float half_diagonal) {
+    if (!s.box.overlaps(box)) return false;
+    const Vec3 axis = s.b - s.a;
+    const Vec3 w = center - s.a;
+    const float along = dot(w, axis), length2 = length_squared(axis);
+    const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
+    const float reach = 1.0001f * (s.radius + half_diagonal);
+    return length_squared(w - t * axis) <= reach * reach;
+}
+
 /// Lists of segments, ascending, one list per region: entries [first[i], first[i + 1]) of `segments`.
 struct CandidateLists {
     std::vector<std::uint64_t> first{0};
@@ -36,7 +48,7 @@ struct CandidateLists {
 /// passes by is not.
 ///
 /// `supports` has one entry per node. O(sum of lists) whatever the size of the skeleton; the children of a
-/// node with very many are found through a tree of boxes. A list that would be longer than max(256, 2^24 /
+/// node with very many are found through a tree of boxes. A list that would be longer than max(256, 2^20 /
 /// number of regions) keeps those with the fewest nodes between them and the seed, so that hubs and huge
 /// boxes cannot make time and memory quadratic.
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,

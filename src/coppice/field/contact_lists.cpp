@@ -1,6 +1,8 @@
 #include "coppice/field/contact_lists.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <utility>
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
@@ -12,6 +14,10 @@ namespace {
 constexpr std::size_t kGrain = 128;
 // Beyond this many radii a rival's field is too weak to push back.
 constexpr float kRivalReach = 1.15f;
+// Surfaces that are pressed from more sides than this have nowhere to go.
+constexpr std::size_t kMostRivals = 48;
+constexpr std::size_t kMostNear = 4096;  // segments that a run looks at
+constexpr float kLongestRun = 2;         // of regions searched together, in diagonals of the first one's box
 
 /// Depth-first order makes a subtree a range of tubes.
 class Kinship {
@@ -38,37 +44,139 @@ class Kinship {
     std::vector<std::uint32_t> end_;
 };
 
-std::vector<Box3> segment_boxes(const Skeleton& skeleton, const Context& ctx) {
-    std::vector<Box3> boxes(skeleton.size());
+/// By lower node; a segment without length of its own has an empty box.
+std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Context& ctx) {
+    std::vector<SegmentSupport> capsules(skeleton.size());
     parallel_for(ctx, skeleton.size(), kGrain * 16, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
-        const NodeId from = skeleton.is_root(n) ? n : skeleton.parent(n);
-        const float r = skeleton.is_root(n)
-                            ? skeleton.radius(n)
-                            : std::max(skeleton.segment(n).radius_a, skeleton.segment(n).radius_b);
-        boxes[i] = capsule_box(skeleton.position(from), skeleton.position(n), kRivalReach * r);
+        Segment s{skeleton.position(n), skeleton.position(n), skeleton.radius(n), skeleton.radius(n)};
+        if (!skeleton.is_root(n)) s = skeleton.segment(n);
+        const float reach = kRivalReach * std::max(s.radius_a, s.radius_b);
+        capsules[i] = {capsule_box(s.a, s.b, reach), s.a, s.b, reach};
     });
-    return boxes;
+    return capsules;
 }
 
-/// Concatenates per-region lists found in parallel.
+/// Finds rivals for runs of regions that lie close to each other: one search for all of a run.
+class RivalSearch {
+  public:
+    RivalSearch(const Skeleton& skeleton, std::span<const FieldRegion> regions, const Kinship& kinship,
+                const Context& ctx)
+        : skeleton_(skeleton),
+          regions_(regions),
+          kinship_(kinship),
+          capsules_(rival_capsules(skeleton, ctx)),
+          tree_(boxes_of(capsules_), ctx) {}
+
+    /// Calls put(region, segment) for regions in order, segments ascending.
+    template <class Put>
+    void run(IndexRange range, const Put& put) const {
+        std::vector<std::uint32_t> near;
+        std::vector<Box3> boxes;
+        std::vector<Ranked> found;
+        for (std::size_t begin = range.begin; begin < range.end;) {
+            Box3 all = regions_[begin].box;
+            const std::size_t end = end_of_run(begin, range.end, all);
+            near.clear();
+            if (!all.empty()) tree_.visit_overlapping(all, [&](std::uint32_t s) { add(s, near); });
+            std::sort(near.begin(), near.end());
+            boxes.clear();
+            for (const std::uint32_t s : near) boxes.push_back(capsules_[s].box);
+            for (std::size_t r = begin; r < end; ++r) {
+                filter(static_cast<std::uint32_t>(r), near, boxes, found);
+                for (const Ranked& rival : found) put(static_cast<std::uint32_t>(r), rival.second);
+            }
+            begin = end;
+        }
+    }
+
+  private:
+    using Ranked = std::pair<float, std::uint32_t>;  ///< distance to a surface, negative inside; its segment
+
+    static std::vector<Box3> boxes_of(std::span<const SegmentSupport> capsules) {
+        std::vector<Box3> boxes;
+        boxes.reserve(capsules.size());
+        for (const SegmentSupport& c : capsules) boxes.push_back(c.box);
+        return boxes;
+    }
+    // Regions follow the tree, so that neighbours in number mostly are neighbours in space.
+    std::size_t end_of_run(std::size_t begin, std::size_t limit, Box3& all) const {
+        const float longest = kLongestRun * all.diagonal();
+        std::size_t end = begin + 1;
+        for (; end < limit; ++end) {
+            Box3 more = all;
+            more.extend(regions_[end].box);
+            if (!(more.diagonal() <= longest)) break;
+            all = more;
+        }
+        return end;
+    }
+    void add(std::uint32_t segment, std::vector<std::uint32_t>& near) const {
+        const NodeId n(segment);
+        if (near.size() < kMostNear && (!skeleton_.is_root(n) || skeleton_.is_tip(n)))
+            near.push_back(segment);
+    }
+    void filter(std::uint32_t region, std::span<const std::uint32_t> near, std::span<const Box3> boxes,
+                std::vector<Ranked>& found) const {
+        found.clear();
+        const Box3& box = regions_[region].box;
+        if (box.empty()) return;
+        const Vec3 center = box.center();
+        const float half_diagonal = 0.5f * box.diagonal();
+        for (std::size_t k = 0; k < near.size(); ++k) {
+            if (!overlap(boxes[k], box)) continue;
+            const std::uint32_t s = near[k];
+            if (!kinship_.related(s, region) && may_touch(capsules_[s], box, center, half_diagonal)) {
+                found.emplace_back(0.0f, s);
+            }
+        }
+        if (found.size() > kMostRivals) keep_nearest(center, found);
+    }
+    void keep_nearest(Vec3 p, std::vector<Ranked>& found) const {
+        for (auto& [clearance, s] : found) {
+            const SegmentSupport& c = capsules_[s];
+            const Vec3 axis = c.b - c.a;
+            const float along = dot(p - c.a, axis), length2 = length_squared(axis);
+            const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
+            clearance = distance(p, c.a + t * axis) - c.radius;
+        }
+        std::nth_element(found.begin(), found.begin() + kMostRivals, found.end());
+        found.resize(kMostRivals);
+        std::sort(found.begin(), found.end(),
+                  [](const Ranked& a, const Ranked& b) { return a.second < b.second; });
+    }
+    // Without branches: most boxes miss, each in its own way.
+    static bool overlap(const Box3& a, const Box3& b) {
+        return (a.low.x <= b.high.x) & (b.low.x <= a.high.x) & (a.low.y <= b.high.y) & (b.low.y <= a.high.y) &
+               (a.low.z <= b.high.z) & (b.low.z <= a.high.z);
+    }
+
+    const Skeleton& skeleton_;
+    std::span<const FieldRegion> regions_;
+    const Kinship& kinship_;
+    std::vector<SegmentSupport> capsules_;
+    BoxTree tree_;
+};
+
+/// Concatenates lists found in parallel: find(range, put) calls put(region, segment) for regions in order.
 template <class Find>
 CandidateLists collect(std::size_t regions, const Context& ctx, const Find& find) {
     std::vector<std::vector<std::uint32_t>> part((regions + kGrain - 1) / kGrain);
-    std::vector<std::uint64_t> count(regions);
-    parallel_for_ranges(ctx, regions, kGrain, [&](IndexRange range) {
-        auto& list = part[range.begin / kGrain];
-        for (std::size_t r = range.begin; r < range.end; ++r) {
-            const std::size_t before = list.size();
-            find(static_cast<std::uint32_t>(r), list);
-            count[r] = list.size() - before;
-        }
-    });
     CandidateLists out;
     out.first.assign(regions + 1, 0);
-    for (std::size_t r = 0; r < regions; ++r) out.first[r + 1] = out.first[r] + count[r];
-    out.segments.reserve(out.first.back());
-    for (const auto& list : part) out.segments.insert(out.segments.end(), list.begin(), list.end());
+    parallel_for_ranges(ctx, regions, kGrain, [&](IndexRange range) {
+        auto& list = part[range.begin / kGrain];
+        list.reserve(4 * range.size());
+        find(range, [&](std::uint32_t region, std::uint32_t segment) {
+            list.push_back(segment);
+            ++out.first[region];
+        });
+    });
+    out.segments.resize(exclusive_scan(std::span(out.first)));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+        std::copy(part[i].begin(), part[i].end(),
+                  out.segments.begin() + static_cast<std::ptrdiff_t>(out.first[i * kGrain]));
+    }
     return out;
 }
 
@@ -79,27 +187,16 @@ ContactLists find_contacts(const Skeleton& skeleton, const CandidateLists& candi
     COPPICE_ASSERT(tubes.parent.size() == regions.size() && tubes.tube.size() == skeleton.size());
     const Kinship kinship(tubes);
     ContactLists out;
-    out.own = collect(regions.size(), ctx, [&](std::uint32_t r, std::vector<std::uint32_t>& list) {
-        for (std::uint64_t k = candidates.first[r]; k < candidates.first[r + 1]; ++k) {
-            if (kinship.related(candidates.segments[k], r)) list.push_back(candidates.segments[k]);
+    out.own = collect(regions.size(), ctx, [&](IndexRange range, const auto& put) {
+        for (auto r = static_cast<std::uint32_t>(range.begin); r < range.end; ++r) {
+            for (std::uint64_t k = candidates.first[r]; k < candidates.first[r + 1]; ++k) {
+                if (kinship.related(candidates.segments[k], r)) put(r, candidates.segments[k]);
+            }
         }
     });
-    const BoxTree tree(segment_boxes(skeleton, ctx), ctx);
-    out.rivals = collect(regions.size(), ctx, [&](std::uint32_t r, std::vector<std::uint32_t>& list) {
-        const Box3& box = regions[r].box;
-        if (box.empty()) return;
-        const auto first = static_cast<std::ptrdiff_t>(list.size());
-        const double touching = 0.5;
-        tree.search([&](std::uint32_t level,
-                        std::uint32_t i) { return tree.level(level)[i].overlaps(box) ? 0.0 : 1.0; },
-                    touching,
-                    [&](std::uint32_t segment) {
-                        const NodeId n(segment);
-                        if (skeleton.is_root(n) && !skeleton.is_tip(n)) return;
-                        if (!kinship.related(segment, r)) list.push_back(segment);
-                    });
-        std::sort(list.begin() + first, list.end());
-    });
+    const RivalSearch search(skeleton, regions, kinship, ctx);
+    out.rivals =
+        collect(regions.size(), ctx, [&](IndexRange range, const auto& put) { search.run(range, put); });
     return out;
 }
 

@@ -19,7 +19,8 @@ struct TubeTree {
 /// Splits what may meet in a region. A tube grows together with its ancestors, descendants and siblings:
 /// these stay in `own`. Every other segment whose rounded cone, a little enlarged, reaches the region's box
 /// is a rival, connected or not: the two surfaces press against each other instead of passing through each
-/// other.
+/// other. Of more than 48 rivals the nearest are kept: time and memory stay linear where hundreds of branches
+/// overlap.
 struct ContactLists {
     CandidateLists own;
     CandidateLists rivals;

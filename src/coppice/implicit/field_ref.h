@@ -13,16 +13,20 @@ struct FieldSample {
     Vec3 gradient;  ///< [1/m] points inward: the field falls outward
 };
 
-/// Refers to any scalar field whose surface is value = level: inside above, outside below. One indirect call per batch.
+/// Refers to any scalar field whose surface is value = level: inside above, outside below. One indirect call
+/// per batch.
 ///
-/// `region` names a part of space for which the field has prepared a list of what matters there; the caller passes on the
-/// number it was given for that part. A field without such lists ignores it. Samples must be thread safe.
+/// `region` names a part of space for which the field has prepared a list of what matters there; the caller
+/// passes on the number it was given for that part. A field without such lists ignores it. Samples must be
+/// thread safe.
 class FieldRef {
   public:
     template <class F>
     explicit FieldRef(const F& field)
-        : object_(&field), level_(field.level()), sample_([](const void* object, std::uint32_t region,
-                                                             std::span<const Vec3> points, std::span<FieldSample> out) {
+        : object_(&field),
+          level_(field.level()),
+          sample_([](const void* object, std::uint32_t region, std::span<const Vec3> points,
+                     std::span<FieldSample> out) {
               static_cast<const F*>(object)->sample(region, points, out);
           }) {}
 

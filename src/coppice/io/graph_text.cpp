@@ -18,7 +18,8 @@ Vec3d read_point(const std::vector<std::string_view>& cells, const std::string& 
         const std::string_view cell = cells[static_cast<std::size_t>(i) + 1];
         const std::optional<double> value = parse_number(cell);
         if (!value)
-            fail_at(source, line, fmt::format("{} is not a number; it should be a coordinate", in_quotes(cell)));
+            fail_at(source, line,
+                    fmt::format("{} is not a number; it should be a coordinate", in_quotes(cell)));
         p[i] = *value;
     }
     return p;
@@ -96,7 +97,8 @@ class ObjLinesParser {
     std::int64_t vertex(std::string_view cell) const {
         const std::optional<std::int64_t> value = parse_integer(cell.substr(0, cell.find('/')));
         if (!value || *value == 0) {
-            fail_at(source_, lines_.number(), fmt::format("{} is not the number of a vertex", in_quotes(cell)));
+            fail_at(source_, lines_.number(),
+                    fmt::format("{} is not the number of a vertex", in_quotes(cell)));
         }
         return *value > 0 ? *value - 1 : static_cast<std::int64_t>(graph_.position.size()) + *value;
     }
@@ -143,9 +145,9 @@ EdgeGraph parse_gel(std::string_view text, const std::string& source) {
             if (!from || !to) fail_at(source, lines.number(), "a connection needs the numbers of two nodes");
             pending.push_back({*from, *to, lines.number()});
         } else {
-            fail_at(
-                source, lines.number(),
-                fmt::format("a line of a GEL graph starts with 'n' or 'c', not with {}", in_quotes(cells[0])));
+            fail_at(source, lines.number(),
+                    fmt::format("a line of a GEL graph starts with 'n' or 'c', not with {}",
+                                in_quotes(cells[0])));
         }
     }
     resolve(pending, graph, source, 0);

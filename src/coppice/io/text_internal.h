@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-
 namespace coppice {
 
 /// Numbers and lines of untrusted text, independent of the locale and without copies.

@@ -6,8 +6,8 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
-#include "coppice/spatial/box_tree.h"
 #include "coppice/skeleton/skeleton.h"
+#include "coppice/spatial/box_tree.h"
 
 namespace coppice {
 

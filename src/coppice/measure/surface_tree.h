@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/spatial/box_tree.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/spatial/box_tree.h"
 
 namespace coppice {
 

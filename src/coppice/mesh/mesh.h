@@ -31,8 +31,8 @@ struct TriMesh {
 /// A surface as files hold it: faces of three or more corners, not necessarily closed or manifold.
 struct PolygonMesh {
     Buffer<Vec3> positions;
-    std::vector<std::uint32_t> corners;     ///< corner vertices of all faces, one after the other
-    std::vector<std::uint32_t> first{0};    ///< face f has corners first[f] .. first[f + 1]
+    std::vector<std::uint32_t> corners;   ///< corner vertices of all faces, one after the other
+    std::vector<std::uint32_t> first{0};  ///< face f has corners first[f] .. first[f + 1]
     Vec3d origin;
 
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }

@@ -67,13 +67,14 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
     check_fields(options.control, "control");
     MeshResult out;
     Stages stages(ctx, out.stages);
-    const PrepareResult prepared = stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
+    const PrepareResult prepared =
+        stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
-    const SeparateResult separated = stages.run("separate", 0.08f, [&] {
-        return separate_crossings(prepared.skeleton, options.separate, ctx);
-    });
+    const SeparateResult separated = stages.run(
+        "separate", 0.08f, [&] { return separate_crossings(prepared.skeleton, options.separate, ctx); });
     out.crossings = separated.crossings;
-    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(separated.skeleton, ctx); });
+    const PartResult parted =
+        stages.run("part", 0.1f, [&] { return part_branches(separated.skeleton, ctx); });
     out.parted = parted.report;
     out.cage = stages.run("cage", 0.15f, [&] {
         return build_control_mesh(parted.skeleton, parted.source, options.control, ctx);

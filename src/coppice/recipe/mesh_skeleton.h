@@ -22,7 +22,8 @@ namespace coppice {
 /// Everything that decides what surface a skeleton gets.
 struct MeshOptions {
     int levels = 2;  ///< times the cage is subdivided; each makes four quads of one
-    float separate = 0.6f;  ///< [sum of radii] branches whose axes cross nearer than this bend around each other; 0 = off
+    float separate =
+        0.6f;  ///< [sum of radii] branches whose axes cross nearer than this bend around each other; 0 = off
     PrepareOptions prepare;
     ControlOptions control;
     FieldOptions field;
@@ -35,7 +36,8 @@ requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
           o.levels);
-    visit(Field{"separate", "branches whose axes cross nearer than this times the sum of their radii bend apart; 0 = off",
+    visit(Field{"separate",
+                "branches whose axes cross nearer than this times the sum of their radii bend apart; 0 = off",
                 Unit::none, 0, 1},
           o.separate);
     visit(Field{"prepare", "Preparing the skeleton"}, o.prepare);

@@ -1,8 +1,8 @@
 #include <numeric>
 
+#include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
-#include "coppice/base/segment_distance.h"
 
 namespace coppice {
 namespace {

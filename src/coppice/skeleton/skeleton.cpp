@@ -6,8 +6,12 @@
 
 namespace coppice {
 
-Skeleton::Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius, Vec3d origin)
-    : parent_(std::move(parent)), position_(std::move(position)), radius_(std::move(radius)), origin_(origin) {
+Skeleton::Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius,
+                   Vec3d origin)
+    : parent_(std::move(parent)),
+      position_(std::move(position)),
+      radius_(std::move(radius)),
+      origin_(origin) {
     COPPICE_ASSERT(position_.size() == size() && radius_.size() == size());
     if (size() == 0) throw InvalidInput("the skeleton has no nodes");
     first_child_.assign(size() + 1, 0);
@@ -15,7 +19,8 @@ Skeleton::Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::
     for (const NodeId n : nodes(*this)) {
         const NodeId p = parent_[n];
         if (p && p >= n) throw InvalidInput(fmt::format("node {} comes before its parent", n.index()));
-        if (!is_finite(position_[n])) throw InvalidInput(fmt::format("node {} has no finite position", n.index()));
+        if (!is_finite(position_[n]))
+            throw InvalidInput(fmt::format("node {} has no finite position", n.index()));
         if (!(radius_[n] > 0) || !std::isfinite(radius_[n])) {
             throw InvalidInput(fmt::format("node {} has no finite radius above 0", n.index()));
         }

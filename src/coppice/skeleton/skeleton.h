@@ -11,25 +11,27 @@
 
 namespace coppice {
 
-/// The part of space between a node and its parent: a cone with rounded ends, radius running linearly from a to b.
+/// The part of space between a node and its parent: a cone with rounded ends, radius running linearly from a
+/// to b.
 struct Segment {
-    Vec3 a, b;                ///< [m] at the parent, at the node
-    float radius_a, radius_b; ///< [m] > 0
+    Vec3 a, b;                 ///< [m] at the parent, at the node
+    float radius_a, radius_b;  ///< [m] > 0
 };
 
 /// A forest of nodes with radii: trees, roots, vessels, neurons. Immutable; an edit makes a new one.
 ///
-/// Guaranteed by construction: at least one node; parents precede their children; positions and radii are finite and
-/// radii > 0. Nodes may coincide; `repair` and `simplify` deal with that.
+/// Guaranteed by construction: at least one node; parents precede their children; positions and radii are
+/// finite and radii > 0. Nodes may coincide; `repair` and `simplify` deal with that.
 ///
-/// A segment joins a node to its parent. Its radius runs linearly between its ends, except that where several segments
-/// leave one node only the leader (the child of greatest radius; the first on ties) starts with the parent's radius and
-/// the others start with their own.
+/// A segment joins a node to its parent. Its radius runs linearly between its ends, except that where several
+/// segments leave one node only the leader (the child of greatest radius; the first on ties) starts with the
+/// parent's radius and the others start with their own.
 class Skeleton {
   public:
     /// Takes columns of equal length. Throws InvalidInput naming the node that breaks an invariant. O(n).
     /// `origin` is added back by writers: positions are local, so that georeferenced data keep their digits.
-    Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius, Vec3d origin = {});
+    Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius,
+             Vec3d origin = {});
 
     std::uint32_t size() const { return parent_.size(); }
     NodeId parent(NodeId n) const { return parent_[n]; }  ///< none for a root; parent(n) < n always

@@ -45,6 +45,12 @@ class BoxTree {
         if (level_count() > 1) overlaps_below(level_count() - 1, 0, group, visit);
     }
 
+    /// Calls visit(item) for all items whose boxes overlap the given one; touching counts.
+    template <class Visit>
+    void visit_overlapping(const Box3& box, const Visit& visit) const {
+        if (size() > 0) visit_below(level_count() - 1, 0, box, visit);
+    }
+
   private:
     /// Boxes of level l that belong to box `parent` of the level above.
     std::array<std::uint32_t, 2> children(std::uint32_t l, std::uint32_t parent) const {
@@ -74,6 +80,19 @@ class BoxTree {
                 visit(item_[child[k].index]);
             } else {
                 descend(l - 1, child[k].index, bound, limit, visit);
+            }
+        }
+    }
+
+    template <class Visit>
+    void visit_below(std::uint32_t l, std::uint32_t parent, const Box3& box, const Visit& visit) const {
+        const auto [begin, end] = children(l, parent);
+        for (std::uint32_t i = begin; i < end; ++i) {
+            if (!level_[l][i].overlaps(box)) continue;
+            if (l == 0) {
+                visit(item_[i]);
+            } else {
+                visit_below(l - 1, i, box, visit);
             }
         }
     }

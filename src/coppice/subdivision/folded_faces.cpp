@@ -12,41 +12,9 @@
 namespace coppice {
 namespace {
 
-constexpr float kInward = 0.05f;                // cosine below which a face looks inward
-constexpr std::size_t kPointsPerBlock = 512;    // small enough for the first cache
+constexpr float kInward = 0.05f;              // cosine below which a face looks inward
+constexpr std::size_t kPointsPerBlock = 512;  // small enough for the first cache
 constexpr std::size_t kFacesPerRange = 1 << 15;
-
-// Squared sine and cosine below which a face is bad.
-struct Limits {
-    float sine, cosine;
-};
-
-// 1 for a bad face. `outward` has the direction from the anchors to the corners. Compares squares, so that
-// there is neither root nor division; the corners have to be scaled to about 1, since lengths enter with their
-// eighth power. Opposite corners' areas add up to that of the face.
-inline std::int32_t bad_face(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 outward, Limits limits) {
-    const Vec3 ab = b - a;
-    const Vec3 bc = c - b;
-    const Vec3 cd = d - c;
-    const Vec3 da = a - d;
-    const Vec3 normal = cross(c - a, d - b);
-    const float size = length_squared(normal);
-    const float at_a = dot(cross(da, ab), normal);
-    const float at_b = dot(cross(ab, bc), normal);
-    const float at_c = size - at_a;
-    const float at_d = size - at_b;
-    const float limit = limits.sine * size;
-    const float ab2 = length_squared(ab);
-    const float bc2 = length_squared(bc);
-    const float cd2 = length_squared(cd);
-    const float da2 = length_squared(da);
-    const float out = dot(normal, outward);
-    const bool convex = (at_a > 0) & (at_b > 0) & (at_c > 0) & (at_d > 0);
-    const bool even = (at_a * at_a >= limit * (da2 * ab2)) & (at_b * at_b >= limit * (ab2 * bc2)) &
-                      (at_c * at_c >= limit * (bc2 * cd2)) & (at_d * at_d >= limit * (cd2 * da2));
-    const bool outer = (out >= 0) & (out * out >= limits.cosine * (size * length_squared(outward)));
-    return (convex & even & outer) ? 0 : 1;
-}
 
 // The power of two that brings a length to between 1 and 2, within what floats can hold.
 float scale_of(float extent) {
@@ -66,7 +34,7 @@ class Block {
     static constexpr std::size_t kPatch = kRow * kRow;
     static constexpr std::size_t kPatches = std::max<std::size_t>(1, kPointsPerBlock / kPatch);
 
-    explicit Block(Limits limits) : limits_(limits) {}
+    explicit Block(FaceLimits limits) : limits_(limits) {}
 
     void add(const FoldedFaces& mesh, const typename PatchIndex<N>::Grid& grid) {
         const std::size_t begin = patches_++ * kPatch;
@@ -99,16 +67,8 @@ class Block {
     void test(std::uint32_t first, std::vector<std::uint32_t>& bad) {
         const std::size_t count = patches_ * kPatch - (patches_ > 0 ? kRow + 1 : 0);
         patches_ = 0;
-        std::int32_t any = 0;
-        for (std::size_t k = 0; k < count; ++k) {
-            const auto point = [&](std::size_t i) { return Vec3{x_[i], y_[i], z_[i]}; };
-            const auto away = [&](std::size_t i) { return Vec3{u_[i], v_[i], w_[i]}; };
-            const std::size_t b = k + 1, c = k + kRow + 1, d = k + kRow;
-            const Vec3 outward = (away(k) + away(b)) + (away(c) + away(d));
-            bad_[k] = kStartsQuad[k] & bad_face(point(k), point(b), point(c), point(d), outward, limits_);
-            any |= bad_[k];
-        }
-        if (any == 0) return;
+        const FaceColumns columns{x_.data(), y_.data(), z_.data(), u_.data(), v_.data(), w_.data(), kRow};
+        if (!mark_bad_faces(columns, count, limits_, kStartsQuad.data(), bad_.data())) return;
         for (std::size_t k = 0; k < count; ++k) {
             if (bad_[k] == 0) continue;
             const std::size_t inside = k % kPatch;
@@ -129,14 +89,14 @@ class Block {
         return marks;
     }();
 
-    Limits limits_;
+    FaceLimits limits_;
     std::size_t patches_ = 0;
     Numbers x_, y_, z_, u_, v_, w_;
     Marks bad_;
 };
 
 template <int N>
-void test_patches(const FoldedFaces& mesh, const PatchIndex<N>& index, IndexRange patches, Limits limits,
+void test_patches(const FoldedFaces& mesh, const PatchIndex<N>& index, IndexRange patches, FaceLimits limits,
                   std::vector<std::uint32_t>& bad) {
     const auto block = std::make_unique<Block<N>>(limits);
     typename PatchIndex<N>::Grid grid;
@@ -151,7 +111,7 @@ void test_patches(const FoldedFaces& mesh, const PatchIndex<N>& index, IndexRang
     block->test(first, bad);
 }
 
-Limits limits_of(const FoldedFaces& mesh) { return {mesh.quality * mesh.quality, kInward * kInward}; }
+FaceLimits limits_of(const FoldedFaces& mesh) { return {mesh.quality * mesh.quality, kInward * kInward}; }
 
 }  // namespace
 
@@ -174,9 +134,8 @@ bool FoldedFaces::is_bad(const Quad& face) const {
     const Vec3 a = positions[face[0]];
     const float scale = scale_of(std::max(
         {extent(positions[face[1]] - a), extent(positions[face[2]] - a), extent(positions[face[3]] - a)}));
-    Vec3 outward;
     const auto away = [&](int k) { return scale * (positions[face[k]] - anchors[face[k]]); };
-    outward = (away(0) + away(1)) + (away(2) + away(3));
+    const Vec3 outward = (away(0) + away(1)) + (away(2) + away(3));
     const auto point = [&](int k) { return scale * positions[face[k]]; };
     return bad_face(point(0), point(1), point(2), point(3), outward, limits_of(*this)) != 0;
 }

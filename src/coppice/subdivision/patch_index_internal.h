@@ -116,7 +116,8 @@ struct QuadCorner {
     std::uint32_t corner;
 };
 
-// What lies around single refined vertices, by closed forms: for the few places that are looked at one by one.
+// What lies around single refined vertices, by closed forms: for the few places that are looked at one by
+// one.
 class PatchStars {
   public:
     PatchStars(const CageTopology& cage, int levels)
@@ -125,7 +126,8 @@ class PatchStars {
           edges_(cage.vertex_count()),
           faces_(edges_ + cage.edge_count() * (n_ - 1)) {}
 
-    // The cage quad that counts the vertex as its own (see PatchRefinement::owned_vertices); kNone without quads.
+    // The cage quad that counts the vertex as its own (see PatchRefinement::owned_vertices); kNone without
+    // quads.
     std::uint32_t owner(std::uint32_t vertex) const {
         if (vertex >= faces_) return (vertex - faces_) / ((n_ - 1) * (n_ - 1));
         if (vertex >= edges_) {

@@ -3,35 +3,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <type_traits>
 #include <vector>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/subdivision/project_internal.h"
+#include "coppice/subdivision/ray_steps_internal.h"
 #include "coppice/subdivision/relax.h"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kPointsPerRange = 16384;
-constexpr float kGrowth = 1.6f;         // longest step outward: a gap between branches is not jumped over
 constexpr float kShortest = 1.0f / 32;  // nothing inside down to here: the anchor does not help
 constexpr float kShrink = 0.35f;        // way to the anchor where a gradient step has no gradient
 constexpr float kLongestStep = 0.5f;    // of a gradient step, in distances from the start to the anchor
 constexpr float kNearest = 0.25f;       // part of the distance to the anchor that a gradient step leaves
 constexpr float kSameSpot = 1e-6f;      // anchor and vertex coincide within rounding
 
-// no_surface: nothing inside down to the anchor; no_crossing: nothing outside up to the end of the ray.
-enum class Outcome : std::uint8_t { running, converged, clipped, failed, no_surface, no_crossing };
-
-bool is_miss(Outcome outcome) {
-    return outcome == Outcome::failed || outcome == Outcome::no_surface || outcome == Outcome::no_crossing;
-}
+// Of a way along the gradient; no_surface: it led into the anchor.
+enum class Outcome : std::uint8_t { running, converged, clipped, failed, no_surface };
 
 // Limit of t on anchor + t direction set by a plane; infinite when the ray does not cross it outward.
 float plane_limit(const ClipPlane& plane, Vec3 anchor, Vec3 direction) {
@@ -41,108 +37,22 @@ float plane_limit(const ClipPlane& plane, Vec3 anchor, Vec3 direction) {
     return room / approach;
 }
 
-struct Start {
-    Vec3 anchor;
-    Vec3 direction;  // from the anchor to the vertex; not zero
-    const ClipPlane* plane;
-};
-
-// A vertex on its ray: anchor + t direction, the surface between `inside` and `outside`.
-class RayWalk {
-  public:
-    RayWalk() = default;
-    RayWalk(const Start& start, const ProjectOptions& o)
-        : anchor_(start.anchor),
-          direction_(start.direction),
-          plane_limit_(plane_limit(*start.plane, start.anchor, start.direction)),
-          outside_(std::min(o.max_stretch, plane_limit_)),
-          t_(std::min(1.0f, outside_)) {}
-
-    Vec3 point() const { return anchor_ + t_ * direction_; }
-
-    Outcome advance(const Reading& here, const ProjectOptions& o, int evaluations) {
-        const float error = std::abs(here.ratio - 1);
-        if (error < best_error_) {
-            best_error_ = error;
-            best_t_ = t_;
-        }
-        const bool is_inside = here.ratio >= 1;
-        if (is_inside && t_ >= outside_ && !outside_known_) {
-            return t_ >= plane_limit_ ? Outcome::clipped : Outcome::no_crossing;
-        }
-        if (is_inside) {
-            inside_ = t_;
-        } else {
-            outside_ = t_;
-            outside_known_ = true;
-            if (inside_ == 0 && t_ < kShortest) return Outcome::no_surface;
-        }
-        const float next = next_t(here, is_inside, evaluations);
-        const float step = (next - t_) / t_;
-        t_ = next;
-        // Newton's error is squared by each step, so the one after a short step need not be seen.
-        if (newton_ && step * step <= o.tolerance) return Outcome::converged;
-        if (outside_known_ && outside_ - inside_ <= o.tolerance * outside_) return Outcome::converged;
-        return Outcome::running;
-    }
-
-    // Where the vertex stays, by outcome.
-    Vec3 result(Outcome& outcome) {
-        if (outcome == Outcome::running) outcome = inside_ > 0 ? Outcome::failed : Outcome::no_surface;
-        if (outcome == Outcome::no_surface || outcome == Outcome::no_crossing) t_ = std::min(1.0f, plane_limit_);
-        if (outcome == Outcome::failed) t_ = best_t_;
-        return point();
-    }
-
-  private:
-    float next_t(const Reading& here, bool is_inside, int evaluations) {
-        const float slope = dot(here.gradient, direction_);
-        newton_ = slope < 0;
-        float next = is_inside ? kGrowth * t_ : 0.5f * (inside_ + t_);
-        if (newton_) {
-            const float squared = t_ * t_ - 2 * t_ * (here.rise / slope);
-            if (squared > 0) next = std::sqrt(squared);
-        }
-        const bool slow = evaluations > 4 && evaluations % 2 == 0;
-        if (is_inside) {
-            if (next > kGrowth * t_) return give_up_newton(std::min(kGrowth * t_, middle_or_limit()));
-            if (next >= outside_ || (slow && outside_known_)) return give_up_newton(middle_or_limit());
-            return next;
-        }
-        return next <= inside_ || slow ? give_up_newton(0.5f * (inside_ + t_)) : next;
-    }
-    float middle_or_limit() const { return outside_known_ ? 0.5f * (inside_ + outside_) : outside_; }
-    float give_up_newton(float t) {
-        newton_ = false;
-        return t;
-    }
-
-    Vec3 anchor_, direction_;
-    float plane_limit_ = 0;
-    float inside_ = 0;   // the anchor's own value is taken on trust until a vertex gets near it
-    float outside_ = 0;  // the ray's limit until a point outside is known
-    float t_ = 0;
-    float best_t_ = 1;
-    float best_error_ = std::numeric_limits<float>::infinity();
-    bool outside_known_ = false;
-    bool newton_ = false;
-};
-
 // A vertex that follows the gradient.
 class GradientWalk {
   public:
     GradientWalk() = default;
-    GradientWalk(const Start& start, const ProjectOptions&)
-        : anchor_(start.anchor),
-          start_(start.anchor + start.direction),
+    // The direction leads from the anchor to the vertex and is not zero.
+    GradientWalk(Vec3 anchor, Vec3 direction, const ClipPlane& plane)
+        : anchor_(anchor),
+          start_(anchor + direction),
           point_(start_),
           best_(start_),
-          reach_(length(start.direction)),
-          plane_(start.plane) {}
+          reach_(length(direction)),
+          plane_(&plane) {}
 
     Vec3 point() const { return point_; }
 
-    Outcome advance(const Reading& here, const ProjectOptions& o, int /*evaluations*/) {
+    Outcome advance(const Reading& here, const ProjectOptions& o) {
         const float error = std::abs(here.ratio - 1);
         if (error < best_error_) {
             best_error_ = error;
@@ -194,22 +104,126 @@ struct Task {
     const ProjectOptions& options;
 };
 
-// Collects vertices of one region and moves them together, so that the field sees many points at a time.
-template <class Walk>
-class Batch {
+// Anchor and direction of a vertex's ray; none when the two coincide or are not finite.
+struct Ray {
+    Vec3 anchor, direction;
+    bool is_usable;
+
+    Ray(const Task& task, std::uint32_t vertex)
+        : anchor(task.anchors[vertex]), direction(task.positions[vertex] - anchor) {
+        const float size = length_squared(direction);
+        is_usable = size > kSameSpot * kSameSpot * length_squared(anchor) && std::isfinite(size);
+    }
+};
+
+// Collects vertices of one region and moves them together along their rays, so that the field sees many
+// points at a time.
+class RayBatch {
   public:
-    // Vertices that no surface was found for are appended to `strays`, when there is such a list.
-    Batch(const Task& task, ProjectReport& report, std::vector<std::uint32_t>* strays)
+    // Vertices that no surface was found for are appended to `strays`.
+    RayBatch(const Task& task, ProjectReport& report, std::vector<std::uint32_t>& strays)
         : task_(task), report_(report), strays_(strays) {}
 
     void add(std::uint32_t vertex, const ClipPlane& plane) {
         ++report_.vertices;
-        const Vec3 anchor = task_.anchors[vertex];
-        const Vec3 direction = task_.positions[vertex] - anchor;
-        const float size = length_squared(direction);
-        if (!(size > kSameSpot * kSameSpot * length_squared(anchor)) || !std::isfinite(size)) return;
+        const Ray ray(task_, vertex);
+        if (!ray.is_usable) return;
+        const float limit =
+            std::min(task_.options.max_stretch, plane_limit(plane, ray.anchor, ray.direction));
+        const std::size_t k = size_++;
+        vertex_[k] = vertex;
+        rays_.anchor_x[k] = ray.anchor.x;
+        rays_.anchor_y[k] = ray.anchor.y;
+        rays_.anchor_z[k] = ray.anchor.z;
+        rays_.direction_x[k] = ray.direction.x;
+        rays_.direction_y[k] = ray.direction.y;
+        rays_.direction_z[k] = ray.direction.z;
+        rays_.t[k] = std::min(1.0f, limit);
+        rays_.limit[k] = limit;
+        rays_.inside[k] = 0;
+        rays_.outside[k] = std::numeric_limits<float>::infinity();
+        rays_.best_t[k] = 1;
+        rays_.best_error[k] = std::numeric_limits<float>::infinity();
+        rays_.point[k] = ray.anchor + rays_.t[k] * ray.direction;
+    }
+    bool full() const { return size_ == kFieldBatch; }
+
+    void move(std::uint32_t region) {
+        const ProjectOptions& o = task_.options;
+        RayRule rule{1 / task_.field.level(), o.tolerance, o.max_stretch, false};
+        for (int evaluation = 1; size_ > 0 && evaluation <= o.max_evaluations; ++evaluation) {
+            task_.field.sample(region, std::span(rays_.point).first(size_), std::span(sample_).first(size_));
+            rule.slow = evaluation > 4 && evaluation % 2 == 0;
+            advance_rays(rays_, size_, sample_, rule);
+            report_.evaluations += size_;
+            report_.max_evaluations =
+                std::max(report_.max_evaluations, static_cast<std::uint32_t>(evaluation));
+            release_arrived();
+        }
+        for (std::size_t k = 0; k < size_; ++k) give_up(k);
+        size_ = 0;
+    }
+
+  private:
+    // Keeps the vertices that are still on their way.
+    void release_arrived() {
+        std::size_t left = 0;
+        for (std::size_t k = 0; k < size_; ++k) {
+            if (rays_.outcome[k] != RayOutcome::running) {
+                finish(k, rays_.outcome[k]);
+                continue;
+            }
+            if (left < k) {
+                rays_.copy(k, left);
+                vertex_[left] = vertex_[k];
+            }
+            ++left;
+        }
+        size_ = left;
+    }
+    void finish(std::size_t k, RayOutcome outcome) {
+        task_.positions[vertex_[k]] = rays_.point[k];
+        if (outcome == RayOutcome::converged) return;
+        if (outcome == RayOutcome::clipped) {
+            ++report_.clipped;
+            return;
+        }
+        ++report_.not_converged;
+        report_.anchors_outside += outcome == RayOutcome::no_surface;
+        strays_.push_back(vertex_[k]);
+    }
+    // Out of evaluations.
+    void give_up(std::size_t k) {
+        const bool is_empty = !(rays_.inside[k] > 0);
+        const float t = is_empty ? std::min(1.0f, rays_.limit[k]) : rays_.best_t[k];
+        const Vec3 anchor{rays_.anchor_x[k], rays_.anchor_y[k], rays_.anchor_z[k]};
+        const Vec3 direction{rays_.direction_x[k], rays_.direction_y[k], rays_.direction_z[k]};
+        rays_.point[k] = anchor + t * direction;
+        if (is_empty) return finish(k, RayOutcome::no_surface);
+        ++report_.not_converged;
+        task_.positions[vertex_[k]] = rays_.point[k];
+    }
+
+    const Task& task_;
+    ProjectReport& report_;
+    std::vector<std::uint32_t>& strays_;
+    std::size_t size_ = 0;
+    std::array<std::uint32_t, kFieldBatch> vertex_;
+    RayLanes rays_{};
+    std::array<FieldSample, kFieldBatch> sample_{};
+};
+
+// The same along the gradient.
+class GradientBatch {
+  public:
+    GradientBatch(const Task& task, ProjectReport& report) : task_(task), report_(report) {}
+
+    void add(std::uint32_t vertex, const ClipPlane& plane) {
+        ++report_.vertices;
+        const Ray ray(task_, vertex);
+        if (!ray.is_usable) return;
         vertex_[size_] = vertex;
-        std::construct_at(&walk_[size_], Start{anchor, direction, &plane}, task_.options);
+        std::construct_at(&walk_[size_], ray.anchor, ray.direction, plane);
         ++size_;
     }
     bool full() const { return size_ == kFieldBatch; }
@@ -229,7 +243,7 @@ class Batch {
             for (std::size_t k = 0; k < active; ++k) {
                 const std::uint16_t i = active_[k];
                 const Outcome outcome =
-                    walk_[i].advance(readings_.at(k, sample_[k], per_level), task_.options, evaluation);
+                    walk_[i].advance(readings_.at(k, sample_[k], per_level), task_.options);
                 if (outcome == Outcome::running) {
                     active_[left++] = i;
                 } else {
@@ -245,20 +259,17 @@ class Batch {
   private:
     void finish(std::size_t i, Outcome outcome) {
         task_.positions[vertex_[i]] = walk_[i].result(outcome);
-        const bool is_stray = outcome == Outcome::no_surface || outcome == Outcome::no_crossing;
-        if (is_stray && strays_ != nullptr) strays_->push_back(vertex_[i]);
-        report_.not_converged += is_miss(outcome);
+        report_.not_converged += outcome == Outcome::failed || outcome == Outcome::no_surface;
         report_.anchors_outside += outcome == Outcome::no_surface;
         report_.clipped += outcome == Outcome::clipped;
     }
 
     const Task& task_;
     ProjectReport& report_;
-    std::vector<std::uint32_t>* strays_;
     std::size_t size_ = 0;
     std::array<std::uint32_t, kFieldBatch> vertex_;
     std::array<std::uint16_t, kFieldBatch> active_;
-    std::array<Walk, kFieldBatch> walk_;
+    std::array<GradientWalk, kFieldBatch> walk_;
     std::array<Vec3, kFieldBatch> point_;
     std::array<FieldSample, kFieldBatch> sample_;
     Readings readings_;
@@ -269,7 +280,7 @@ void follow_gradient(const Task& task, std::uint32_t region, const ClipPlane& pl
                      std::vector<std::uint32_t>& strays, ProjectReport& report) {
     if (strays.empty()) return;
     ProjectReport again;
-    const auto batch = std::make_unique<Batch<GradientWalk>>(task, again, nullptr);
+    const auto batch = std::make_unique<GradientBatch>(task, again);
     for (const std::uint32_t v : strays) {
         batch->add(v, plane);
         if (batch->full()) batch->move(region);
@@ -282,21 +293,15 @@ void follow_gradient(const Task& task, std::uint32_t region, const ClipPlane& pl
     strays.clear();
 }
 
-template <class Walk>
-ProjectReport project_faces(const Task& task, const PatchRefinement& patches, const Regions& regions,
-                            IndexRange faces) {
-    ProjectReport report;
-    std::vector<std::uint32_t> strays;
-    Batch<Walk> batch(task, report, std::is_same_v<Walk, RayWalk> ? &strays : nullptr);
+// Fills the batch with the vertices of cage faces, region by region.
+template <class Batch, class Finish>
+void project_faces(Batch& batch, const PatchRefinement& patches, const Regions& regions, IndexRange faces,
+                   const Finish& finish_region) {
     Buffer<std::uint32_t> owned(patches.max_owned());
     std::uint32_t region = regions.of_face[faces.begin];
-    const auto finish_region = [&] {
-        batch.move(region);
-        follow_gradient(task, region, regions.plane(region), strays, report);
-    };
     for (std::size_t f = faces.begin; f < faces.end; ++f) {
         if (regions.of_face[f] != region) {
-            finish_region();
+            finish_region(region);
             region = regions.of_face[f];
         }
         const std::uint32_t count = patches.owned_vertices(static_cast<std::uint32_t>(f), owned);
@@ -305,7 +310,23 @@ ProjectReport project_faces(const Task& task, const PatchRefinement& patches, co
             if (batch.full()) batch.move(region);
         }
     }
-    finish_region();
+    finish_region(region);
+}
+
+ProjectReport project_faces(const Task& task, const PatchRefinement& patches, const Regions& regions,
+                            IndexRange faces) {
+    ProjectReport report;
+    if (task.options.method == ProjectionMethod::gradient) {
+        const auto batch = std::make_unique<GradientBatch>(task, report);
+        project_faces(*batch, patches, regions, faces, [&](std::uint32_t region) { batch->move(region); });
+        return report;
+    }
+    std::vector<std::uint32_t> strays;
+    const auto batch = std::make_unique<RayBatch>(task, report, strays);
+    project_faces(*batch, patches, regions, faces, [&](std::uint32_t region) {
+        batch->move(region);
+        follow_gradient(task, region, regions.plane(region), strays, report);
+    });
     return report;
 }
 
@@ -322,14 +343,9 @@ ProjectReport sum(ProjectReport a, const ProjectReport& b) {
 ProjectReport project_once(const Task& task, const PatchRefinement& patches, const Regions& regions,
                            const Context& ctx) {
     const std::size_t grain = std::max<std::size_t>(1, kPointsPerRange >> (2 * patches.levels()));
-    const bool rays = task.options.method == ProjectionMethod::rays;
     return parallel_reduce(
         ctx, patches.cage().face_count(), grain, ProjectReport{},
-        [&](IndexRange faces) {
-            return rays ? project_faces<RayWalk>(task, patches, regions, faces)
-                        : project_faces<GradientWalk>(task, patches, regions, faces);
-        },
-        sum);
+        [&](IndexRange faces) { return project_faces(task, patches, regions, faces); }, sum);
 }
 
 }  // namespace

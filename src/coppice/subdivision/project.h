@@ -24,11 +24,12 @@ struct EnumNames<ProjectionMethod> {
 
 struct ProjectOptions {
     ProjectionMethod method = ProjectionMethod::rays;
-    float tolerance = 1e-4f;   ///< error aimed at, as a fraction of the distance from anchor to surface
-    float max_stretch = 3;     ///< a ray ends at this multiple of the distance from anchor to start; > 1
-    int max_evaluations = 12;  ///< of the field, per vertex and pass, along the ray and then along the gradient
-    float damping = 0.95f;     ///< of a gradient step [Zhu2015]
-    int relax_passes = 0;      ///< each is a tangential step and a new projection
+    float tolerance = 1e-4f;  ///< error aimed at, as a fraction of the distance from anchor to surface
+    float max_stretch = 3;    ///< a ray ends at this multiple of the distance from anchor to start; > 1
+    int max_evaluations =
+        12;                 ///< of the field, per vertex and pass, along the ray and then along the gradient
+    float damping = 0.95f;  ///< of a gradient step [Zhu2015]
+    int relax_passes = 0;   ///< each is a tangential step and a new projection
     float relax_weight = 0.3f;
 };
 
@@ -59,7 +60,7 @@ struct ProjectReport {
     std::uint32_t max_evaluations = 0;  ///< of one vertex, along one ray or one way down the gradient
     std::uint64_t not_converged = 0;    ///< left at their best point so far, in the last pass
     std::uint64_t anchors_outside = 0;  ///< no surface between anchor and start, whatever the gradient gave
-    std::uint64_t clipped = 0;  ///< stopped by a clip plane
+    std::uint64_t clipped = 0;          ///< stopped by a clip plane
 
     double mean_evaluations() const {
         return vertices == 0 ? 0 : static_cast<double>(evaluations) / static_cast<double>(vertices);
@@ -75,8 +76,9 @@ struct ProjectReport {
 /// [Zhu2015, section 4.3; the sign of its eq. 5 is reversed], none longer than half the first distance to
 /// the anchor, and none that leaves less than a quarter of the present one. A vertex whose ray meets no
 /// surface, because its anchor lies outside or the ray never leaves the solid, follows the gradient from
-/// where it was; it stays there when that leads nowhere either. Both stop at the clip plane of the cage quad's region. Neither moves a vertex that coincides with
-/// its anchor, nor ever writes a number that is not finite when positions and anchors are.
+/// where it was; it stays there when that leads nowhere either. Both stop at the clip plane of the cage
+/// quad's region. Neither moves a vertex that coincides with its anchor, nor ever writes a number that is not
+/// finite when positions and anchors are.
 ///
 /// `positions` and `anchors` have one entry per refined vertex (PatchRefinement::refine of both),
 /// `region_of_cage_face` one per cage quad, `clip_of_region` one per region, or none at all. The field is

@@ -17,12 +17,12 @@
 namespace coppice {
 namespace {
 
-constexpr int kRings = 2;              // of faces around the bad ones that move too
-constexpr float kWeight = 0.6f;        // part of the way to the neighbours' mean
-constexpr int kSteps = 3;              // along the gradient, at most, while passes project
-constexpr float kDamping = 0.95f;      // of each
-constexpr float kLongestStep = 0.3f;   // in distances to the anchor
-constexpr float kTolerance = 1e-4f;    // of the distance to the anchor
+constexpr int kRings = 2;                // of faces around the bad ones that move too
+constexpr float kWeight = 0.6f;          // part of the way to the neighbours' mean
+constexpr int kSteps = 3;                // along the gradient, at most, while passes project
+constexpr float kDamping = 0.95f;        // of each
+constexpr float kLongestStep = 0.3f;     // in distances to the anchor
+constexpr float kTolerance = 1e-4f;      // of the distance to the anchor
 constexpr std::uint32_t kPatience = 10;  // passes without gain
 constexpr std::size_t kFacesPerRange = 1024;
 
@@ -164,7 +164,8 @@ class Untangling {
             ctx.throw_if_cancelled();
             ++report.passes;
             collect_active();
-            move_active(report.passes <= static_cast<std::uint32_t>(options.projected_passes) ? kSteps : 0, ctx);
+            move_active(report.passes <= static_cast<std::uint32_t>(options.projected_passes) ? kSteps : 0,
+                        ctx);
             find_bad(ctx);
             if (bad_.size() < least_bad_) {
                 least_bad_ = bad_.size();
@@ -181,23 +182,35 @@ class Untangling {
     }
 
   private:
-    // The corners of the bad faces and of kRings rings around them, less what is on a boundary.
+    // The corners of the bad faces and of kRings rings around them, less what is on a boundary; and all faces
+    // that have such a corner: no others change, and every bad face is one of them.
     void collect_active() {
         active_.clear();
-        const auto add = [&](std::uint32_t face) {
+        faces_.clear();
+        const auto add_face = [&](std::uint32_t face) {
+            if (!face_set_.insert(face)) return false;
+            faces_.push_back(face);
+            return true;
+        };
+        const auto add_corners = [&](std::uint32_t face) {
+            if (!add_face(face)) return;
             for (const std::uint32_t v : task_.quads[face]) {
                 if (vertex_set_.insert(v)) active_.push_back(v);
             }
         };
-        for (const std::uint32_t face : bad_) add(face);
+        for (const std::uint32_t face : bad_) add_corners(face);
         std::size_t begin = 0;
         for (int ring = 0; ring < kRings; ++ring) {
             const std::size_t end = active_.size();
             for (; begin < end; ++begin) {
-                stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add(c.quad); });
+                stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add_corners(c.quad); });
             }
         }
+        for (; begin < active_.size(); ++begin) {
+            stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add_face(c.quad); });
+        }
         vertex_set_.erase(active_);
+        face_set_.erase(faces_);
         std::erase_if(active_, [&](std::uint32_t v) { return stars_.on_boundary(v); });
     }
 
@@ -214,7 +227,8 @@ class Untangling {
 
     void move_active(int steps, const Context& ctx) {
         moved_.resize(active_.size());
-        parallel_for_ranges(ctx, active_.size(), kFieldBatch, [&](IndexRange range) { move_range(range, steps); });
+        parallel_for_ranges(ctx, active_.size(), kFieldBatch,
+                            [&](IndexRange range) { move_range(range, steps); });
         for (std::size_t k = 0; k < active_.size(); ++k) {
             Vec3& p = task_.positions[active_[k]];
             if (touched_set_.insert(active_[k])) touched_.push_back({active_[k], p, p});
@@ -244,29 +258,14 @@ class Untangling {
         batch.move(region, steps);
     }
 
-    // Only faces at a vertex that moved can have changed, and every bad face is one of these.
     void find_bad(const Context& ctx) {
-        faces_.clear();
-        for (const std::uint32_t v : active_) {
-            stars_.for_each_corner(v, [&](QuadCorner c) {
-                if (face_set_.insert(c.quad)) faces_.push_back(c.quad);
-            });
-        }
-        face_set_.erase(faces_);
         verdicts_.resize(faces_.size());
-        parallel_for(ctx, faces_.size(), kFacesPerRange, [&](std::size_t k) {
-            verdicts_[k] = folds_.is_bad(task_.quads[faces_[k]]) ? 1 : 0;
-        });
-        std::erase_if(bad_, [&](std::uint32_t f) { return !is_fixed(f); });
+        parallel_for(ctx, faces_.size(), kFacesPerRange,
+                     [&](std::size_t k) { verdicts_[k] = folds_.is_bad(task_.quads[faces_[k]]) ? 1 : 0; });
+        bad_.clear();
         for (std::size_t k = 0; k < faces_.size(); ++k) {
             if (verdicts_[k] != 0) bad_.push_back(faces_[k]);
         }
-    }
-
-    // No corner can move: bad once is bad for ever.
-    bool is_fixed(std::uint32_t face) const {
-        const Quad& q = task_.quads[face];
-        return std::all_of(q.begin(), q.end(), [&](std::uint32_t v) { return stars_.on_boundary(v); });
     }
 
     Task task_;

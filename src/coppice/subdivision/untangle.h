@@ -14,17 +14,17 @@ namespace coppice {
 struct UntangleOptions {
     int passes = 20;            ///< at most; 0 = off
     int projected_passes = 10;  ///< of these, the first so many return to the surface after smoothing
-    float quality = 0.2f;  ///< a face is bad when its scaled Jacobian (mesh/shape.h) is less than this
+    float quality = 0.2f;       ///< a face is bad when its scaled Jacobian (mesh/shape.h) is less than this
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, UntangleOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"passes", "smoothing passes around folded faces at most, 0 leaves them as they are", Unit::none,
-                0, 1000},
+    visit(Field{"passes", "smoothing passes around folded faces at most, 0 leaves them as they are",
+                Unit::none, 0, 1000},
           o.passes);
-    visit(Field{"projected_passes", "of these, passes that return to the surface after smoothing", Unit::none, 0,
-                1000},
+    visit(Field{"projected_passes", "of these, passes that return to the surface after smoothing", Unit::none,
+                0, 1000},
           o.projected_passes);
     visit(Field{"quality", "scaled Jacobian below which a face counts as folded", Unit::none, 0, 0.9},
           o.quality);
@@ -40,21 +40,22 @@ struct UntangleReport {
 
 /// Unfolds the few faces that projection has folded, mostly in acute forks, without moving anything else.
 ///
-/// A face is bad when the least sine of its corners is below `quality`, or when it looks inward: the cosine of
-/// its normal to the way from its corners' anchors to its corners is below 0.05. Each pass takes the corners
-/// of the bad faces and the two rings of faces around them, moves these vertices 0.6 of the way to the mean of
-/// their neighbours, all at once, and back onto the surface value = level by up to three steps along the
-/// gradient on value^(2/5), none longer than 0.3 of the distance to the anchor, in the region of the vertex's
-/// owner as in project(). A vertex keeps to its clip plane once it is on it; where the field has no gradient
-/// it stays where smoothing put it; boundaries stay. What is still folded after `projected_passes` is smoothed without
-/// returning to the surface: it unfolds like a soap film, at the price of some radius in a crevice. Ends when no face is bad or when ten passes brought no
-/// gain; whatever did not reduce the number of bad faces is taken back.
+/// A face is bad when the least sine of its corners is below `quality`, or when it looks inward: the cosine
+/// of its normal to the way from its corners' anchors to its corners is below 0.05. Each pass takes the
+/// corners of the bad faces and the two rings of faces around them, moves these vertices 0.6 of the way to
+/// the mean of their neighbours, all at once, and back onto the surface value = level by up to three steps
+/// along the gradient on value^(2/5), none longer than 0.3 of the distance to the anchor, in the region of
+/// the vertex's owner as in project(). A vertex keeps to its clip plane once it is on it; where the field has
+/// no gradient it stays where smoothing put it; boundaries stay. What is still folded after
+/// `projected_passes` is smoothed without returning to the surface: it unfolds like a soap film, at the price
+/// of some radius in a crevice. Ends when no face is bad or when ten passes brought no gain; the state with
+/// the fewest bad faces is kept, the first of equals.
 ///
 /// `positions` and `anchors` have one entry per refined vertex, `quads` are patches.quads(),
 /// `region_of_cage_face` and `clip_of_region` as for project(). The first look at all faces is the cost of a
-/// clean mesh, which keeps its bits; after that time and memory go with the number of bad faces, but for one
-/// bit per vertex and quad. Deterministic for any number of threads. Throws InvalidInput when an option is out of
-/// range or the sizes do not match.
+/// clean mesh, which keeps its bits; after that time and memory go with the number of bad faces, but for two
+/// bits per vertex and one per quad. Deterministic for any number of threads. Throws InvalidInput when an
+/// option is out of range or the sizes do not match.
 UntangleReport untangle(std::span<Vec3> positions, std::span<const Vec3> anchors,
                         const PatchRefinement& patches, std::span<const Quad> quads,
                         std::span<const std::uint32_t> region_of_cage_face,
