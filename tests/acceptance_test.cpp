@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coppice/base/hash.h"
@@ -125,7 +126,27 @@ TEST(Acceptance, SameBitsForAnyNumberOfThreads) {
     }
 }
 
-TEST(Acceptance, MadeUpTreeIsFaithful) { expect_faithful(random_tree(1000, 5)); }
+TEST(Acceptance, MadeUpTreesAreFaithful) {
+    for (const auto& [segments, seed] : {std::pair{300u, 1u}, std::pair{1000u, 2u}}) {
+        SCOPED_TRACE(segments);
+        expect_faithful(random_tree(segments, seed));
+    }
+}
+
+TEST(Acceptance, CrowdsOfBranchesAreClosed) {
+    // Every branch overlaps hundreds of others: whatever the surface looks like, it closes, and soon.
+    constexpr std::uint32_t kBranches = 300;
+    std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
+    std::vector<Vec3> position{{0, 0, 0}, {0, 0, 1}};
+    std::vector<float> radius{0.3f, 0.3f};
+    for (std::uint32_t i = 0; i < kBranches; ++i) {
+        parent.emplace_back(1u);
+        position.push_back({1, 0.0003f * static_cast<float>(i), 1.2f});
+        radius.push_back(0.05f);
+    }
+    const Skeleton skeleton(parent, position, radius);
+    expect_spheres(mesh_skeleton(skeleton).mesh, skeleton);
+}
 
 // --- skeletons of others ------------------------------------------------------------------------------
 

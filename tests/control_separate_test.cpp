@@ -48,6 +48,21 @@ TEST(SeparateCrossings, LeavesShallowOverlapsAndDistantBranchesAlone) {
 
 TEST(SeparateCrossings, DepthZeroChangesNothing) { EXPECT_EQ(separate_crossings(loop(0), 0, {}).moved, 0u); }
 
+TEST(SeparateCrossings, TanglesStayAsTheyAre) {
+    // Every second node of a zigzag comes back to nearly the same two places, so that all segments cross.
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    constexpr std::uint32_t kNodes = 400;
+    for (std::uint32_t i = 0; i < kNodes; ++i) {
+        parent.push_back(i == 0 ? NodeId::none() : NodeId(i - 1));
+        position.push_back({i % 2 == 0 ? -10.0f : 10.0f, 0, 1e-4f * static_cast<float>(i)});
+    }
+    const Skeleton s(parent, position, std::vector<float>(kNodes, 0.5f));
+    const SeparateResult r = separate_crossings(s, 0.6f, {});
+    EXPECT_GT(r.crossings, 4 * kNodes);
+    EXPECT_EQ(r.moved, 0u);
+}
+
 TEST(SeparateCrossings, RootsStayAndTheZooStaysValid) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);

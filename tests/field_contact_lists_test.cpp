@@ -55,6 +55,28 @@ TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
     }
 }
 
+TEST(FindContacts, OfACrowdTheNearestArePicked) {
+    // A hundred stems along x, of which the first region's box meets all.
+    constexpr std::uint32_t kStems = 100;
+    std::vector<NodeId> parent, tube;
+    std::vector<Vec3> position;
+    std::vector<FieldRegion> regions;
+    for (std::uint32_t i = 0; i < kStems; ++i) {
+        const float x = 0.01f * static_cast<float>(i);
+        parent.insert(parent.end(), {NodeId::none(), NodeId(2 * i)});
+        position.insert(position.end(), {{x, 0, 0}, {x, 0, 1}});
+    }
+    for (std::uint32_t n = 0; n < 2 * kStems; ++n) {
+        tube.emplace_back(n);
+        regions.push_back({Box3{{-1, -1, 0}, {1, 1, 1}}, NodeId(n)});
+    }
+    const Skeleton s(parent, position, std::vector<float>(2 * kStems, 2.0f));
+    ConvolutionField field(s, {});
+    field.set_regions(regions, {s.parents(), tube});
+    ASSERT_EQ(field.rivals(1).size(), 48u);
+    for (const std::uint32_t rival : field.rivals(1)) EXPECT_LT(rival, 2 * 49u);
+}
+
 TEST(Contact, OverlappingStemsLeaveAGapBetweenThem) {
     const TwoStems s;
     ConvolutionField field(s.skeleton, {});

@@ -18,9 +18,9 @@ constexpr float kNeighbours = 5;
 // ... and a search for that way ends after so many nodes.
 constexpr int kMostSteps = 64;
 // Branches are pushed apart to this share of the sum of their radii: contact does the rest.
-constexpr float kApart = 1.0f;
+constexpr float kApart = 0.9f;
 // A bend fades out within this many times the push, along the branch.
-constexpr float kFade = 5;
+constexpr float kFade = 2.5f;
 // A tangle with more crossings than this per node cannot be parted: it is left as it is.
 constexpr std::size_t kTangle = 4;
 constexpr std::size_t kMostPerGroup = 16 * kTangle * BoxTree::kWidth;
