@@ -21,9 +21,14 @@ constexpr int kMostSteps = 64;
 constexpr float kApart = 0.9f;
 // A bend fades out within this many times the push, along the branch.
 constexpr float kFade = 2.5f;
-// A tangle with more crossings than this per node cannot be parted: it is left as it is.
-constexpr std::size_t kTangle = 4;
-constexpr std::size_t kMostPerGroup = 16 * kTangle * BoxTree::kWidth;
+// With more crossings than a few and than one in so many nodes a skeleton is a tangle: branches that bend
+// apart meet the next ones, and none lies where it was given.
+constexpr std::size_t kTangle = 50;
+constexpr std::size_t kFewCrossings = 8;
+constexpr std::size_t kMostPerGroup = 64 * BoxTree::kWidth;
+// Looks at so many pairs of boxes at most: per group, or on average where that is more.
+constexpr std::size_t kLooksPerGroup = std::size_t{1} << 14;
+constexpr std::size_t kLooks = std::size_t{1} << 28;
 // So many nodes bend along at most.
 constexpr int kMostBent = 4096;
 // A branch thicker than this many times the other does not give way at all.
@@ -60,7 +65,9 @@ class Separation {
     }
 
   private:
-    bool is_tangle(const std::vector<Pair>& pairs) const { return pairs.size() > kTangle * s_.size(); }
+    bool is_tangle(const std::vector<Pair>& pairs) const {
+        return pairs.size() > std::max(kFewCrossings, s_.size() / kTangle);
+    }
 
     struct Closest {
         Vec3d on_a, on_b;
@@ -92,11 +99,13 @@ class Separation {
         });
         const BoxTree tree(boxes, ctx_);
         std::vector<std::vector<Pair>> found(tree.group_count());
+        const std::size_t most_looks = std::max(kLooksPerGroup, kLooks / found.size());
         parallel_for(ctx_, found.size(), kGrain / BoxTree::kWidth, [&](std::size_t g) {
+            std::size_t looks = 0;
             tree.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t p, std::uint32_t q) {
-                if (found[g].size() >= kMostPerGroup) return;
                 const NodeId a(std::min(tree.item(p), tree.item(q))), b(std::max(tree.item(p), tree.item(q)));
                 if (!s_.is_root(a) && !s_.is_root(b) && crosses({a, b})) found[g].push_back({a, b});
+                return ++looks < most_looks && found[g].size() < kMostPerGroup;
             });
         });
         std::vector<Pair> pairs;

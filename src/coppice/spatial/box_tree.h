@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "coppice/base/box.h"
@@ -39,7 +40,8 @@ class BoxTree {
     /// Places come in groups of kWidth.
     std::uint32_t group_count() const { return (size() + kWidth - 1) / kWidth; }
 
-    /// Calls visit(p, q) for all places p in a group and q > p whose boxes overlap; touching counts.
+    /// Calls visit(p, q) for all places p in a group and q > p whose boxes overlap; touching counts. A visit
+    /// that returns a bool ends the search with false.
     template <class Visit>
     void overlaps(std::uint32_t group, const Visit& visit) const {
         if (level_count() > 1) overlaps_below(level_count() - 1, 0, group, visit);
@@ -97,8 +99,9 @@ class BoxTree {
         }
     }
 
+    // False when the search has ended.
     template <class Visit>
-    void overlaps_below(std::uint32_t l, std::uint32_t parent, std::uint32_t group,
+    bool overlaps_below(std::uint32_t l, std::uint32_t parent, std::uint32_t group,
                         const Visit& visit) const {
         const Box3& box = level_[1][group];
         const auto [begin, end] = children(l, parent);
@@ -107,12 +110,19 @@ class BoxTree {
             if (l == 0) {
                 const std::uint32_t last = std::min(kWidth * (group + 1), i);
                 for (std::uint32_t p = kWidth * group; p < last; ++p) {
-                    if (level_[0][p].overlaps(level_[0][i])) visit(p, i);
+                    if (!level_[0][p].overlaps(level_[0][i])) continue;
+                    if constexpr (std::is_same_v<std::invoke_result_t<Visit, std::uint32_t, std::uint32_t>,
+                                                 bool>) {
+                        if (!visit(p, i)) return false;
+                    } else {
+                        visit(p, i);
+                    }
                 }
             } else if ((std::uint64_t{i} + 1) << (3 * (l - 1)) > group) {
-                overlaps_below(l - 1, i, group, visit);
+                if (!overlaps_below(l - 1, i, group, visit)) return false;
             }
         }
+        return true;
     }
 
     std::vector<std::uint32_t> item_;
