@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -105,7 +106,8 @@ TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
         SCOPED_TRACE(name);
         std::uint64_t holes = 0;
         const PrepareResult prepared = prepare(skeleton, options.prepare);
-        const PartResult parted = part_branches(prepared.skeleton, {});
+        const GraftResult grafted = graft_branches(prepared.skeleton, options.graft, {});
+        const PartResult parted = part_branches(grafted.tubes, {});
         for (const NodeId n : nodes(parted.skeleton)) {
             holes += parted.skeleton.is_root(n) && parted.skeleton.children(n).size() == 1 ? 1 : 0;
         }
@@ -114,6 +116,70 @@ TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
         EXPECT_EQ(t.euler, static_cast<std::int64_t>(2 * skeleton.tree_count() - holes));
         EXPECT_EQ(t.components, skeleton.tree_count());
         EXPECT_EQ(t.non_manifold_edges + t.misoriented_edges + t.non_manifold_vertices, 0u);
+    }
+}
+
+/// Rim and cap of one flat end against the disc of radius r about c across the plane's normal.
+void expect_disc(const MeshResult& result, int levels, const ClipPlane& clip, Vec3 c, float r) {
+    const std::size_t begin = std::size_t{clip.first_quad} << (2 * levels);
+    const std::size_t end = begin + (std::size_t{clip.quad_count} << (2 * levels));
+    std::vector<int> uses(result.mesh.positions.size(), 0);
+    for (std::size_t q = 0; q < result.mesh.quads.size(); ++q) {
+        for (const std::uint32_t v : result.mesh.quads[q]) uses[v] |= q >= begin && q < end ? 1 : 2;
+    }
+    float off_plane = 0, off_circle = 0, widest_inside = 0;
+    for (std::size_t v = 0; v < uses.size(); ++v) {
+        if ((uses[v] & 1) == 0) continue;
+        const Vec3 p = result.mesh.positions[v] - c;
+        off_plane = std::max(off_plane, std::abs(dot(clip.normal, p)) / r);
+        const float out = length(cross(clip.normal, p)) / r;
+        if (uses[v] == 3) off_circle = std::max(off_circle, std::abs(out - 1));
+        if (uses[v] == 1) widest_inside = std::max(widest_inside, out);
+    }
+    EXPECT_LE(off_plane, 1e-5f);
+    EXPECT_LE(off_circle, 1e-3f);
+    EXPECT_LT(widest_inside, 0.98f);
+}
+
+TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
+    const Skeleton bent({NodeId::none(), NodeId(0), NodeId(1), NodeId(2)},
+                        {{0.1f, 0.2f, 0.4f}, {0.5f, 0.5f, 1.5f}, {1.3f, 0.7f, 2.3f}, {2.6f, 0.2f, 2.6f}},
+                        {0.5f, 0.45f, 0.4f, 0.3f});
+    const Skeleton stump({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 0.3f}}, {0.5f, 0.5f});
+    for (const Skeleton& s : {bent, stump}) {
+        for (const int sides : {4, 8, 16}) {
+            for (const int levels : {1, 2, 3}) {
+                SCOPED_TRACE(std::to_string(s.size()) + " nodes, " + std::to_string(sides) +
+                             " sides, level " + std::to_string(levels));
+                MeshOptions options;
+                options.levels = levels;
+                options.control = {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat};
+                const MeshResult result = mesh_skeleton(s, options);
+                expect_spheres(result.mesh, s);
+                ASSERT_EQ(result.cage.clip.size(), 2u);
+                const NodeId tip(s.size() - 1);
+                expect_disc(result, levels, result.cage.clip[0], s.position(NodeId(0)), s.radius(NodeId(0)));
+                expect_disc(result, levels, result.cage.clip[1], s.position(tip), s.radius(tip));
+                const SurfaceReport r = check_surface(to_polygons(result.mesh), nullptr);
+                EXPECT_EQ(r.intersections->local + r.intersections->remote, 0u);
+                EXPECT_EQ(r.shape.inverted_faces, 0u);
+                EXPECT_GE(r.shape.scaled_jacobian.min, 0.3);
+                if (s.size() > 2) continue;
+                const double corner =
+                    std::numbers::pi / (sides << (levels - 1));  // half a turn, by rim vertices
+                const double prism = std::numbers::pi * 0.25 * 0.3 * std::sin(corner) / corner;
+                EXPECT_NEAR(r.shape.signed_volume / prism, 1, 1e-3);
+            }
+        }
+    }
+}
+
+TEST(Acceptance, EverySkeletonInTheZooClosesWithFlatEnds) {
+    MeshOptions options;
+    options.control = {.tips = TipShape::flat, .base = BaseShape::flat};
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        expect_spheres(mesh_skeleton(skeleton, options).mesh, skeleton);
     }
 }
 

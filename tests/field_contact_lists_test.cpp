@@ -23,7 +23,7 @@ struct TwoStems {
             regions.push_back({capsule_box({x, 0, 0}, {x, 0, 2}, 0.1f), n});
         }
     }
-    TubeTree tubes() const { return {skeleton.parents(), tube}; }
+    TubeTree tubes() const { return {skeleton, tube}; }
 };
 
 float value_at(const ConvolutionField& field, std::uint32_t region, Vec3 p) {
@@ -48,7 +48,7 @@ TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
     std::vector<FieldRegion> regions;
     for (const NodeId n : tube) regions.push_back({Box3{{-1, -1, -1}, {1, 1, 3}}, n});
     ConvolutionField field(s, {});
-    field.set_regions(regions, {s.parents(), tube});
+    field.set_regions(regions, {s, tube});
     for (std::uint32_t r = 1; r < 4; ++r) {
         EXPECT_EQ(field.candidates(r).size(), 3u);
         EXPECT_TRUE(field.rivals(r).empty());
@@ -72,7 +72,7 @@ TEST(FindContacts, OfACrowdTheNearestArePicked) {
     }
     const Skeleton s(parent, position, std::vector<float>(2 * kStems, 2.0f));
     ConvolutionField field(s, {});
-    field.set_regions(regions, {s.parents(), tube});
+    field.set_regions(regions, {s, tube});
     ASSERT_EQ(field.rivals(1).size(), 48u);
     for (const std::uint32_t rival : field.rivals(1)) EXPECT_LT(rival, 2 * 49u);
 }

@@ -8,52 +8,23 @@
 
 #include "coppice/base/error.h"
 #include "subdivision_cages.h"
+#include "subdivision_fields.h"
 
 namespace coppice {
 namespace {
 
-constexpr float kSupport = 1.5f;  // of the compact kernel, in radii
-
-// Any function of region and point as a field with level 1.
-struct TestField {
-    std::function<FieldSample(std::uint32_t, Vec3)> at;
-    float level() const { return 1; }
-    void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
-        for (std::size_t i = 0; i < points.size(); ++i) out[i] = at(region, points[i]);
-    }
-};
-
-// ((1 - d^2 / R^2) / (1 - 1 / R^2))^(5/2) for a distance d with unit gradient `away`: 1 at d = 1, 0 from d =
-// R on.
-FieldSample compact(float d, Vec3 away) {
-    const float scale = 1 / (1 - 1 / (kSupport * kSupport));
-    const float base = std::max(0.0f, 1 - d * d / (kSupport * kSupport)) * scale;
-    const float slope = -2.5f * std::pow(base, 1.5f) * 2 * d / (kSupport * kSupport) * scale;
-    return {std::pow(base, 2.5f), away * slope};
-}
-
-TestField cylinder_field() {
-    return {[](std::uint32_t, Vec3 p) {
-        return compact(std::hypot(p.x, p.y), normalized(Vec3{p.x, p.y, 0}));
-    }};
-}
-
-TestField sphere_field(Vec3 center) {
-    return {[center](std::uint32_t, Vec3 p) { return compact(distance(p, center), normalized(p - center)); }};
-}
-
 TestField torus_field() {
     return {[](std::uint32_t, Vec3 p) {
         const Vec3 away = p - 3.0f * normalized(Vec3{p.x, p.y, 0});
-        return compact(length(away), normalized(away));
+        return compact(away);
     }};
 }
 
 // Two crossing cylinders, blended by adding their fields.
 TestField cross_field() {
     return {[](std::uint32_t, Vec3 p) {
-        const FieldSample a = compact(std::hypot(p.x, p.y), normalized(Vec3{p.x, p.y, 0}));
-        const FieldSample b = compact(std::hypot(p.y, p.z), normalized(Vec3{0, p.y, p.z}));
+        const FieldSample a = compact({p.x, p.y, 0});
+        const FieldSample b = compact({0, p.y, p.z});
         return FieldSample{a.value + b.value, a.gradient + b.gradient};
     }};
 }
@@ -146,21 +117,72 @@ TEST(Project, ABlendOfTwoBranches) {
     }
 }
 
-TEST(Project, StopsAtTheClipPlane) {
-    for (const ProjectionMethod method : kMethods) {
-        SCOPED_TRACE(name_of(method));
-        Scene scene(tube_cage(6, 4, 1.2f, 1, true), [](Vec3 p) { return Vec3{0, 0, std::min(4.0f, p.z)}; });
-        scene.clips = {ClipPlane{{0, 0, 1}, 4.5f}};
-        const ProjectReport report = scene.project(cylinder_field(), with(method));
-        std::uint64_t on_plane = 0;
-        for (const Vec3& p : scene.positions) {
-            EXPECT_LE(p.z, 4.5f + 1e-5f);
-            on_plane += p.z > 4.5f - 1e-5f ? 1u : 0u;
-        }
-        EXPECT_GT(on_plane, 8u);
-        EXPECT_GT(report.clipped, 0u);
-        EXPECT_LE(report.clipped, on_plane);
+// A tube along z from 0 to 5 with a flat end: its last quad is the cap.
+Scene flat_tube(int levels) {
+    const Cage cage = tube_cage(6, 4, 1.2f, 1, true);
+    Scene scene(
+        cage,
+        [](Vec3 p) {
+            return Vec3{0, 0, std::min(4.0f, p.z)};
+        },
+        levels);
+    scene.clips = {ClipPlane{{0, 0, 2}, 10, static_cast<std::uint32_t>(cage.quads.size()) - 1, 1}};
+    return scene;
+}
+
+// 2 for the rim of the last cage quad, 1 inside, 0 elsewhere; by the refined quads alone.
+std::vector<int> places_of_last_cap(const Scene& scene) {
+    const Buffer<Quad> quads = scene.patches.quads();
+    const std::size_t cap = quads.size() - (std::size_t{1} << (2 * scene.patches.levels()));
+    std::vector<int> inside(scene.positions.size(), 0), outside = inside;
+    for (std::size_t q = 0; q < quads.size(); ++q) {
+        for (const std::uint32_t v : quads[q]) (q < cap ? outside : inside)[v] = 1;
     }
+    for (std::size_t v = 0; v < inside.size(); ++v) inside[v] += inside[v] * outside[v];
+    return inside;
+}
+
+TEST(Project, AFlatEndIsADiscWithASharpRim) {
+    for (const ProjectionMethod method : kMethods) {
+        for (int levels = 0; levels <= 4; ++levels) {
+            SCOPED_TRACE(std::string(name_of(method)) + " at level " + std::to_string(levels));
+            Scene scene = flat_tube(levels);
+            const ProjectReport report = scene.project(cylinder_field(), with(method));
+            const std::vector<int> place = places_of_last_cap(scene);
+            const int rim = 4 << levels;
+            EXPECT_EQ(std::count(place.begin(), place.end(), 2), rim);
+            EXPECT_EQ(report.clipped,
+                      static_cast<std::uint64_t>(rim + std::count(place.begin(), place.end(), 1)));
+            EXPECT_EQ(report.vertices, scene.patches.vertex_count());
+            for (std::size_t v = 0; v < place.size(); ++v) {
+                const Vec3 p = scene.positions[v];
+                const float out = std::hypot(p.x, p.y);
+                EXPECT_TRUE(place[v] == 0 || std::abs(p.z - 5) < 1e-6f) << p.z;
+                EXPECT_TRUE(place[v] != 2 || std::abs(out - 1) < 3e-4f) << out;
+                EXPECT_TRUE(place[v] != 1 || out < 0.99f) << out;
+            }
+        }
+    }
+}
+
+// Something presses the end of the tube inward from one side: what lies within the rim makes room.
+TEST(Project, TheInsideOfAFlatEndStaysWithinItsRim) {
+    const TestField field{[](std::uint32_t, Vec3 p) {
+        const Vec3 away = Vec3{p.x > 0 ? 2 * p.x : p.x, p.y, 0};
+        FieldSample s = compact(away);
+        if (p.x > 0) s.gradient.x *= 2;
+        return s;
+    }};
+    Scene scene = flat_tube(3);
+    scene.project(field);
+    const std::vector<int> place = places_of_last_cap(scene);
+    float rim = 0, inside = 0;
+    for (std::size_t v = 0; v < place.size(); ++v) {
+        if (place[v] == 2) rim = std::max(rim, scene.positions[v].x);
+        if (place[v] == 1) inside = std::max(inside, scene.positions[v].x);
+    }
+    EXPECT_LT(rim, 0.7f);
+    EXPECT_LT(inside, rim);
 }
 
 TEST(Project, AVertexWithoutSurfaceInReachStays) {
@@ -188,9 +210,7 @@ TEST(Project, AVertexWhoseAnchorLiesOutsideFollowsTheGradient) {
 
 TEST(Project, AVertexWhoseRayStaysInsideFollowsTheGradient) {
     Scene scene(grid_cage(6, 6, false), [](Vec3 p) { return p; });
-    const TestField slab{[](std::uint32_t, Vec3 p) {
-        return compact(std::abs(p.z), {0, 0, p.z > 0 ? 1.0f : -1.0f});
-    }};
+    const TestField slab{[](std::uint32_t, Vec3 p) { return compact({0, 0, p.z}); }};
     for (Vec3& p : scene.positions) p.z = 0.8f;
     for (std::size_t v = 0; v < scene.anchors.size(); ++v)
         scene.anchors[v] = scene.positions[v] + Vec3{1, 0, 0};
@@ -214,26 +234,11 @@ TEST(Project, ARayThatNeverLeavesTheSolidDoesNotShootOff) {
 }
 
 TEST(Project, StaysFiniteWhateverTheFieldSays) {
-    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    const std::vector<FieldSample> nasty = {{kNan, {kNan, kNan, kNan}},
-                                            {kInfinity, {1, 0, 0}},
-                                            {1e-38f, {1e-38f, 0, 0}},
-                                            {1e38f, {1e38f, -1e38f, 0}},
-                                            {2, {0, 0, 0}},
-                                            {0.5f, {kNan, 0, 0}},
-                                            {-3, {1, 1, 1}},
-                                            {1, {0, 0, 0}},
-                                            {0.5f, {1e-30f, 0, 0}}};
     for (const ProjectionMethod method : kMethods) {
-        for (std::size_t k = 0; k <= nasty.size(); ++k) {
+        for (std::size_t k = 0; k <= kNastySamples.size(); ++k) {
             SCOPED_TRACE(std::string(name_of(method)) + " " + std::to_string(k));
             Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
-            const TestField field{[&](std::uint32_t, Vec3 p) {
-                const auto pick = static_cast<std::size_t>(std::abs(p.x + 2 * p.y) * 1000) % nasty.size();
-                return nasty[k < nasty.size() ? k : pick];
-            }};
-            const ProjectReport report = scene.project(field, with(method));
+            const ProjectReport report = scene.project(nasty_field(k), with(method));
             EXPECT_LE(report.max_evaluations, 12u);
             for (const Vec3& p : scene.positions) EXPECT_TRUE(is_finite(p) && length(p) < 10);
         }
@@ -262,7 +267,7 @@ TEST(Project, EachVertexIsAskedForInTheRegionOfItsOwner) {
         scene.regions[f] = static_cast<std::uint32_t>(f / 2);
     const TestField field{[](std::uint32_t region, Vec3 p) {
         const float radius = 1 + 0.1f * static_cast<float>(region);
-        const FieldSample s = compact(length(p) / radius, normalized(p));
+        const FieldSample s = compact(p / radius);
         return FieldSample{s.value, s.gradient / radius};
     }};
     scene.project(field);
@@ -318,9 +323,19 @@ TEST(Project, RefusesWrongSizesAndOptions) {
     Scene scene(hub_cage(3), [](Vec3) { return Vec3{}; });
     EXPECT_THROW(scene.project(sphere_field({}), {.tolerance = 0}), InvalidInput);
     EXPECT_THROW(scene.project(sphere_field({}), {.max_evaluations = 0}), InvalidInput);
-    scene.clips.resize(1);
-    scene.regions[3] = 1;
-    EXPECT_THROW(scene.project(sphere_field({})), InvalidInput);
+    const ClipPlane good{{0, 0, 1}, 0, 2, 3};
+    const auto with_clips = [&](std::vector<ClipPlane> clips) {
+        Scene cut = scene;
+        cut.clips = std::move(clips);
+        cut.project(sphere_field({}));
+    };
+    EXPECT_NO_THROW(with_clips({good}));
+    EXPECT_THROW(with_clips({good, good}), InvalidInput);
+    EXPECT_THROW(with_clips({{{0, 0, 1}, 0, 2, 0}}), InvalidInput);
+    EXPECT_THROW(with_clips({{{0, 0, 1}, 0, 2, 5}}), InvalidInput);
+    EXPECT_THROW(with_clips({{{0, 0, 1}, 0, 2, 0xffffffffu}}), InvalidInput);
+    EXPECT_THROW(with_clips({{{0, 0, 0}, 0, 2, 3}}), InvalidInput);
+    EXPECT_THROW(with_clips({{{0, std::numeric_limits<float>::quiet_NaN(), 1}, 0, 2, 3}}), InvalidInput);
     scene.regions.pop_back();
     EXPECT_THROW(scene.project(sphere_field({})), InvalidInput);
     scene.anchors.pop_back();

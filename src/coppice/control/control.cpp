@@ -25,6 +25,11 @@ float shrinkage(int sides) { return sides == 4 ? 0.657f : sides == 8 ? 0.902f : 
 // Where the last ring of a round end lies, in radii: ahead of the end node and away from the axis.
 constexpr float kRoundEndAhead = 1.0f;
 constexpr float kRoundEndOut = 1.1f;
+// The rings of a flat end, in radii of the tube's ring: the inner one keeps the cap's faces square, and the
+// rim is so wide that subdivision brings it to the tube's radius.
+constexpr float kInnerRing = 0.5f;
+constexpr float kRim = (6 - 1 - kInnerRing) / 4;
+constexpr std::uint32_t kFlatEndQuads = 5;
 constexpr std::size_t kGrain = 256;
 
 class CageBuilder {
@@ -109,17 +114,27 @@ class CageBuilder {
     }
 
     std::uint32_t vertex_count(NodeId n) {
-        if (degree(n) == 0) return 8;
+        if (degree(n) == 0 || is_flat(n)) return 8;
         return degree(n) < 3 ? 4 : static_cast<std::uint32_t>(hub_[at(n).hub - 1].position.size());
     }
     std::uint32_t quad_count(NodeId n) {
         const std::uint32_t tube = s_.is_root(n) ? 0 : 4;
         if (degree(n) == 0) return 6;
-        if (degree(n) == 1) return tube + (is_open(n) ? 0 : 1);
-        return tube + (degree(n) < 3 ? 0 : static_cast<std::uint32_t>(hub_[at(n).hub - 1].face.size()));
+        if (degree(n) == 1) return tube + (is_open(n) ? 0 : is_flat(n) ? kFlatEndQuads : 1);
+        return tube;
     }
     bool is_open(NodeId n) const {
         return s_.is_root(n) && degree(n) == 1 && options_.base == BaseShape::open;
+    }
+    bool is_flat(NodeId n) const {
+        if (degree(n) != 1) return false;
+        const bool wanted =
+            s_.is_root(n) ? options_.base == BaseShape::flat : options_.tips == TipShape::flat;
+        return wanted;
+    }
+    Vec3 outward(NodeId end) const {
+        return s_.is_root(end) ? -branch_to_child(s_.children(end)[0]).direction
+                               : branch_to_child(end).direction;
     }
 
     void count() {
@@ -127,6 +142,10 @@ class CageBuilder {
         for (const NodeId n : nodes(s_)) {
             at(n).first_vertex = vertices;
             at(n).first_quad = quads;
+            if (is_flat(n)) {
+                const Vec3 normal = outward(n);
+                out_.clip.push_back({normal, dot(normal, s_.position(n)), first_cap_quad(n), kFlatEndQuads});
+            }
             vertices += vertex_count(n);
             quads += quad_count(n);
         }
@@ -137,7 +156,6 @@ class CageBuilder {
         out_.region.resize(quads);
         kind_.resize(quads);
         out_.region_node.assign(source_.begin(), source_.end());
-        out_.clip.resize(s_.size());
     }
 
     void set_vertex(std::uint32_t v, Vec3 position, Vec3 anchor) {
@@ -184,9 +202,6 @@ class CageBuilder {
         const auto children = s_.children(n);
         for (std::size_t i = 0; i < children.size(); ++i) at(children[i]).upper = shifted(hub.cell[i]);
         if (!s_.is_root(n)) at(n).lower = reversed(shifted(hub.cell.back()));
-        const NodeId region = s_.is_root(n) ? children[0] : n;
-        std::uint32_t q = at(n).first_quad + (s_.is_root(n) ? 0 : 4);
-        for (const control::HubFace& f : hub.face) set_quad(q++, shifted(f.corner), region, f.kind);
     }
 
     void fill_ball(NodeId n) {
@@ -249,11 +264,8 @@ class CageBuilder {
             twist = std::remainder(end_phase - phase, kHalfPi);
         }
         if (!start_fixed) {
-            at(head).upper = ring_of(start);
-            fill_end(start, Frame(-frame.front().axis, frame.front().x), -phase, head,
-                     options_.base == BaseShape::round);
+            fill_end(start, Frame(-frame.front().axis, frame.front().x), -phase, head);
             at(head).upper = reversed(ring_of(start));
-            if (!is_open(start)) set_quad(at(start).first_quad, ring_of(start), head, QuadKind::face);
         }
         float way = 0;
         for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
@@ -266,9 +278,8 @@ class CageBuilder {
         if (end_fixed) {
             align(at(end).lower, end, frame.back(), phase + twist);
         } else {
-            fill_end(end, frame.back(), phase, end, options_.tips == TipShape::round);
+            fill_end(end, frame.back(), phase, end);
             at(end).lower = ring_of(end);
-            set_quad(at(end).first_quad + 4, ring_of(end), end, QuadKind::face);
         }
         align(at(head).upper, start, frame.front(), phase);
     }
@@ -284,20 +295,42 @@ class CageBuilder {
         std::rotate(ring.begin(), ring.begin() + shift, ring.end());
     }
 
-    // The last ring of a tip or base: on the ball about the end node when round, beyond the clip plane when
-    // flat.
-    void fill_end(NodeId n, const Frame& frame, float phase, NodeId region, bool round) {
+    std::uint32_t first_cap_quad(NodeId end) { return at(end).first_quad + (s_.is_root(end) ? 0 : 4); }
+
+    // The end of a tube at a tip or base, whose last ring becomes ring_of(n). The frame looks outward.
+    void fill_end(NodeId n, const Frame& frame, float phase, NodeId region) {
+        if (is_flat(n)) return fill_flat_end(n, frame, phase, region);
         const float r = s_.radius(n);
-        const Vec3 c = s_.position(n);
-        const float ahead = round ? kRoundEndAhead * r : 0.8f * r;
-        const float out = round ? kRoundEndOut * r : r;
-        const Vec3 anchor = round ? c : c - frame.axis * (0.5f * r);
-        const auto around = frame.quarters(phase);
-        for (std::uint32_t k = 0; k < 4; ++k) {
-            set_vertex(at(n).first_vertex + k, c + around[k] * out + frame.axis * ahead, anchor);
-        }
-        if (!round && !is_open(n)) out_.clip[region.index()] = {frame.axis, dot(frame.axis, c)};
+        if (is_open(n)) return fill_end_ring(n, 0, frame.quarters(phase), r / shrinkage_, {});
+        fill_end_ring(n, 0, frame.quarters(phase), kRoundEndOut * r, kRoundEndAhead * r * frame.axis);
+        set_quad(first_cap_quad(n), ring_of(n), region, QuadKind::face);
     }
+
+    void fill_end_ring(NodeId n, std::uint32_t first, const std::array<Vec3, 4>& around, float out,
+                       Vec3 ahead) {
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            set_vertex(at(n).first_vertex + first + k, s_.position(n) + around[k] * out + ahead,
+                       s_.position(n));
+        }
+    }
+
+    // The rim and a ring within it, both in the plane of the cut. Anchors lie behind the inner ring, so that
+    // the cap knows which way is out.
+    void fill_flat_end(NodeId n, const Frame& frame, float phase, NodeId region) {
+        const float r = s_.radius(n);
+        const auto around = frame.quarters(phase);
+        fill_end_ring(n, 0, around, kRim * r / shrinkage_, {});
+        fill_end_ring(n, 4, around, kInnerRing * r / shrinkage_, {});
+        const std::uint32_t v = at(n).first_vertex;
+        const std::uint32_t q = first_cap_quad(n);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const std::uint32_t next = (k + 1) % 4;
+            out_.anchors[v + 4 + k] -= frame.axis * r;
+            set_quad(q + k, {v + k, v + next, v + 4 + next, v + 4 + k}, region, QuadKind::tube);
+        }
+        set_quad(q + 4, {v + 4, v + 5, v + 6, v + 7}, region, QuadKind::face);
+    }
+
     void fill_tubes() {
         parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));

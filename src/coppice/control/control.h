@@ -20,9 +20,9 @@ struct EnumNames<BaseShape> {
 };
 
 struct ControlOptions {
-    int sides = 4;                      ///< quads around a branch before subdivision; 4, 8 or 16
-    TipShape tips = TipShape::round;    ///< how branches end
-    BaseShape base = BaseShape::round;  ///< how a tree ends at its root
+    int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16
+    TipShape tips = TipShape::round;   ///< how branches end
+    BaseShape base = BaseShape::flat;  ///< how a tree ends at a root with one child
 };
 
 template <class Self, class Visitor>
@@ -30,7 +30,7 @@ requires SameOptions<Self, ControlOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"sides", "quads around a branch before subdivision: 4, 8 or 16", Unit::none, 4, 16}, o.sides);
     visit(Field{"tips", "how branches end"}, o.tips);
-    visit(Field{"base", "how a tree ends at its root"}, o.base);
+    visit(Field{"base", "how a tree ends at a root with one child"}, o.base);
 }
 
 /// Builds a coarse cage of quads around a skeleton: closed (but for an open base), manifold and oriented for
@@ -42,6 +42,10 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// around the node open the corners of one ring (a scaffold [FuentesSuarez2018]: a fork has two poles of
 /// valence 6, nothing else irregular). Others sit on the four faces of a belt around the node, each inset to
 /// its own size (four corners of valence 5 each).
+///
+/// Round ends are closed by one quad beyond the end node. A flat end lies in the plane through its node
+/// across the branch: a ring of quads from the rim inward and one within (a clip plane names them). An open
+/// base has its border in that plane. Trees of one node are balls; roots with several children have no base.
 ///
 /// `source` maps each node of `skeleton` to the node of the skeleton on which the field is built; both may be
 /// the same.

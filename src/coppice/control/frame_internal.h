@@ -60,6 +60,8 @@ struct Frame {
     }
 };
 
+inline float angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
+
 /// Wraps an angle to [-pi, pi].
 inline float wrap_angle(float a) { return std::remainder(a, 2 * 3.14159265358979f); }
 

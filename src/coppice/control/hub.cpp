@@ -5,16 +5,29 @@
 #include <limits>
 #include <numbers>
 
+#include "coppice/control/division_internal.h"
+
 namespace coppice::control {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 // A seam is not placed farther out than this share of the shorter branch: the next ring must lie beyond it.
 constexpr float kGreatestSeam = 0.7f;
+// A cell holds a cone about its branch that is this many times wider than the branch where it leaves the
+// union ...
+constexpr float kRoom = 1.6f;
+// ... but no wider than this share of the way to the nearest other branch, nor than this angle.
+constexpr float kShareOfRoom = 0.7f;
+constexpr float kWidestCone = 1.2f;
+constexpr float kNarrowestCone = 0.02f;
+constexpr int kEvenings = 2;
+// Of more branches than this only the first are looked at when a place among them is sought.
+constexpr std::size_t kMostNeighbours = 256;
 
 constexpr int kSlots = 4;
 constexpr std::uint32_t kNone = 0xffffffffu;
-// Laterals nearer in azimuth than this stand side by side, not in slots of their own.
+// So few laterals, no nearer to each other in azimuth than this, get slots: their seams are known exactly.
+constexpr std::size_t kMostInSlots = 2;
 constexpr float kLeastGap = 0.6f;
 
 struct Lateral {
@@ -22,23 +35,25 @@ struct Lateral {
     float azimuth;
 };
 
-float angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
-
 class HubBuilder {
   public:
     HubBuilder(std::span<const Branch> branches, std::uint32_t stem, std::uint32_t leader)
         : branch_(branches), stem_(stem), leader_(leader), frame_(main_axis()) {
-        hub_.cell.resize(branches.size());
         find_laterals();
     }
 
     Hub build() && {
-        if (lateral_.size() <= kSlots && widely_spaced()) {
-            scaffold();
+        const std::vector<Site> cones = sites();
+        if (lateral_.size() <= kMostInSlots && widely_spaced()) {
+            fill_slots();
         } else {
-            belt();
+            division_ = divide_sphere(cones, stem_, leader_);
         }
-        return std::move(hub_);
+        even_out(division_, cones, kEvenings);
+        Hub hub{{}, std::move(division_.cell)};
+        for (const Vec3 direction : division_.corner)
+            hub.position.push_back(direction * exit_distance(direction));
+        return hub;
     }
 
   private:
@@ -70,11 +85,15 @@ class HubBuilder {
                     : lateral_[i + 1].azimuth - lateral_[i].azimuth;
     }
 
+    std::span<const Branch> neighbours() const {
+        return branch_.first(std::min(branch_.size(), kMostNeighbours));
+    }
+
     // How far a direction stays inside the union of the rounded cones: the union is star-shaped about the
     // node.
     float exit_distance(Vec3 direction) const {
         float t = 0;
-        for (const Branch& b : branch_) t = std::max(t, exit_distance(b, direction));
+        for (const Branch& b : neighbours()) t = std::max(t, exit_distance(b, direction));
         return t;
     }
     static float exit_distance(const Branch& b, Vec3 direction) {
@@ -84,11 +103,35 @@ class HubBuilder {
         return std::min(b.radius / std::max(s, 1e-3f), std::max(b.radius, kGreatestSeam * b.length));
     }
 
-    std::uint32_t add(Vec3 position) {
-        hub_.position.push_back(position);
-        return static_cast<std::uint32_t>(hub_.position.size() - 1);
+    // Where a branch's axis leaves the other branches.
+    float root_distance(std::uint32_t i) const {
+        float t = 0;
+        for (std::uint32_t j = 0; j < neighbours().size(); ++j) {
+            if (j == i) continue;
+            t = std::max(t, exit_distance(branch_[j], branch_[i].direction));
+        }
+        return std::min(t, kGreatestSeam * branch_[i].length);
     }
-    std::uint32_t add_towards(Vec3 direction) { return add(direction * exit_distance(direction)); }
+
+    std::vector<Site> sites() const {
+        std::vector<Site> out;
+        for (std::uint32_t i = 0; i < branch_.size(); ++i) {
+            const Branch& b = branch_[i];
+            float nearest = kPi;
+            for (std::uint32_t j = 0; j < neighbours().size(); ++j) {
+                if (j != i) nearest = std::min(nearest, angle_between(b.direction, branch_[j].direction));
+            }
+            const float cone = std::min(
+                {std::atan2(kRoom * b.radius, root_distance(i)), kShareOfRoom * nearest, kWidestCone});
+            out.push_back({b.direction, std::max(cone, kNarrowestCone)});
+        }
+        return out;
+    }
+
+    std::uint32_t add(Vec3 direction) {
+        division_.corner.push_back(direction);
+        return static_cast<std::uint32_t>(division_.corner.size() - 1);
+    }
 
     // The normal of the plane of stem, leader and a lateral: seen from its tip, they follow as leader,
     // lateral, stem.
@@ -117,34 +160,35 @@ class HubBuilder {
 
     // The four corners of the stem's ring are slots; a lateral opens one: the corner becomes its bottom, a
     // new vertex its top, and its neighbours are its sides. The ring that is left on top is the leader's.
-    void scaffold() {
+    void fill_slots() {
+        division_.cell.resize(branch_.size());
         const auto slots = assign_slots();
         Ring ring;
         for (int k = 0; k < kSlots; ++k) {
             const std::uint32_t i = slots[k].branch;
             if (i != kNone) {
-                ring[k] = add_towards(seam(i, stem_, plane_normal(i)));
+                ring[k] = add(seam(i, stem_, plane_normal(i)));
             } else if (lateral_.size() == 1 && (slots[(k + 2) % kSlots].branch != kNone)) {
-                ring[k] = add_towards(seam(stem_, leader_, plane_normal(lateral_[0].branch)));
+                ring[k] = add(seam(stem_, leader_, plane_normal(lateral_[0].branch)));
             } else if (lateral_.size() == 1) {
                 const Vec3 normal = plane_normal(lateral_[0].branch);
-                ring[k] = add_towards(slots[(k + 3) % kSlots].branch != kNone ? normal : -normal);
+                ring[k] = add(slots[(k + 3) % kSlots].branch != kNone ? normal : -normal);
             } else {
-                ring[k] = add_towards(frame_.around(slots[k].azimuth));
+                ring[k] = add(frame_.around(slots[k].azimuth));
             }
         }
-        hub_.cell[stem_] = {ring[0], ring[3], ring[2], ring[1]};
+        division_.cell[stem_] = {ring[0], ring[3], ring[2], ring[1]};
         std::array<int, kSlots> order{0, 1, 2, 3};
         std::sort(order.begin(), order.end(),
                   [&](int a, int b) { return slots[a].height < slots[b].height; });
         for (const int k : order) {
             const std::uint32_t i = slots[k].branch;
             if (i == kNone) continue;
-            const std::uint32_t top = add_towards(seam(leader_, i, plane_normal(i)));
-            hub_.cell[i] = {ring[(k + 1) % kSlots], top, ring[(k + 3) % kSlots], ring[k]};
+            const std::uint32_t top = add(seam(leader_, i, plane_normal(i)));
+            division_.cell[i] = {ring[(k + 1) % kSlots], top, ring[(k + 3) % kSlots], ring[k]};
             ring[k] = top;
         }
-        hub_.cell[leader_] = ring;
+        division_.cell[leader_] = ring;
     }
 
     struct Slot {
@@ -188,159 +232,11 @@ class HubBuilder {
         return best;
     }
 
-    // Two rings about the axis with four faces between them, on which the laterals sit.
-    void belt() {
-        const auto border = belt_borders();
-        float low = std::numeric_limits<float>::max(), high = -low;
-        for (const Lateral& l : lateral_) {
-            const Branch& b = branch_[l.branch];
-            const float middle = root_distance(l.branch) * dot(b.direction, frame_.axis);
-            low = std::min(low, middle - 1.6f * b.radius);
-            high = std::max(high, middle + 1.6f * b.radius);
-        }
-        const Branch &stem = branch_[stem_], &leader = branch_[leader_];
-        high = std::clamp(high, 0.25f * leader.radius, std::max(0.3f * leader.radius, 0.6f * leader.length));
-        low = std::clamp(low, -std::max(0.3f * stem.radius, 0.6f * stem.length), 0.0f);
-        const Frame upper = frame_.turned(leader.direction), lower = frame_.turned(-stem.direction);
-        Ring top, bottom;
-        for (int k = 0; k < 4; ++k) {
-            top[k] = add(upper.around(border[k]) * leader.radius + leader.direction * high);
-            bottom[k] = add(lower.around(border[k]) * stem.radius - stem.direction * low);
-        }
-        hub_.cell[leader_] = top;
-        hub_.cell[stem_] = {bottom[0], bottom[3], bottom[2], bottom[1]};
-        for (int k = 0; k < 4; ++k) {
-            std::vector<std::uint32_t> inside;
-            const int next = (k + 1) % 4;
-            float width = border[next] - border[k];
-            if (width <= 0) width += 2 * kPi;
-            for (const Lateral& l : lateral_) {
-                float offset = std::fmod(l.azimuth - border[k], 2 * kPi);
-                if (offset < 0) offset += 2 * kPi;
-                if (offset < width) inside.push_back(l.branch);
-            }
-            fill_face({bottom[k], bottom[next], top[next], top[k]}, inside);
-        }
-    }
-
-    // Four azimuths, about evenly spread, each in a gap between laterals, with few laterals between any two.
-    std::array<float, 4> belt_borders() const {
-        constexpr int kTries = 24;
-        float best_cost = std::numeric_limits<float>::max();
-        std::array<float, 4> best{};
-        for (int t = 0; t < kTries; ++t) {
-            std::array<float, 4> border;
-            std::array<int, 4> count{};
-            const float start = t * (kPi / 2 / kTries);
-            for (int k = 0; k < 4; ++k) border[k] = start + k * kPi / 2;
-            float cost = 0;
-            for (const Lateral& l : lateral_) {
-                float offset = std::fmod(l.azimuth - start, 2 * kPi);
-                if (offset < 0) offset += 2 * kPi;
-                const int k = std::min(3, static_cast<int>(offset / (kPi / 2)));
-                ++count[k];
-                const float off_center = offset - (k + 0.5f) * kPi / 2;
-                cost += off_center * off_center;
-            }
-            for (const int c : count) cost += 4.0f * static_cast<float>(c * c);
-            if (cost < best_cost) {
-                best_cost = cost;
-                best = border;
-            }
-        }
-        return best;
-    }
-
-    // Where a lateral's axis leaves the other branches.
-    float root_distance(std::uint32_t i) const {
-        float t = 0;
-        for (std::uint32_t j = 0; j < branch_.size(); ++j) {
-            if (j == i) continue;
-            t = std::max(t, exit_distance(branch_[j], branch_[i].direction));
-        }
-        return std::min(t, kGreatestSeam * branch_[i].length);
-    }
-
-    // A face with several laterals is cut from corner to corner through a new vertex between them; with one,
-    // it is inset to the lateral's size.
-    void fill_face(const Ring& corner, std::span<const std::uint32_t> inside) {
-        if (inside.empty()) {
-            hub_.face.push_back({corner, QuadKind::face});
-        } else if (inside.size() == 1) {
-            inset(corner, inside[0]);
-        } else {
-            split_face(corner, {inside.begin(), inside.end()});
-        }
-    }
-
-    void split_face(const Ring& corner, std::vector<std::uint32_t> inside) {
-        const Vec3 q0 = hub_.position[corner[0]], q1 = hub_.position[corner[1]];
-        const Vec3 q2 = hub_.position[corner[2]], q3 = hub_.position[corner[3]];
-        // The side of a lateral about the plane through the node and a diagonal.
-        const Vec3 normal[2] = {normalized(cross(q0, q2)), normalized(cross(q1, q3))};
-        int diagonal = 0;
-        std::size_t cut = inside.size() / 2;
-        float widest = -1;
-        for (int d = 0; d < 2; ++d) {
-            sort_by_side(inside, normal[d]);
-            for (std::size_t i = 1; i < inside.size(); ++i) {
-                const float gap =
-                    dot(branch_[inside[i]].direction - branch_[inside[i - 1]].direction, normal[d]);
-                if (gap > widest) {
-                    widest = gap;
-                    diagonal = d;
-                    cut = i;
-                }
-            }
-        }
-        sort_by_side(inside, normal[diagonal]);
-        const std::span<const std::uint32_t> all = inside;
-        const Vec3 between =
-            normalized(branch_[inside[cut - 1]].direction + branch_[inside[cut]].direction, frame_.x);
-        const std::uint32_t m = add_towards(between);
-        if (diagonal == 0) {
-            fill_face({corner[0], m, corner[2], corner[3]}, all.subspan(cut));
-            fill_face({corner[0], corner[1], corner[2], m}, all.first(cut));
-        } else {
-            fill_face({corner[0], corner[1], m, corner[3]}, all.subspan(cut));
-            fill_face({corner[1], corner[2], corner[3], m}, all.first(cut));
-        }
-    }
-
-    void sort_by_side(std::vector<std::uint32_t>& inside, Vec3 normal) const {
-        std::sort(inside.begin(), inside.end(), [&](std::uint32_t a, std::uint32_t b) {
-            const float sa = dot(branch_[a].direction, normal), sb = dot(branch_[b].direction, normal);
-            return sa != sb ? sa < sb : a < b;
-        });
-    }
-
-    void inset(const Ring& corner, std::uint32_t i) {
-        const Branch& b = branch_[i];
-        float nearest = kPi;
-        for (std::uint32_t j = 0; j < branch_.size(); ++j) {
-            if (j != i) nearest = std::min(nearest, angle_between(b.direction, branch_[j].direction));
-        }
-        const float reach = root_distance(i);
-        const float opening = std::min({std::atan2(1.3f * b.radius, reach), 0.5f * nearest, 1.2f});
-        const Frame frame(b.direction);
-        const float phase = frame.quarters_azimuth([&](int k) { return hub_.position[corner[k]]; }, Vec3{});
-        const auto out = frame.quarters(phase);
-        Ring ring;
-        for (int k = 0; k < 4; ++k) {
-            ring[k] = add_towards(b.direction * std::cos(opening) + out[k] * std::sin(opening));
-        }
-        hub_.cell[i] = ring;
-        for (int k = 0; k < 4; ++k) {
-            const int next = (k + 1) % 4;
-            hub_.face.push_back({{corner[k], corner[next], ring[next], ring[k]}, QuadKind::tube});
-        }
-    }
-
     std::span<const Branch> branch_;
     std::uint32_t stem_, leader_;
     Frame frame_;
     std::vector<Lateral> lateral_;
-    Hub hub_;
+    Division division_;
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "coppice/control/frame_internal.h"
-#include "coppice/control/sides_internal.h"
 
 namespace coppice::control {
 
@@ -15,20 +14,15 @@ struct Branch {
     float length;    ///< [m]
 };
 
-struct HubFace {
-    Ring corner;
-    QuadKind kind;
-};
-
-/// The cage about one branch node: vertices, the ring each branch starts with, and the faces between rings.
+/// The cage about one branch node: vertices, and the ring with which each branch starts.
 struct Hub {
     std::vector<Vec3> position;  ///< [m] relative to the node
     std::vector<Ring> cell;      ///< per branch: counter-clockwise about its direction; local vertex numbers
-    std::vector<HubFace> face;
 };
 
 /// Divides the surface about a node among its branches: three or more. `stem` is the one that leads to the
-/// parent, `leader` the one that continues it; a node without a parent names any two. O(k^2) for k branches.
+/// parent, `leader` the one that continues it; a node without a parent names any two. O(k^3) for k branches,
+/// linear beyond 256.
 Hub build_hub(std::span<const Branch> branches, std::uint32_t stem, std::uint32_t leader);
 
 }  // namespace coppice::control

@@ -11,7 +11,7 @@ constexpr float kCrotchShare = 0.75f;
 // A crotch beyond this share of the way to the leader's next branch node moves the branch on to that node.
 constexpr float kMoveShare = 1.0f;
 // A branch node is shifted until its crotches are at most this many radii away.
-constexpr float kCrotchReach = 1.4f;
+constexpr float kCrotchReach = 1.8f;
 // A shift that leaves the way from the parent by more than this many radii keeps a ring at the node.
 constexpr float kCorner = 0.5f;
 // A leader shorter than this many radii leaves no room for a tube between two branch nodes.

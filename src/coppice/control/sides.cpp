@@ -57,6 +57,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
     Buffer<Quad> quads;
     std::vector<QuadKind> kinds;
     std::vector<std::uint32_t> region;
+    std::vector<std::uint32_t> first_of{0};  // new quads, by old quad
     for (std::size_t f = 0; f < kind.size(); ++f) {
         const Quad q = mesh.cage.quads[f];
         if (kind[f] == QuadKind::tube) {
@@ -70,6 +71,12 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
         }
         kinds.resize(quads.size(), kind[f]);
         region.resize(quads.size(), mesh.region[f]);
+        first_of.push_back(static_cast<std::uint32_t>(quads.size()));
+    }
+    for (ClipPlane& clip : mesh.clip) {
+        const std::uint32_t end = first_of[clip.first_quad + clip.quad_count];
+        clip.first_quad = first_of[clip.first_quad];
+        clip.quad_count = end - clip.first_quad;
     }
     mesh.cage.quads = std::move(quads);
     mesh.region = std::move(region);

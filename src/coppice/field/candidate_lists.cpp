@@ -165,6 +165,10 @@ std::vector<Hub> find_hubs(const Skeleton& skeleton, std::span<const SegmentSupp
 
 }  // namespace
 
+std::size_t longest_list(std::size_t regions) {
+    return std::max<std::size_t>(kMinLimit, kMaxEntries / std::max<std::size_t>(regions, 1));
+}
+
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                                std::span<const FieldRegion> regions, const Context& ctx) {
     COPPICE_ASSERT(supports.size() == skeleton.size());
@@ -173,7 +177,7 @@ CandidateLists find_candidates(const Skeleton& skeleton, std::span<const Segment
     }));
     const std::vector<Hub> hubs = find_hubs(skeleton, supports);
     const std::size_t count = regions.size();
-    const std::size_t limit = std::max(kMinLimit, kMaxEntries / std::max<std::size_t>(count, 1));
+    const std::size_t limit = longest_list(count);
     std::vector<std::vector<std::uint32_t>> parts((count + kGrain - 1) / kGrain);
     CandidateLists lists;
     lists.first.assign(count + 1, 0);

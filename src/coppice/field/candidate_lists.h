@@ -43,14 +43,16 @@ struct CandidateLists {
     Buffer<std::uint32_t> segments;  ///< by lower node
 };
 
+/// No list is longer than this, so that hubs and huge boxes cannot make time and memory quadratic.
+std::size_t longest_list(std::size_t regions);
+
 /// Finds for every region the segments that matter in its box: those whose support touches the box and that
 /// hang together with the seed through others that do. The seed is always among them. A branch that merely
 /// passes by is not.
 ///
 /// `supports` has one entry per node. O(sum of lists) whatever the size of the skeleton; the children of a
-/// node with very many are found through a tree of boxes. A list that would be longer than max(256, 2^20 /
-/// number of regions) keeps those with the fewest nodes between them and the seed, so that hubs and huge
-/// boxes cannot make time and memory quadratic.
+/// node with very many are found through a tree of boxes. A list that would be longer than longest_list()
+/// keeps those with the fewest nodes between them and the seed.
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                                std::span<const FieldRegion> regions, const Context& ctx = {});
 

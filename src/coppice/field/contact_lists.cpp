@@ -16,23 +16,22 @@ constexpr std::size_t kGrain = 128;
 constexpr float kRivalReach = 1.15f;
 // Surfaces that are pressed from more sides than this have nowhere to go.
 constexpr std::size_t kMostRivals = 48;
-constexpr std::size_t kMostNear = 4096;  // segments that a run looks at
+constexpr std::size_t kMostNear = 1024;  // segments that a run looks at
+constexpr float kEmptyReach = 1.5f;      // [radii] of a tube without a segment
 constexpr float kLongestRun = 2;         // of regions searched together, in diagonals of the first one's box
 
 /// Depth-first order makes a subtree a range of tubes.
 class Kinship {
   public:
-    explicit Kinship(const TubeTree& tubes) : tubes_(tubes), end_(tubes.parent.size()) {
+    explicit Kinship(std::span<const NodeId> parent) : parent_(parent), end_(parent.size()) {
         for (std::size_t i = end_.size(); i-- > 0;) {
             end_[i] = std::max(end_[i], static_cast<std::uint32_t>(i + 1));
-            if (const NodeId p = tubes.parent[i]) end_[p.index()] = std::max(end_[p.index()], end_[i]);
+            if (const NodeId p = parent[i]) end_[p.index()] = std::max(end_[p.index()], end_[i]);
         }
     }
 
-    bool related(std::uint32_t segment, std::uint32_t region) const {
-        const std::uint32_t t = tubes_.tube[segment].index();
-        return contains(t, region) || contains(region, t) ||
-               (tubes_.parent[t] && tubes_.parent[t] == tubes_.parent[region]);
+    bool related(std::uint32_t a, std::uint32_t b) const {
+        return contains(a, b) || contains(b, a) || (parent_[a] && parent_[a] == parent_[b]);
     }
 
   private:
@@ -40,9 +39,53 @@ class Kinship {
         return above <= below && below < end_[above];
     }
 
-    const TubeTree& tubes_;
+    std::span<const NodeId> parent_;
     std::vector<std::uint32_t> end_;
 };
+
+/// The segments that each tube wraps.
+class Contents {
+  public:
+    explicit Contents(const TubeTree& tubes) : first_(tubes.tree.size() + 1, 0) {
+        for (const NodeId t : tubes.tube) {
+            if (t) ++first_[t.index()];
+        }
+        segment_.resize(exclusive_scan(std::span(first_)));
+        std::vector<std::uint32_t> next(first_.begin(), first_.end());
+        for (std::uint32_t s = 0; s < tubes.tube.size(); ++s) {
+            if (const NodeId t = tubes.tube[s]) segment_[next[t.index()]++] = s;
+        }
+    }
+    std::span<const std::uint32_t> of(std::size_t tube) const {
+        return std::span(segment_).subspan(first_[tube], first_[tube + 1] - first_[tube]);
+    }
+
+  private:
+    std::vector<std::uint32_t> first_, segment_;
+};
+
+/// Where each tube has influence: the capsule of its one segment, the ball about several, its own line for
+/// none.
+std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& contents,
+                                          std::span<const SegmentSupport> segments, const Context& ctx) {
+    std::vector<SegmentSupport> out(tree.size());
+    parallel_for(ctx, tree.size(), kGrain * 16, [&](std::size_t i) {
+        const auto inside = contents.of(i);
+        const NodeId n(static_cast<std::uint32_t>(i));
+        if (inside.size() == 1) {
+            out[i] = segments[inside[0]];
+            return;
+        }
+        Box3 box;
+        for (const std::uint32_t s : inside) box.extend(segments[s].box);
+        if (inside.empty()) {
+            const Vec3 a = tree.position(tree.is_root(n) ? n : tree.parent(n));
+            box = capsule_box(a, tree.position(n), kEmptyReach * tree.radius(n));
+        }
+        out[i] = {box, box.center(), box.center(), 0.5f * box.diagonal()};
+    });
+    return out;
+}
 
 /// By lower node; a segment without length of its own has an empty box.
 std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Context& ctx) {
@@ -60,11 +103,12 @@ std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Conte
 /// Finds rivals for runs of regions that lie close to each other: one search for all of a run.
 class RivalSearch {
   public:
-    RivalSearch(const Skeleton& skeleton, std::span<const FieldRegion> regions, const Kinship& kinship,
-                const Context& ctx)
+    RivalSearch(const Skeleton& skeleton, std::span<const FieldRegion> regions, std::span<const NodeId> tube,
+                const CandidateLists& own, const Context& ctx)
         : skeleton_(skeleton),
           regions_(regions),
-          kinship_(kinship),
+          tube_(tube),
+          own_(own),
           capsules_(rival_capsules(skeleton, ctx)),
           tree_(boxes_of(capsules_), ctx) {}
 
@@ -78,7 +122,7 @@ class RivalSearch {
             Box3 all = regions_[begin].box;
             const std::size_t end = end_of_run(begin, range.end, all);
             near.clear();
-            if (!all.empty()) tree_.visit_overlapping(all, [&](std::uint32_t s) { add(s, near); });
+            if (!all.empty()) tree_.visit_overlapping(all, [&](std::uint32_t s) { return add(s, near); });
             std::sort(near.begin(), near.end());
             boxes.clear();
             for (const std::uint32_t s : near) boxes.push_back(capsules_[s].box);
@@ -111,10 +155,11 @@ class RivalSearch {
         }
         return end;
     }
-    void add(std::uint32_t segment, std::vector<std::uint32_t>& near) const {
+    // False when no more are wanted.
+    bool add(std::uint32_t segment, std::vector<std::uint32_t>& near) const {
         const NodeId n(segment);
-        if (near.size() < kMostNear && (!skeleton_.is_root(n) || skeleton_.is_tip(n)))
-            near.push_back(segment);
+        if (tube_[segment] && (!skeleton_.is_root(n) || skeleton_.is_tip(n))) near.push_back(segment);
+        return near.size() < kMostNear;
     }
     void filter(std::uint32_t region, std::span<const std::uint32_t> near, std::span<const Box3> boxes,
                 std::vector<Ranked>& found) const {
@@ -123,12 +168,14 @@ class RivalSearch {
         if (box.empty()) return;
         const Vec3 center = box.center();
         const float half_diagonal = 0.5f * box.diagonal();
+        const std::uint32_t* own = own_.segments.data() + own_.first[region];
+        const std::uint32_t* const last = own_.segments.data() + own_.first[region + 1];
         for (std::size_t k = 0; k < near.size(); ++k) {
             if (!overlap(boxes[k], box)) continue;
             const std::uint32_t s = near[k];
-            if (!kinship_.related(s, region) && may_touch(capsules_[s], box, center, half_diagonal)) {
-                found.emplace_back(0.0f, s);
-            }
+            while (own != last && *own < s) ++own;
+            if (own != last && *own == s) continue;
+            if (may_touch(capsules_[s], box, center, half_diagonal)) found.emplace_back(0.0f, s);
         }
         if (found.size() > kMostRivals) keep_nearest(center, found);
     }
@@ -153,7 +200,8 @@ class RivalSearch {
 
     const Skeleton& skeleton_;
     std::span<const FieldRegion> regions_;
-    const Kinship& kinship_;
+    std::span<const NodeId> tube_;
+    const CandidateLists& own_;
     std::vector<SegmentSupport> capsules_;
     BoxTree tree_;
 };
@@ -182,19 +230,37 @@ CandidateLists collect(std::size_t regions, const Context& ctx, const Find& find
 
 }  // namespace
 
-ContactLists find_contacts(const Skeleton& skeleton, const CandidateLists& candidates,
+ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                            std::span<const FieldRegion> regions, const TubeTree& tubes, const Context& ctx) {
-    COPPICE_ASSERT(tubes.parent.size() == regions.size() && tubes.tube.size() == skeleton.size());
-    const Kinship kinship(tubes);
+    COPPICE_ASSERT(tubes.tree.size() == regions.size() && tubes.tube.size() == skeleton.size());
+    const Kinship kinship(tubes.tree.parents());
+    const Contents contents(tubes);
+    const std::size_t longest = longest_list(regions.size());
+    std::vector<FieldRegion> at_tubes(regions.begin(), regions.end());
+    for (std::uint32_t r = 0; r < regions.size(); ++r) at_tubes[r].seed = NodeId(r);
+    const CandidateLists near =
+        find_candidates(tubes.tree, tube_supports(tubes.tree, contents, supports, ctx), at_tubes, ctx);
     ContactLists out;
     out.own = collect(regions.size(), ctx, [&](IndexRange range, const auto& put) {
+        std::vector<std::uint32_t> list;
         for (auto r = static_cast<std::uint32_t>(range.begin); r < range.end; ++r) {
-            for (std::uint64_t k = candidates.first[r]; k < candidates.first[r + 1]; ++k) {
-                if (kinship.related(candidates.segments[k], r)) put(r, candidates.segments[k]);
+            const Box3& box = regions[r].box;
+            const Vec3 center = box.empty() ? Vec3{} : box.center();
+            const float half_diagonal = box.empty() ? 0 : 0.5f * box.diagonal();
+            list.clear();
+            for (std::uint64_t k = near.first[r]; k < near.first[r + 1]; ++k) {
+                const std::uint32_t t = near.segments[k];
+                if (!kinship.related(t, r)) continue;
+                for (const std::uint32_t s : contents.of(t)) {
+                    const bool touches = t == r || may_touch(supports[s], box, center, half_diagonal);
+                    if (touches && list.size() < longest) list.push_back(s);
+                }
             }
+            std::sort(list.begin(), list.end());
+            for (const std::uint32_t s : list) put(r, s);
         }
     });
-    const RivalSearch search(skeleton, regions, kinship, ctx);
+    const RivalSearch search(skeleton, regions, tubes.tube, out.own, ctx);
     out.rivals =
         collect(regions.size(), ctx, [&](IndexRange range, const auto& put) { search.run(range, put); });
     return out;

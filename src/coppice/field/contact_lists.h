@@ -9,25 +9,26 @@
 
 namespace coppice {
 
-/// The tubes that a surface is made of: one per region of the field, in depth-first order of the tree they
-/// form.
+/// The tubes that a surface is made of, one per region of the field.
 struct TubeTree {
-    std::span<const NodeId> parent;  ///< per tube; none for the first of a tree
-    std::span<const NodeId> tube;    ///< per skeleton node: the tube that wraps its segment
+    const Skeleton& tree;  ///< a tube is named by its lower node; depth-first order
+    std::span<const NodeId>
+        tube;  ///< per skeleton node: the tube that wraps its segment; none: not in the field
 };
 
-/// Splits what may meet in a region. A tube grows together with its ancestors, descendants and siblings:
-/// these stay in `own`. Every other segment whose rounded cone, a little enlarged, reaches the region's box
-/// is a rival, connected or not: the two surfaces press against each other instead of passing through each
-/// other. Of more than 48 rivals the nearest are kept: time and memory stay linear where hundreds of branches
-/// overlap.
+/// Splits what may meet in a region. A tube grows together with its ancestors, descendants and siblings as
+/// far as their segments hang together with it through others that touch the region's box: these are its
+/// `own`. Every other segment whose rounded cone, a little enlarged, reaches the box is a rival, connected or
+/// not: the two surfaces press against each other instead of passing through each other. Of more than 48
+/// rivals the nearest are kept: time and memory stay linear where hundreds of branches overlap.
 struct ContactLists {
     CandidateLists own;
     CandidateLists rivals;
 };
 
-/// O((regions + candidates) log n). Deterministic for any number of threads.
-ContactLists find_contacts(const Skeleton& skeleton, const CandidateLists& candidates,
+/// `supports` has one entry per node of the skeleton. O((regions + lists) log n). Deterministic for any
+/// number of threads.
+ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                            std::span<const FieldRegion> regions, const TubeTree& tubes,
                            const Context& ctx = {});
 

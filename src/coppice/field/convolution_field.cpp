@@ -96,11 +96,11 @@ void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const C
 
 void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const TubeTree& tubes,
                                    const Context& ctx) {
-    set_regions(regions, ctx);
-    if (contact_ == 0) return;
-    ContactLists contacts = find_contacts(*skeleton_, lists_, regions, tubes, ctx);
+    if (contact_ == 0) return set_regions(regions, ctx);
+    ContactLists contacts = find_contacts(*skeleton_, supports_, regions, tubes, ctx);
     lists_ = std::move(contacts.own);
     rivals_ = std::move(contacts.rivals);
+    sort_by_axis(lists_, ctx);
     sort_by_axis(rivals_, ctx);
 }
 

@@ -8,11 +8,13 @@
 
 namespace coppice {
 
-/// Surfaces stop at a clip plane: points with dot(normal, p) > offset are cut away. A zero normal cuts
-/// nothing.
+/// A flat end: the surface is cut at the plane dot(normal, p) = offset, and a run of cage quads fills the
+/// cut. The border of these quads is the rim, where plane and surface meet.
 struct ClipPlane {
-    Vec3 normal;
+    Vec3 normal;  ///< outward, of any length but 0
     float offset = 0;
+    std::uint32_t first_quad = 0;
+    std::uint32_t quad_count = 0;
 };
 
 /// A coarse closed cage of quads around a skeleton, with what subdivision and projection need to know about
@@ -26,7 +28,7 @@ struct ControlMesh {
     Buffer<Vec3> anchors;               ///< [m] one per cage vertex
     std::vector<std::uint32_t> region;  ///< per quad: the tube it belongs to
     std::vector<NodeId> region_node;  ///< per region: the skeleton segment (named by its lower node) it wraps
-    std::vector<ClipPlane> clip;      ///< per region: where a flat end cuts the surface
+    std::vector<ClipPlane> clip;      ///< one per flat end, by first quad
 };
 
 }  // namespace coppice

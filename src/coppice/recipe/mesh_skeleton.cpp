@@ -61,6 +61,15 @@ std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleto
     return regions;
 }
 
+// The map that follows one map by another; none stays none.
+std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
+    std::vector<NodeId> both(first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (first[i]) both[i] = second[first[i].index()];
+    }
+    return both;
+}
+
 }  // namespace
 
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
@@ -70,19 +79,18 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
-    const SeparateResult separated = stages.run(
-        "separate", 0.08f, [&] { return separate_crossings(prepared.skeleton, options.separate, ctx); });
-    out.crossings = separated.crossings;
-    const PartResult parted =
-        stages.run("part", 0.1f, [&] { return part_branches(separated.skeleton, ctx); });
+    const GraftResult grafted =
+        stages.run("graft", 0.08f, [&] { return graft_branches(prepared.skeleton, options.graft, ctx); });
+    out.grafted = grafted.report;
+    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
     out.parted = parted.report;
-    out.cage = stages.run("cage", 0.15f, [&] {
-        return build_control_mesh(parted.skeleton, parted.source, options.control, ctx);
-    });
+    const auto source = composed(parted.source, grafted.source);
+    const auto tube = composed(grafted.tube, parted.tube);
+    out.cage = stages.run("cage", 0.15f,
+                          [&] { return build_control_mesh(parted.skeleton, source, options.control, ctx); });
     const ConvolutionField field = stages.run("field", 0.25f, [&] {
-        ConvolutionField f(separated.skeleton, with_ends(options.field, options.control), ctx);
-        f.set_regions(field_regions(out.cage, separated.skeleton), {parted.skeleton.parents(), parted.tube},
-                      ctx);
+        ConvolutionField f(grafted.skeleton, with_ends(options.field, options.control), ctx);
+        f.set_regions(field_regions(out.cage, grafted.skeleton), {parted.skeleton, tube}, ctx);
         return f;
     });
     const QuadMesh& cage = out.cage.cage;

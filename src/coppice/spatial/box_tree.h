@@ -47,7 +47,8 @@ class BoxTree {
         if (level_count() > 1) overlaps_below(level_count() - 1, 0, group, visit);
     }
 
-    /// Calls visit(item) for all items whose boxes overlap the given one; touching counts.
+    /// Calls visit(item) for all items whose boxes overlap the given one; touching counts. A visit that
+    /// returns a bool ends the search with false.
     template <class Visit>
     void visit_overlapping(const Box3& box, const Visit& visit) const {
         if (size() > 0) visit_below(level_count() - 1, 0, box, visit);
@@ -86,20 +87,23 @@ class BoxTree {
         }
     }
 
+    // Both return false when the search has ended.
     template <class Visit>
-    void visit_below(std::uint32_t l, std::uint32_t parent, const Box3& box, const Visit& visit) const {
+    bool visit_below(std::uint32_t l, std::uint32_t parent, const Box3& box, const Visit& visit) const {
         const auto [begin, end] = children(l, parent);
         for (std::uint32_t i = begin; i < end; ++i) {
             if (!level_[l][i].overlaps(box)) continue;
-            if (l == 0) {
-                visit(item_[i]);
+            if (l > 0) {
+                if (!visit_below(l - 1, i, box, visit)) return false;
+            } else if constexpr (std::is_same_v<std::invoke_result_t<Visit, std::uint32_t>, bool>) {
+                if (!visit(item_[i])) return false;
             } else {
-                visit_below(l - 1, i, box, visit);
+                visit(item_[i]);
             }
         }
+        return true;
     }
 
-    // False when the search has ended.
     template <class Visit>
     bool overlaps_below(std::uint32_t l, std::uint32_t parent, std::uint32_t group,
                         const Visit& visit) const {

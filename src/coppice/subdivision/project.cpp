@@ -12,6 +12,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/subdivision/flat_ends_internal.h"
 #include "coppice/subdivision/project_internal.h"
 #include "coppice/subdivision/ray_steps_internal.h"
 #include "coppice/subdivision/relax.h"
@@ -20,6 +21,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kPointsPerRange = 16384;
+constexpr std::size_t kEndsPerRange = 64;
 constexpr float kShortest = 1.0f / 32;  // nothing inside down to here: the anchor does not help
 constexpr float kShrink = 0.35f;        // way to the anchor where a gradient step has no gradient
 constexpr float kLongestStep = 0.5f;    // of a gradient step, in distances from the start to the anchor
@@ -27,28 +29,19 @@ constexpr float kNearest = 0.25f;       // part of the distance to the anchor th
 constexpr float kSameSpot = 1e-6f;      // anchor and vertex coincide within rounding
 
 // Of a way along the gradient; no_surface: it led into the anchor.
-enum class Outcome : std::uint8_t { running, converged, clipped, failed, no_surface };
-
-// Limit of t on anchor + t direction set by a plane; infinite when the ray does not cross it outward.
-float plane_limit(const ClipPlane& plane, Vec3 anchor, Vec3 direction) {
-    const float approach = dot(plane.normal, direction);
-    const float room = plane.offset - dot(plane.normal, anchor);
-    if (!(approach > 0) || !(room > 0)) return std::numeric_limits<float>::infinity();
-    return room / approach;
-}
+enum class Outcome : std::uint8_t { running, converged, failed, no_surface };
 
 // A vertex that follows the gradient.
 class GradientWalk {
   public:
     GradientWalk() = default;
     // The direction leads from the anchor to the vertex and is not zero.
-    GradientWalk(Vec3 anchor, Vec3 direction, const ClipPlane& plane)
+    GradientWalk(Vec3 anchor, Vec3 direction)
         : anchor_(anchor),
           start_(anchor + direction),
           point_(start_),
           best_(start_),
-          reach_(length(direction)),
-          plane_(&plane) {}
+          reach_(length(direction)) {}
 
     Vec3 point() const { return point_; }
 
@@ -79,21 +72,14 @@ class GradientWalk {
 
     Vec3 result(Outcome& outcome) {
         if (outcome == Outcome::running) outcome = Outcome::failed;
-        if (outcome == Outcome::failed) point_ = best_;
-        if (outcome == Outcome::no_surface) point_ = start_;
-        const float limit = plane_limit(*plane_, anchor_, point_ - anchor_);
-        if (limit < 1) {
-            point_ = lerp(anchor_, point_, limit);
-            if (outcome == Outcome::converged) outcome = Outcome::clipped;
-        }
-        return point_;
+        if (outcome == Outcome::failed) return best_;
+        return outcome == Outcome::no_surface ? start_ : point_;
     }
 
   private:
     Vec3 anchor_, start_, point_, best_;
     float best_error_ = std::numeric_limits<float>::infinity();
     float reach_ = 0;
-    const ClipPlane* plane_ = nullptr;
 };
 
 // What all ranges of one pass share.
@@ -109,8 +95,7 @@ struct Ray {
     Vec3 anchor, direction;
     bool is_usable;
 
-    Ray(const Task& task, std::uint32_t vertex)
-        : anchor(task.anchors[vertex]), direction(task.positions[vertex] - anchor) {
+    Ray(Vec3 from, Vec3 through) : anchor(from), direction(through - from) {
         const float size = length_squared(direction);
         is_usable = size > kSameSpot * kSameSpot * length_squared(anchor) && std::isfinite(size);
     }
@@ -124,12 +109,10 @@ class RayBatch {
     RayBatch(const Task& task, ProjectReport& report, std::vector<std::uint32_t>& strays)
         : task_(task), report_(report), strays_(strays) {}
 
-    void add(std::uint32_t vertex, const ClipPlane& plane) {
+    void add(std::uint32_t vertex, Vec3 anchor) {
         ++report_.vertices;
-        const Ray ray(task_, vertex);
+        const Ray ray(anchor, task_.positions[vertex]);
         if (!ray.is_usable) return;
-        const float limit =
-            std::min(task_.options.max_stretch, plane_limit(plane, ray.anchor, ray.direction));
         const std::size_t k = size_++;
         vertex_[k] = vertex;
         rays_.anchor_x[k] = ray.anchor.x;
@@ -138,13 +121,12 @@ class RayBatch {
         rays_.direction_x[k] = ray.direction.x;
         rays_.direction_y[k] = ray.direction.y;
         rays_.direction_z[k] = ray.direction.z;
-        rays_.t[k] = std::min(1.0f, limit);
-        rays_.limit[k] = limit;
+        rays_.t[k] = 1;
         rays_.inside[k] = 0;
         rays_.outside[k] = std::numeric_limits<float>::infinity();
         rays_.best_t[k] = 1;
         rays_.best_error[k] = std::numeric_limits<float>::infinity();
-        rays_.point[k] = ray.anchor + rays_.t[k] * ray.direction;
+        rays_.point[k] = ray.anchor + ray.direction;
     }
     bool full() const { return size_ == kFieldBatch; }
 
@@ -184,10 +166,6 @@ class RayBatch {
     void finish(std::size_t k, RayOutcome outcome) {
         task_.positions[vertex_[k]] = rays_.point[k];
         if (outcome == RayOutcome::converged) return;
-        if (outcome == RayOutcome::clipped) {
-            ++report_.clipped;
-            return;
-        }
         ++report_.not_converged;
         report_.anchors_outside += outcome == RayOutcome::no_surface;
         strays_.push_back(vertex_[k]);
@@ -195,7 +173,7 @@ class RayBatch {
     // Out of evaluations.
     void give_up(std::size_t k) {
         const bool is_empty = !(rays_.inside[k] > 0);
-        const float t = is_empty ? std::min(1.0f, rays_.limit[k]) : rays_.best_t[k];
+        const float t = is_empty ? 1.0f : rays_.best_t[k];
         const Vec3 anchor{rays_.anchor_x[k], rays_.anchor_y[k], rays_.anchor_z[k]};
         const Vec3 direction{rays_.direction_x[k], rays_.direction_y[k], rays_.direction_z[k]};
         rays_.point[k] = anchor + t * direction;
@@ -218,12 +196,12 @@ class GradientBatch {
   public:
     GradientBatch(const Task& task, ProjectReport& report) : task_(task), report_(report) {}
 
-    void add(std::uint32_t vertex, const ClipPlane& plane) {
+    void add(std::uint32_t vertex, Vec3 anchor) {
         ++report_.vertices;
-        const Ray ray(task_, vertex);
+        const Ray ray(anchor, task_.positions[vertex]);
         if (!ray.is_usable) return;
         vertex_[size_] = vertex;
-        std::construct_at(&walk_[size_], ray.anchor, ray.direction, plane);
+        std::construct_at(&walk_[size_], ray.anchor, ray.direction);
         ++size_;
     }
     bool full() const { return size_ == kFieldBatch; }
@@ -261,7 +239,6 @@ class GradientBatch {
         task_.positions[vertex_[i]] = walk_[i].result(outcome);
         report_.not_converged += outcome == Outcome::failed || outcome == Outcome::no_surface;
         report_.anchors_outside += outcome == Outcome::no_surface;
-        report_.clipped += outcome == Outcome::clipped;
     }
 
     const Task& task_;
@@ -276,58 +253,144 @@ class GradientBatch {
 };
 
 // Vertices of one region whose rays found no surface: along the gradient, from where they were.
-void follow_gradient(const Task& task, std::uint32_t region, const ClipPlane& plane,
-                     std::vector<std::uint32_t>& strays, ProjectReport& report) {
+void follow_gradient(const Task& task, std::uint32_t region, std::vector<std::uint32_t>& strays,
+                     ProjectReport& report) {
     if (strays.empty()) return;
     ProjectReport again;
     const auto batch = std::make_unique<GradientBatch>(task, again);
     for (const std::uint32_t v : strays) {
-        batch->add(v, plane);
+        batch->add(v, task.anchors[v]);
         if (batch->full()) batch->move(region);
     }
     batch->move(region);
     report.evaluations += again.evaluations;
     report.max_evaluations = std::max(report.max_evaluations, again.max_evaluations);
     report.not_converged -= strays.size() - again.not_converged;
-    report.clipped += again.clipped;
     strays.clear();
 }
 
-// Fills the batch with the vertices of cage faces, region by region.
+// What one pass runs over.
+struct Surface {
+    const PatchRefinement& patches;
+    const Regions& regions;
+    const FlatVertices& flat;
+};
+
+// Fills the batch with the vertices of cage faces, region by region, but for those of flat ends.
 template <class Batch, class Finish>
-void project_faces(Batch& batch, const PatchRefinement& patches, const Regions& regions, IndexRange faces,
+void project_faces(Batch& batch, const Task& task, const Surface& surface, IndexRange faces,
                    const Finish& finish_region) {
-    Buffer<std::uint32_t> owned(patches.max_owned());
+    const Regions& regions = surface.regions;
+    const std::vector<bool>& is_flat = surface.flat.is_flat;
+    Buffer<std::uint32_t> owned(surface.patches.max_owned());
     std::uint32_t region = regions.of_face[faces.begin];
     for (std::size_t f = faces.begin; f < faces.end; ++f) {
         if (regions.of_face[f] != region) {
             finish_region(region);
             region = regions.of_face[f];
         }
-        const std::uint32_t count = patches.owned_vertices(static_cast<std::uint32_t>(f), owned);
+        const std::uint32_t count = surface.patches.owned_vertices(static_cast<std::uint32_t>(f), owned);
         for (std::uint32_t k = 0; k < count; ++k) {
-            batch.add(owned[k], regions.plane(region));
+            if (!is_flat.empty() && is_flat[owned[k]]) continue;
+            batch.add(owned[k], task.anchors[owned[k]]);
             if (batch.full()) batch.move(region);
         }
     }
     finish_region(region);
 }
 
-ProjectReport project_faces(const Task& task, const PatchRefinement& patches, const Regions& regions,
-                            IndexRange faces) {
+ProjectReport project_faces(const Task& task, const Surface& surface, IndexRange faces) {
     ProjectReport report;
     if (task.options.method == ProjectionMethod::gradient) {
         const auto batch = std::make_unique<GradientBatch>(task, report);
-        project_faces(*batch, patches, regions, faces, [&](std::uint32_t region) { batch->move(region); });
+        project_faces(*batch, task, surface, faces, [&](std::uint32_t region) { batch->move(region); });
         return report;
     }
     std::vector<std::uint32_t> strays;
     const auto batch = std::make_unique<RayBatch>(task, report, strays);
-    project_faces(*batch, patches, regions, faces, [&](std::uint32_t region) {
+    project_faces(*batch, task, surface, faces, [&](std::uint32_t region) {
         batch->move(region);
-        follow_gradient(task, region, regions.plane(region), strays, report);
+        follow_gradient(task, region, strays, report);
     });
     return report;
+}
+
+// Flat ends, one after the other: everything is dropped onto the plane, the rim goes along rays within it,
+// and the inside shrinks or grows by as much as the rim where that went inward most, so that it stays within.
+class FlatEndPass {
+  public:
+    FlatEndPass(const Task& task, const Surface& surface)
+        : task_(task), surface_(surface), rays_(std::make_unique<RayBatch>(task, report_, strays_)) {}
+
+    void project(std::size_t end) {
+        const ClipPlane& plane = surface_.regions.clips[end];
+        const FlatVertices& flat = surface_.flat;
+        const std::uint32_t begin = flat.first[end], stop = flat.first[end + 1];
+        rim_.clear();
+        for (std::uint32_t k = begin; k < stop; ++k) {
+            const std::uint32_t v = flat.vertex[k];
+            task_.positions[v] = dropped(task_.positions[v], plane);
+            if (flat.on_rim[k] == 0) continue;
+            const Vec3 anchor = dropped(task_.anchors[v], plane);
+            rim_.push_back({v, anchor, distance(task_.positions[v], anchor)});
+        }
+        report_.vertices += stop - begin - rim_.size();
+        report_.clipped += stop - begin;
+        if (rim_.empty()) return;
+        project_rim(surface_.regions.of_face[plane.first_quad], plane);
+        const auto [center, scale] = rim_change();
+        for (std::uint32_t k = begin; k < stop; ++k) {
+            if (flat.on_rim[k] != 0) continue;
+            Vec3& p = task_.positions[flat.vertex[k]];
+            p = dropped(lerp(center, p, scale), plane);
+        }
+    }
+    const ProjectReport& report() const { return report_; }
+
+  private:
+    struct RimVertex {
+        std::uint32_t vertex;
+        Vec3 anchor;
+        float radius;
+    };
+    struct Change {
+        Vec3 center;
+        float scale;
+    };
+
+    void project_rim(std::uint32_t region, const ClipPlane& plane) {
+        for (const RimVertex& r : rim_) {
+            rays_->add(r.vertex, r.anchor);
+            if (rays_->full()) rays_->move(region);
+        }
+        rays_->move(region);
+        strays_.clear();  // they have stayed where they were, which keeps the rim whole
+        for (const RimVertex& r : rim_) task_.positions[r.vertex] = dropped(task_.positions[r.vertex], plane);
+    }
+
+    Change rim_change() const {
+        Change change{{}, std::numeric_limits<float>::infinity()};
+        for (const RimVertex& r : rim_) {
+            change.center += r.anchor / static_cast<float>(rim_.size());
+            if (!(r.radius > 0)) continue;
+            change.scale = std::min(change.scale, distance(task_.positions[r.vertex], r.anchor) / r.radius);
+        }
+        if (!std::isfinite(change.scale)) change.scale = 1;
+        return change;
+    }
+
+    const Task& task_;
+    const Surface& surface_;
+    ProjectReport report_;
+    std::vector<std::uint32_t> strays_;
+    std::unique_ptr<RayBatch> rays_;
+    std::vector<RimVertex> rim_;
+};
+
+ProjectReport project_ends(const Task& task, const Surface& surface, IndexRange ends) {
+    FlatEndPass pass(task, surface);
+    for (std::size_t end = ends.begin; end < ends.end; ++end) pass.project(end);
+    return pass.report();
 }
 
 ProjectReport sum(ProjectReport a, const ProjectReport& b) {
@@ -340,12 +403,26 @@ ProjectReport sum(ProjectReport a, const ProjectReport& b) {
     return a;
 }
 
-ProjectReport project_once(const Task& task, const PatchRefinement& patches, const Regions& regions,
-                           const Context& ctx) {
-    const std::size_t grain = std::max<std::size_t>(1, kPointsPerRange >> (2 * patches.levels()));
-    return parallel_reduce(
-        ctx, patches.cage().face_count(), grain, ProjectReport{},
-        [&](IndexRange faces) { return project_faces(task, patches, regions, faces); }, sum);
+ProjectReport project_once(const Task& task, const Surface& surface, const Context& ctx) {
+    const int levels = surface.patches.levels();
+    const std::size_t grain = std::max<std::size_t>(1, kPointsPerRange >> (2 * levels));
+    const ProjectReport faces = parallel_reduce(
+        ctx, surface.patches.cage().face_count(), grain, ProjectReport{},
+        [&](IndexRange range) { return project_faces(task, surface, range); }, sum);
+    const ProjectReport ends = parallel_reduce(
+        ctx, surface.regions.clips.size(), kEndsPerRange, ProjectReport{},
+        [&](IndexRange range) { return project_ends(task, surface, range); }, sum);
+    return sum(faces, ends);
+}
+
+bool is_in_order(std::span<const ClipPlane> clips, std::size_t faces) {
+    std::uint64_t taken = 0;
+    return std::all_of(clips.begin(), clips.end(), [&](const ClipPlane& c) {
+        const bool follows = c.quad_count > 0 && c.first_quad >= taken;
+        taken = std::uint64_t{c.first_quad} + c.quad_count;
+        const float size = length_squared(c.normal);
+        return follows && taken <= faces && size > 0 && std::isfinite(size) && std::isfinite(c.offset);
+    });
 }
 
 }  // namespace
@@ -357,28 +434,29 @@ void check_projection(std::string_view stage, std::size_t positions, std::size_t
         refuse("give one position and one anchor per refined vertex");
     }
     if (regions.of_face.size() != patches.cage().face_count()) refuse("give one region per cage quad");
-    const bool known = std::all_of(regions.of_face.begin(), regions.of_face.end(),
-                                   [&](std::uint32_t r) { return r < regions.clip.size(); });
-    if (!regions.clip.empty() && !known) refuse("give one clip plane per region, or none at all");
+    if (!is_in_order(regions.clips, patches.cage().face_count())) {
+        refuse("give clip planes with a normal and with quads of the cage, in the order of these quads");
+    }
     if (!(field.level() > 0)) refuse("the level of the field must be greater than 0");
 }
 
 ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, const PatchRefinement& patches,
-                      std::span<const std::uint32_t> region_of_cage_face,
-                      std::span<const ClipPlane> clip_of_region, FieldRef field,
-                      const ProjectOptions& options, const Context& ctx) {
-    const Regions regions{region_of_cage_face, clip_of_region};
+                      std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
+                      FieldRef field, const ProjectOptions& options, const Context& ctx) {
+    const Regions regions{region_of_cage_face, clips};
     check_fields(options, "project");
     check_projection("project", positions.size(), anchors.size(), patches, regions, field);
     if (options.method == ProjectionMethod::none) return {};
-    ProjectReport report = project_once({positions, anchors, field, options}, patches, regions, ctx);
+    const FlatVertices flat(patches, clips);
+    const Surface surface{patches, regions, flat};
+    ProjectReport report = project_once({positions, anchors, field, options}, surface, ctx);
     if (options.relax_passes == 0) return report;
     const Buffer<Quad> quads = patches.quads(ctx);
     const TangentialRelaxation relaxation(quads, patches.vertex_count());
     for (int pass = 0; pass < options.relax_passes; ++pass) {
         ctx.throw_if_cancelled();
         positions = relaxation.step(positions, options.relax_weight, ctx);
-        const ProjectReport again = project_once({positions, anchors, field, options}, patches, regions, ctx);
+        const ProjectReport again = project_once({positions, anchors, field, options}, surface, ctx);
         const std::uint64_t evaluations = report.evaluations + again.evaluations;
         const std::uint32_t most = std::max(report.max_evaluations, again.max_evaluations);
         report = again;

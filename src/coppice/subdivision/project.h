@@ -60,7 +60,7 @@ struct ProjectReport {
     std::uint32_t max_evaluations = 0;  ///< of one vertex, along one ray or one way down the gradient
     std::uint64_t not_converged = 0;    ///< left at their best point so far, in the last pass
     std::uint64_t anchors_outside = 0;  ///< no surface between anchor and start, whatever the gradient gave
-    std::uint64_t clipped = 0;          ///< stopped by a clip plane
+    std::uint64_t clipped = 0;          ///< on flat ends, in the last pass
 
     double mean_evaluations() const {
         return vertices == 0 ? 0 : static_cast<double>(evaluations) / static_cast<double>(vertices);
@@ -76,18 +76,21 @@ struct ProjectReport {
 /// [Zhu2015, section 4.3; the sign of its eq. 5 is reversed], none longer than half the first distance to
 /// the anchor, and none that leaves less than a quarter of the present one. A vertex whose ray meets no
 /// surface, because its anchor lies outside or the ray never leaves the solid, follows the gradient from
-/// where it was; it stays there when that leads nowhere either. Both stop at the clip plane of the cage
-/// quad's region. Neither moves a vertex that coincides with its anchor, nor ever writes a number that is not
-/// finite when positions and anchors are.
+/// where it was; it stays there when that leads nowhere either. Neither moves a vertex that coincides with
+/// its anchor, nor ever writes a number that is not finite when positions and anchors are.
+///
+/// Vertices of a flat end are dropped onto its plane instead, as they are. Those on its rim then go along
+/// rays within the plane, whatever the method, so that the edge of the cut is sharp and as wide as the
+/// surface is there. Nothing else is cut: let the field go on beyond the plane, and keep the rest of the cage
+/// behind it.
 ///
 /// `positions` and `anchors` have one entry per refined vertex (PatchRefinement::refine of both),
-/// `region_of_cage_face` one per cage quad, `clip_of_region` one per region, or none at all. The field is
-/// asked in batches of one region; number cage quads of a region one after the other to make these large.
-/// Deterministic for any number of threads. Throws InvalidInput when an option is out of range or the sizes
-/// do not match.
+/// `region_of_cage_face` one per cage quad, `clips` one per flat end, by first quad. The field is asked in
+/// batches of one region; number cage quads of a region one after the other to make these large.
+/// Deterministic for any number of threads. Throws InvalidInput when an option is out of range, the sizes do
+/// not match, or a clip plane has no normal or no quads of its own.
 ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, const PatchRefinement& patches,
-                      std::span<const std::uint32_t> region_of_cage_face,
-                      std::span<const ClipPlane> clip_of_region, FieldRef field,
-                      const ProjectOptions& options = {}, const Context& ctx = {});
+                      std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
+                      FieldRef field, const ProjectOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -70,18 +70,14 @@ inline Vec3 newton_step(const Reading& here, float slope_squared, float damping)
     return here.gradient * (-damping * (here.rise / slope_squared));
 }
 
-// To what region of the field the cage quads belong, and where the surface is cut off there.
+// To what region of the field the cage quads belong, and which of them fill a flat end.
 struct Regions {
     std::span<const std::uint32_t> of_face;
-    std::span<const ClipPlane> clip;
-
-    const ClipPlane& plane(std::uint32_t region) const {
-        static constexpr ClipPlane kNoPlane{};
-        return clip.empty() ? kNoPlane : clip[region];
-    }
+    std::span<const ClipPlane> clips;
 };
 
-// Throws InvalidInput, on behalf of `stage`, when sizes do not match or the field has no level above 0.
+// Throws InvalidInput, on behalf of `stage`, when sizes do not match, a clip plane is not one, or the field
+// has no level above 0.
 void check_projection(std::string_view stage, std::size_t positions, std::size_t anchors,
                       const PatchRefinement& patches, const Regions& regions, FieldRef field);
 

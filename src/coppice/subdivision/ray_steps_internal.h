@@ -11,7 +11,7 @@
 namespace coppice {
 
 // no_surface: nothing inside down to the anchor; no_crossing: nothing outside up to the end of the ray.
-enum class RayOutcome : std::int32_t { running, converged, clipped, no_surface, no_crossing };
+enum class RayOutcome : std::int32_t { running, converged, no_surface, no_crossing };
 
 // Vertices on their rays, anchor + t direction, the surface between `inside` and `outside`. One array per
 // number, so that a vector instruction moves many of them.
@@ -21,7 +21,6 @@ struct RayLanes {
     alignas(64) Numbers anchor_x, anchor_y, anchor_z;
     alignas(64) Numbers direction_x, direction_y, direction_z;
     alignas(64) Numbers t;
-    alignas(64) Numbers limit;    // of t: by the longest stretch or the clip plane
     alignas(64) Numbers inside;   // 0 at first: the anchor is taken on trust until a vertex gets near it
     alignas(64) Numbers outside;  // infinite until a point outside is known
     alignas(64) Numbers best_t;
@@ -31,7 +30,7 @@ struct RayLanes {
 
     void copy(std::size_t from, std::size_t to) {
         for (Numbers* n : {&anchor_x, &anchor_y, &anchor_z, &direction_x, &direction_y, &direction_z, &t,
-                           &limit, &inside, &outside, &best_t, &best_error}) {
+                           &inside, &outside, &best_t, &best_error}) {
             (*n)[to] = (*n)[from];
         }
         point[to] = point[from];
@@ -41,7 +40,7 @@ struct RayLanes {
 struct RayRule {
     float per_level;    // 1 / level of the field
     float tolerance;    // of t, as a fraction
-    float max_stretch;  // a limit below it is that of a clip plane
+    float max_stretch;  // greatest t
     bool slow;          // halve the bracket instead of trusting Newton's rule
 };
 

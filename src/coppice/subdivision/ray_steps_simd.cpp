@@ -115,9 +115,9 @@ HWY_INLINE void advance_block(RayLanes& rays, std::size_t k, const FieldSample* 
 
     const Mask is_inside = hn::Ge(here.ratio, one);
     const Lane infinity = hn::Inf(d);
-    const Lane limit = hn::Load(d, &rays.limit[k]);
+    const Lane limit = number(rule.max_stretch);
     Bracket bracket{hn::Load(d, &rays.inside[k]), hn::Load(d, &rays.outside[k]), limit, {}};
-    const Mask at_end = hn::And(hn::And(is_inside, hn::Ge(t, limit)), hn::Eq(bracket.outside, infinity));
+    const Mask is_endless = hn::And(hn::And(is_inside, hn::Ge(t, limit)), hn::Eq(bracket.outside, infinity));
     bracket.inside = hn::IfThenElse(is_inside, t, bracket.inside);
     bracket.outside = hn::IfThenElse(is_inside, bracket.outside, t);
     bracket.is_closed = hn::Lt(bracket.outside, infinity);
@@ -130,8 +130,6 @@ HWY_INLINE void advance_block(RayLanes& rays, std::size_t k, const FieldSample* 
     const Mask is_short = hn::And(next.by_newton, hn::Le(hn::Mul(step, step), tolerance));
     const Mask is_narrow = hn::And(bracket.is_closed, hn::Le(hn::Sub(bracket.outside, bracket.inside),
                                                              hn::Mul(tolerance, bracket.outside)));
-    const Mask is_clipped = hn::And(at_end, hn::Lt(limit, number(rule.max_stretch)));
-    const Mask is_endless = hn::AndNot(is_clipped, at_end);
     const Mask is_empty =
         hn::AndNot(is_inside, hn::And(hn::Eq(bracket.inside, zero), hn::Lt(t, number(kShortest))));
 
@@ -144,12 +142,10 @@ HWY_INLINE void advance_block(RayLanes& rays, std::size_t k, const FieldSample* 
     auto outcome =
         choose(hn::Or(is_short, is_narrow), code(RayOutcome::converged), code(RayOutcome::running));
     outcome = choose(is_empty, code(RayOutcome::no_surface), outcome);
-    outcome = choose(is_clipped, code(RayOutcome::clipped), outcome);
     outcome = choose(is_endless, code(RayOutcome::no_crossing), outcome);
     hn::Store(outcome, IntTag(), reinterpret_cast<std::int32_t*>(&rays.outcome[k]));
 
-    Lane stay = hn::IfThenElse(is_clipped, t, next.t);
-    stay = hn::IfThenElse(hn::Or(is_empty, is_endless), hn::Min(one, limit), stay);
+    const Lane stay = hn::IfThenElse(hn::Or(is_empty, is_endless), one, next.t);
     hn::Store(stay, d, &rays.t[k]);
     const auto along = [&](const RayLanes::Numbers& anchor, const RayLanes::Numbers& direction) {
         return hn::Add(hn::Load(d, &anchor[k]), hn::Mul(stay, hn::Load(d, &direction[k])));

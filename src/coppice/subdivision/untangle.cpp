@@ -10,6 +10,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/subdivision/flat_ends_internal.h"
 #include "coppice/subdivision/folded_faces_internal.h"
 #include "coppice/subdivision/patch_index_internal.h"
 #include "coppice/subdivision/project_internal.h"
@@ -17,13 +18,15 @@
 namespace coppice {
 namespace {
 
-constexpr int kRings = 2;                // of faces around the bad ones that move too
+constexpr int kRings = 2;                // of faces around the bad ones that move too, at most
+constexpr int kPassesPerRing = 3;        // before free passes take another ring
 constexpr float kWeight = 0.6f;          // part of the way to the neighbours' mean
 constexpr int kSteps = 3;                // along the gradient, at most, while passes project
 constexpr float kDamping = 0.95f;        // of each
 constexpr float kLongestStep = 0.3f;     // in distances to the anchor
 constexpr float kTolerance = 1e-4f;      // of the distance to the anchor
 constexpr std::uint32_t kPatience = 10;  // passes without gain
+constexpr std::size_t kMostMoves = 5;     // of each vertex, on average: a tangle is not worth more
 constexpr std::size_t kFacesPerRange = 1024;
 
 // A set of indices that is as cheap to empty as it was to fill.
@@ -60,48 +63,46 @@ struct Task {
     FieldRef field;
 };
 
-// A vertex on its way back to the surface.
+// A vertex on its way back to the surface; on a flat end it keeps to the plane.
 class Mover {
   public:
     Mover() = default;
-    Mover(std::uint32_t slot, Vec3 old_point, Vec3 smoothed, Vec3 anchor, const ClipPlane& plane)
-        : slot_(slot), point_(smoothed), plane_(&plane), reach_(distance(smoothed, anchor)) {
-        on_plane_ = has_plane() && beyond(old_point) >= -kTolerance * reach_ * length(plane.normal);
-        drop_onto_plane();
-    }
+    Mover(std::uint32_t slot, Vec3 smoothed, Vec3 anchor, const ClipPlane* plane, bool is_inside_end)
+        : slot_(slot),
+          plane_(plane),
+          point_(on_plane(smoothed)),
+          reach_(distance(smoothed, anchor)),
+          is_inside_end_(is_inside_end) {}
 
     std::uint32_t slot() const { return slot_; }
     Vec3 point() const { return point_; }
 
-    // False when the vertex has arrived. Inside the solid a vertex on the plane is part of the flat end.
-    bool advance(const Reading& here) {
+    // False when the vertex has arrived.
+    bool advance(Reading here) {
+        if (is_inside_end_) return false;
+        if (plane_ != nullptr) {
+            const Vec3 n = plane_->normal;
+            here.gradient -= n * (dot(n, here.gradient) / length_squared(n));
+        }
         const float slope_squared = length_squared(here.gradient);
-        if (!(slope_squared > 0) || (on_plane_ && here.ratio >= 1)) return false;
+        if (!(slope_squared > 0)) return false;
         Vec3 step = newton_step(here, slope_squared, kDamping);
         const float size = length(step);
         if (!std::isfinite(size)) return false;
         if (size > kLongestStep * reach_) step *= kLongestStep * reach_ / size;
-        point_ += step;
-        drop_onto_plane();
+        point_ = on_plane(point_ + step);
         const float left = (1 - kDamping) * size * reach_ + size * size;
         return left > kTolerance * reach_ * reach_;
     }
 
   private:
-    bool has_plane() const { return length_squared(plane_->normal) > 0; }
-    float beyond(Vec3 p) const { return dot(plane_->normal, p) - plane_->offset; }
-    void drop_onto_plane() {
-        const float height = beyond(point_);
-        if (!has_plane() || (!on_plane_ && !(height > 0))) return;
-        on_plane_ = true;
-        point_ += plane_->normal * (-height / length_squared(plane_->normal));
-    }
+    Vec3 on_plane(Vec3 p) const { return plane_ == nullptr ? p : dropped(p, *plane_); }
 
     std::uint32_t slot_ = 0;
-    Vec3 point_;
     const ClipPlane* plane_ = nullptr;
+    Vec3 point_;
     float reach_ = 0;
-    bool on_plane_ = false;
+    bool is_inside_end_ = false;
 };
 
 // Collects movers of one region and writes where they end.
@@ -148,7 +149,9 @@ class Untangling {
     Untangling(const Task& task, const PatchRefinement& patches, const FoldedFaces& folds,
                std::vector<std::uint32_t> bad)
         : task_(task),
-          stars_(patches.cage(), patches.levels()),
+          levels_(patches.levels()),
+          stars_(patches.cage(), levels_),
+          ends_(task.regions.clips),
           folds_(folds),
           bad_(std::move(bad)),
           vertex_set_(task.positions.size()),
@@ -159,11 +162,13 @@ class Untangling {
     UntangleReport run(const UntangleOptions& options, const Context& ctx) {
         UntangleReport report{.bad_before = bad_.size()};
         std::uint32_t best_pass = 0;
+        std::size_t moves = 0;
         while (!bad_.empty() && report.passes < static_cast<std::uint32_t>(options.passes) &&
-               report.passes < best_pass + kPatience) {
+               report.passes < best_pass + kPatience && moves < kMostMoves * task_.positions.size()) {
             ctx.throw_if_cancelled();
             ++report.passes;
-            collect_active();
+            collect_active(rings(static_cast<int>(report.passes) - options.projected_passes));
+            moves += active_.size();
             move_active(report.passes <= static_cast<std::uint32_t>(options.projected_passes) ? kSteps : 0,
                         ctx);
             find_bad(ctx);
@@ -182,9 +187,14 @@ class Untangling {
     }
 
   private:
-    // The corners of the bad faces and of kRings rings around them, less what is on a boundary; and all faces
-    // that have such a corner: no others change, and every bad face is one of them.
-    void collect_active() {
+    // Free passes begin with the bad faces alone and reach farther where that does not help.
+    static int rings(int free_passes) {
+        return free_passes <= 0 ? kRings : std::min(kRings, (free_passes - 1) / kPassesPerRing);
+    }
+
+    // The corners of the bad faces and of so many rings around them, less what is on a boundary; and all
+    // faces that have such a corner: no others change, and every bad face is one of them.
+    void collect_active(int rings) {
         active_.clear();
         faces_.clear();
         const auto add_face = [&](std::uint32_t face) {
@@ -200,7 +210,7 @@ class Untangling {
         };
         for (const std::uint32_t face : bad_) add_corners(face);
         std::size_t begin = 0;
-        for (int ring = 0; ring < kRings; ++ring) {
+        for (int ring = 0; ring < rings; ++ring) {
             const std::size_t end = active_.size();
             for (; begin < end; ++begin) {
                 stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add_corners(c.quad); });
@@ -236,6 +246,13 @@ class Untangling {
         }
     }
 
+    Mover mover(std::uint32_t slot) const {
+        const std::uint32_t vertex = active_[slot];
+        const FlatEnds::Place place = ends_.of_vertex(stars_, levels_, vertex);
+        const ClipPlane* plane = place.end == FlatEnds::kNone ? nullptr : &task_.regions.clips[place.end];
+        return {slot, smoothed(vertex), task_.anchors[vertex], plane, plane != nullptr && !place.on_rim};
+    }
+
     // As many vertices as a batch holds, by region.
     void move_range(IndexRange range, int steps) {
         std::array<std::pair<std::uint32_t, std::uint32_t>, kFieldBatch> order;  // region, index in active_
@@ -251,9 +268,7 @@ class Untangling {
                 batch.move(region, steps);
                 region = order[k].first;
             }
-            const std::uint32_t vertex = active_[order[k].second];
-            batch.add(Mover(order[k].second, task_.positions[vertex], smoothed(vertex), task_.anchors[vertex],
-                            task_.regions.plane(region)));
+            batch.add(mover(order[k].second));
         }
         batch.move(region, steps);
     }
@@ -269,7 +284,9 @@ class Untangling {
     }
 
     Task task_;
+    int levels_;
     PatchStars stars_;
+    FlatEnds ends_;
     FoldedFaces folds_;
     std::vector<std::uint32_t> bad_, active_, faces_;
     std::vector<std::uint8_t> verdicts_;
@@ -283,10 +300,9 @@ class Untangling {
 
 UntangleReport untangle(std::span<Vec3> positions, std::span<const Vec3> anchors,
                         const PatchRefinement& patches, std::span<const Quad> quads,
-                        std::span<const std::uint32_t> region_of_cage_face,
-                        std::span<const ClipPlane> clip_of_region, FieldRef field,
-                        const UntangleOptions& options, const Context& ctx) {
-    const Regions regions{region_of_cage_face, clip_of_region};
+                        std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
+                        FieldRef field, const UntangleOptions& options, const Context& ctx) {
+    const Regions regions{region_of_cage_face, clips};
     check_fields(options, "untangle");
     check_projection("untangle", positions.size(), anchors.size(), patches, regions, field);
     if (quads.size() != patches.quad_count()) throw InvalidInput("untangle: give the refined quads");

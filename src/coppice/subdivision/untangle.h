@@ -12,8 +12,8 @@
 namespace coppice {
 
 struct UntangleOptions {
-    int passes = 20;            ///< at most; 0 = off
-    int projected_passes = 10;  ///< of these, the first so many return to the surface after smoothing
+    int passes = 25;            ///< at most; 0 = off
+    int projected_passes = 15;  ///< of these, the first so many return to the surface after smoothing
     float quality = 0.2f;       ///< a face is bad when its scaled Jacobian (mesh/shape.h) is less than this
 };
 
@@ -45,21 +45,21 @@ struct UntangleReport {
 /// corners of the bad faces and the two rings of faces around them, moves these vertices 0.6 of the way to
 /// the mean of their neighbours, all at once, and back onto the surface value = level by up to three steps
 /// along the gradient on value^(2/5), none longer than 0.3 of the distance to the anchor, in the region of
-/// the vertex's owner as in project(). A vertex keeps to its clip plane once it is on it; where the field has
-/// no gradient it stays where smoothing put it; boundaries stay. What is still folded after
-/// `projected_passes` is smoothed without returning to the surface: it unfolds like a soap film, at the price
-/// of some radius in a crevice. Ends when no face is bad or when ten passes brought no gain; the state with
-/// the fewest bad faces is kept, the first of equals.
+/// the vertex's owner as in project(). Vertices of flat ends keep to their planes, rims also to the surface;
+/// where the field has no gradient a vertex stays where smoothing put it; boundaries stay. What is still
+/// folded after `projected_passes` is smoothed without returning to the surface, at first the bad faces
+/// alone, then with one and two rings: it unfolds like a soap film, at the price of some radius in a crevice.
+/// Ends when no face is bad, when ten passes brought no gain, or when each vertex has moved five
+/// times on average; the state with the fewest bad faces is kept, the first of equals.
 ///
 /// `positions` and `anchors` have one entry per refined vertex, `quads` are patches.quads(),
-/// `region_of_cage_face` and `clip_of_region` as for project(). The first look at all faces is the cost of a
+/// `region_of_cage_face` and `clips` as for project(). The first look at all faces is the cost of a
 /// clean mesh, which keeps its bits; after that time and memory go with the number of bad faces, but for two
 /// bits per vertex and one per quad. Deterministic for any number of threads. Throws InvalidInput when an
 /// option is out of range or the sizes do not match.
 UntangleReport untangle(std::span<Vec3> positions, std::span<const Vec3> anchors,
                         const PatchRefinement& patches, std::span<const Quad> quads,
-                        std::span<const std::uint32_t> region_of_cage_face,
-                        std::span<const ClipPlane> clip_of_region, FieldRef field,
-                        const UntangleOptions& options = {}, const Context& ctx = {});
+                        std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
+                        FieldRef field, const UntangleOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

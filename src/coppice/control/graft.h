@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+/// What grafting changed, counted.
+struct GraftReport {
+    std::uint32_t grafted = 0;  ///< pieces of branches that spring from where they leave another branch
+    std::uint32_t cut = 0;      ///< pieces that end where they enter another branch
+    std::uint32_t buried = 0;   ///< nodes inside other branches
+};
+
+/// A skeleton, and the tree of tubes that shall wrap it.
+struct GraftResult {
+    Skeleton skeleton;           ///< the given one, with nodes added where pieces begin and end
+    Skeleton tubes;              ///< the pieces that show
+    std::vector<NodeId> source;  ///< per node of `tubes`: the node of `skeleton` that it stands for
+    std::vector<NodeId> tube;  ///< per node of `skeleton`: the node of `tubes` whose tube holds its segment;
+                               ///< none for a little where a piece ends
+    GraftReport report;
+};
+
+/// Lets every branch begin where it leaves the others. A branch whose axis runs inside another one needs no
+/// tube there, and must not have one: two tubes that cross have no closed surface of sphere type without
+/// self-intersections. So axes are laid down one by one, thick before thin, each after the one it springs
+/// from; what lies inside those already laid is left to their tubes, and each piece that shows springs from
+/// the branch it leaves, as if grafted there. A piece that enters another branch ends at its bark.
+///
+/// An axis is inside another one while it is nearer than the greater of that one's radius and `depth` times
+/// the sum of both radii; depth 0 changes nothing. Only branches of one tree are grafted, so that every tree
+/// stays whole. Radii and the places of branches stay; laterals that leave their own trunk in the ordinary
+/// way are not touched. O(n log n) for the search unless most boxes of segments overlap.
+GraftResult graft_branches(const Skeleton& skeleton, float depth, const Context& ctx);
+
+}  // namespace coppice
