@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -89,6 +91,19 @@ inline double gradient_error(const std::function<kernel::Sample<double>(Vec3d)>&
         worst = std::max(worst, std::abs((f(p + e).value - f(p - e).value) / (2 * step) - g[axis]));
     }
     return worst / (1 + length(g));
+}
+
+/// The partial derivatives of a kernel in normal form, against central differences.
+template <class NormalForm>
+void expect_derivatives_match(const NormalForm& f, double h2, double x0, double x1) {
+    constexpr double kStep = 1e-5;
+    const auto n = f(h2, x0, x1);
+    const auto slope = [&](double dh, double d0, double d1) {
+        return (f(h2 + dh, x0 + d0, x1 + d1).value - f(h2 - dh, x0 - d0, x1 - d1).value) / (2 * kStep);
+    };
+    EXPECT_NEAR(n.d_h2, slope(kStep, 0, 0), 1e-6 * (1 + std::abs(n.d_h2)));
+    EXPECT_NEAR(n.d_x0, slope(0, kStep, 0), 1e-6 * (1 + std::abs(n.d_x0)));
+    EXPECT_NEAR(n.d_x1, slope(0, 0, kStep), 1e-6 * (1 + std::abs(n.d_x1)));
 }
 
 }  // namespace coppice::test

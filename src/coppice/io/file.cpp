@@ -77,16 +77,19 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
     if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, reason_of(errno));
     if (S_ISDIR(status.st_mode)) fail("read", path, reason_of(EISDIR));
     const auto size = static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0));
+    if (size == 0) limit = std::min(limit, kLargestStream);
     if (size > limit) fail("read", path, too_large(limit));
 
     // One byte more than the file is said to hold: the end shows without growing; pipes and a file that grows
-    // go on.
+    // go on, to one byte more than the limit.
     std::string bytes(size + 1, '\0');
     std::size_t used = 0;
     while (const std::size_t got = read_some(file.value, bytes.data() + used, bytes.size() - used, path)) {
         used += got;
         if (used > limit) fail("read", path, too_large(limit));
-        if (used == bytes.size()) bytes.resize(std::max<std::size_t>(2 * used, 4096));
+        if (used == bytes.size()) {
+            bytes.resize(std::min<std::uint64_t>(std::max<std::size_t>(2 * used, 4096) - 1, limit) + 1);
+        }
     }
     bytes.resize(used);
     return bytes;

@@ -12,8 +12,12 @@ namespace coppice {
 /// No reader takes larger files, unless asked to.
 inline constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
 
+/// Nor more from what does not tell its size, such as a pipe or a device, which need never end.
+inline constexpr std::uint64_t kLargestStream = std::uint64_t{1} << 30;
+
 /// The bytes of a file, or of a pipe until it ends. Throws `IoError`, one sentence that names the file, when
-/// it is missing, a folder, not readable, or larger than `limit` bytes.
+/// it is missing, a folder, not readable, or larger than `limit` bytes (a pipe: than `kLargestStream`, if
+/// that is less). Memory: the file's size; for a pipe at most three times what came.
 std::string read_file(const std::filesystem::path& path, std::uint64_t limit = kLargestFile);
 
 /// A file that appears whole or not at all.

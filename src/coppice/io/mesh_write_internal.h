@@ -88,6 +88,14 @@ class Chunk {
         char* const begin = bytes_.data() + used_;
         used_ += static_cast<std::size_t>(std::to_chars(begin, begin + kNumber, value).ptr - begin);
     }
+    template <class T>
+    void put_vector(BasicVec3<T> v, std::string_view between) {
+        put_number(v.x);
+        put(between);
+        put_number(v.y);
+        put(between);
+        put_number(v.z);
+    }
     void clear() { used_ = 0; }
     std::string_view view() const { return {bytes_.data(), used_}; }
 

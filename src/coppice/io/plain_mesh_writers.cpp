@@ -14,11 +14,7 @@ template <class T>
 void put_obj_vertex(Chunk& chunk, BasicVec3<T> p) {
     chunk.reserve(2 + 3 * (1 + Chunk::kNumber));
     chunk.put("v ");
-    chunk.put_number(p.x);
-    chunk.put(' ');
-    chunk.put_number(p.y);
-    chunk.put(' ');
-    chunk.put_number(p.z);
+    chunk.put_vector(p, " ");
     chunk.put('\n');
 }
 

@@ -21,11 +21,7 @@ void write_array(AtomicFile& file, std::string_view name, std::size_t count, Pro
 void put_tuple(Chunk& chunk, Vec3 v) {
     chunk.reserve(8 + 3 * Chunk::kNumber);
     chunk.put('(');
-    chunk.put_number(v.x);
-    chunk.put(", ");
-    chunk.put_number(v.y);
-    chunk.put(", ");
-    chunk.put_number(v.z);
+    chunk.put_vector(v, ", ");
     chunk.put(')');
 }
 
