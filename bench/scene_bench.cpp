@@ -24,27 +24,6 @@ std::uint64_t hash_of(const QuadMesh& mesh) {
     return Hash().add(std::span<const Vec3>(mesh.positions)).add(std::span<const Quad>(mesh.quads)).value();
 }
 
-// Measures by name, in the order of their first sample.
-class Measures {
-  public:
-    explicit Measures(std::vector<Measure>& all) : all_(all) {}
-
-    void add(const std::string& name, double seconds) {
-        auto it = std::find_if(all_.begin(), all_.end(), [&](const Measure& m) { return m.name == name; });
-        if (it == all_.end()) it = all_.insert(all_.end(), Measure{name, {}});
-        it->samples.push_back(seconds);
-    }
-    template <class Work>
-    void time(const std::string& name, const Work& work) {
-        const Clock clock;
-        work();
-        add(name, clock.seconds());
-    }
-
-  private:
-    std::vector<Measure>& all_;
-};
-
 QuadMesh measure_memory(const Scene& scene, const MeshOptions& options, const Context& ctx,
                         SceneResult& out) {
     reset_peak();
@@ -95,15 +74,6 @@ void measure_output(const QuadMesh& mesh, const BenchOptions& bench, const Conte
 }
 
 }  // namespace
-
-double Measure::median() const {
-    std::vector<double> sorted = samples;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t half = sorted.size() / 2;
-    return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
-}
-
-double Measure::least() const { return *std::min_element(samples.begin(), samples.end()); }
 
 const Measure* SceneResult::find(const std::string& name) const {
     const auto it =

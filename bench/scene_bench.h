@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "measure.h"
 #include "scenes.h"
 
 namespace coppice::bench {
@@ -17,14 +18,6 @@ struct BenchOptions {
     int samples = 16;     ///< rays per pixel of the picture
     std::uint64_t largest_output = 3'000'000;  ///< [quads] larger meshes are neither written nor drawn
     std::filesystem::path folder;              ///< where files are written and removed again
-};
-
-/// One thing that was measured, several times.
-struct Measure {
-    std::string name;             ///< "mesh", "mesh: project", "opensubdiv", "write ply", ...
-    std::vector<double> samples;  ///< [s]
-    double median() const;
-    double least() const;
 };
 
 struct SceneResult {

@@ -33,6 +33,9 @@ Command check_command(CLI::App& app);
 Command info_command(CLI::App& app);
 Command convert_command(CLI::App& app);
 Command render_command(CLI::App& app);
+Command run_command(CLI::App& app);
+Command grow_command(CLI::App& app);
+Command shell_command(CLI::App& app);
 Command schema_command(CLI::App& app);
 
 /// Makes a subcommand whose options are all of type Flags, shared by the parser and the work.

@@ -55,15 +55,15 @@ class Program {
         app_.allow_extras();
         app_.set_version_flag("--version", "coppice " + std::string(kVersion));
         app_.footer("coppice help COMMAND lists the options of a command.");
-        for (const auto make :
-             {mesh_command, check_command, info_command, convert_command, render_command, schema_command}) {
+        for (const auto make : {mesh_command, check_command, info_command, convert_command, render_command,
+                                run_command, grow_command, shell_command, schema_command}) {
             commands_.push_back(make(app_));
             add_common_flags(*commands_.back().app, *commands_.back().common);
         }
         app_.add_subcommand("help", "Explain a command: coppice help COMMAND");
     }
 
-    ExitCode run(int argc, const char* const* argv, const std::stop_token& stop) {
+    ExitCode run(int argc, const char* const* argv, Signals& signals) {
         // The parser would take the topic for a second command.
         if (argc >= 2 && std::string_view(argv[1]) == "help") return help(argc > 2 ? argv[2] : "");
         try {
@@ -78,7 +78,7 @@ class Program {
         for (const Command& command : commands_) {
             if (!command.app->parsed()) continue;
             check_extras(*command.app, "coppice " + command.app->get_name());
-            Run work(command.app->get_name(), *command.common, stop);
+            Run work(command.app->get_name(), *command.common, signals);
             return command.run(work);
         }
         return kWrongUsage;
@@ -109,9 +109,9 @@ ExitCode fail(ExitCode code, const char* message) {
 }
 
 ExitCode run_program(int argc, const char* const* argv) {
-    const Signals signals;
+    Signals signals;
     try {
-        const ExitCode code = Program().run(argc, argv, signals.token());
+        const ExitCode code = Program().run(argc, argv, signals);
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
             return fail(kFileTrouble, "the standard output cannot be written");
         }

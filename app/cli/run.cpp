@@ -43,10 +43,10 @@ void add_common_flags(CLI::App& app, CommonFlags& flags) {
     app.add_flag("--quiet", flags.quiet, "no progress and no summary")->group(group);
 }
 
-Run::Run(std::string command, CommonFlags flags, std::stop_token stop)
+Run::Run(std::string command, CommonFlags flags, Signals& signals)
     : command_(std::move(command)),
       flags_(std::move(flags)),
-      stop_(std::move(stop)),
+      signals_(signals),
       terminal_(!flags_.quiet && isatty(STDERR_FILENO) != 0) {
     if (!flags_.report.empty()) check_output_folder(flags_.report);
 }
@@ -55,7 +55,7 @@ Context Run::context(const std::string& stage) {
     Context ctx;
     const unsigned available = std::max(1u, std::thread::hardware_concurrency());
     ctx.threads = std::min(static_cast<unsigned>(flags_.threads), available);
-    ctx.stop = stop_;
+    ctx.stop = signals_.token();
     ctx.throw_if_cancelled();
     if (terminal_) {
         shown_percent_ = -1;

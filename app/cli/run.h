@@ -11,6 +11,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/recipe/json.h"
+#include "signals.h"
 
 namespace coppice::cli {
 
@@ -26,7 +27,7 @@ void add_common_flags(CLI::App& app, CommonFlags& flags);
 /// report.
 class Run {
   public:
-    Run(std::string command, CommonFlags flags, std::stop_token stop);
+    Run(std::string command, CommonFlags flags, Signals& signals);
 
     /// Runs stage(context) and returns what it returns; throws Cancelled when a stop was asked for meanwhile.
     template <class Stage>
@@ -37,6 +38,9 @@ class Run {
 
     /// A stage that another part of the program has timed.
     void add_stage(const std::string& name, double seconds) { stages_.emplace_back(name, seconds); }
+
+    /// What was to stop does not stop what comes after it.
+    void forget_interrupt() { signals_.forget(); }
 
     Json& counts() { return counts_; }
     Json& repairs() { return repairs_; }
@@ -65,7 +69,7 @@ class Run {
 
     std::string command_;
     CommonFlags flags_;
-    std::stop_token stop_;
+    Signals& signals_;
     bool terminal_;
     int shown_percent_ = -1;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

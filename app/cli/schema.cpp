@@ -7,6 +7,7 @@
 #include "coppice/recipe/json.h"
 #include "coppice/recipe/mesh_skeleton.h"
 #include "coppice/render/render.h"
+#include "coppice/scene/reference.h"
 
 namespace coppice::cli {
 namespace {
@@ -18,7 +19,8 @@ ExitCode schema(Run& run) {
                    {"check", schema_of<CheckOptions>()},
                    {"render", schema_of<RenderOptions>()},
                    {"read_skeleton", schema_of<ReadSkeletonOptions>()},
-                   {"write_skeleton", schema_of<WriteSkeletonOptions>()}};
+                   {"write_skeleton", schema_of<WriteSkeletonOptions>()},
+                   {"scene", scene_schema()}};
     fmt::print("{}\n", all.dump(2));
     run.finish("schema printed");
     return kDone;

@@ -27,16 +27,26 @@ Signals::~Signals() {
     listener_.join();
 }
 
+std::stop_token Signals::token() const {
+    const std::scoped_lock lock(mutex_);
+    return source_.get_token();
+}
+
+void Signals::forget() {
+    const std::scoped_lock lock(mutex_);
+    if (source_.stop_requested()) source_ = std::stop_source();
+}
+
 void Signals::listen() {
     const sigset_t set = stop_signals();
     int signal = 0;
-    while (sigwait(&set, &signal) != 0) {
+    for (;;) {
+        while (sigwait(&set, &signal) != 0) {
+        }
+        if (done_) return;
+        const std::scoped_lock lock(mutex_);
+        if (!source_.request_stop()) break;
     }
-    if (done_) return;
-    source_.request_stop();
-    while (sigwait(&set, &signal) != 0) {
-    }
-    if (done_) return;
     std::signal(signal, SIG_DFL);  // it may have been ignored when the program was started
     pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
     std::raise(signal);

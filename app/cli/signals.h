@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 #include <stop_token>
 #include <thread>
 
@@ -16,11 +17,15 @@ class Signals {
     Signals(const Signals&) = delete;
     Signals& operator=(const Signals&) = delete;
 
-    std::stop_token token() const { return source_.get_token(); }
+    std::stop_token token() const;
+
+    /// Takes a request to stop back: the next Ctrl-C is a first one again.
+    void forget();
 
   private:
     void listen();
 
+    mutable std::mutex mutex_;  ///< of source_
     std::stop_source source_;
     std::atomic<bool> done_ = false;
     std::thread listener_;

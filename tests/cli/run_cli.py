@@ -40,6 +40,12 @@ def make_inputs():
     write("cut.glb", b"glTF\x02\x00\x00\x00\xff\xff\x00\x00")
     write("secret.swc", TREE)
     os.chmod("secret.swc", 0)
+    write("tree.coppice", "sphere s\npointset gen s poisson count=200\n"
+          "grow s s root=0,0,-1.5 influence_radius=2 kill_radius=0.2 step=0.1\nmesh s levels=1\ndescribe s\n"
+          "save s s.ply kind=points\n")
+    write("ball.coppice", "sphere ball\n")
+    write("wrong.coppice", "sphere s\nshpere t\n")
+    write("lines.coppice", "list\nscale bal 2\nquit\nlist\n")
     os.mkdir("folder")
     os.mkdir("folder.ply")
 
@@ -62,7 +68,11 @@ def matches(pattern, text):
 
 
 def run(program, words, signal_name):
-    process = subprocess.Popen([program] + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    lines = subprocess.DEVNULL
+    if "<" in words:
+        lines = open(words[words.index("<") + 1], encoding="utf-8")
+        words = words[:words.index("<")]
+    process = subprocess.Popen([program] + words, stdin=lines, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if signal_name:
         time.sleep(0.7)
         if process.poll() is None:

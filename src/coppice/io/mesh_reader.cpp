@@ -17,8 +17,12 @@ namespace {
 
 constexpr double kLargestCoordinate = 1e30;
 
-/// Zero, or for a mesh far from zero a point near its centre: a multiple of a power of two not smaller than
-/// the mesh, so that taking it away does not touch the digits after the point.
+bool less(const Vec3d& a, const Vec3d& b) {
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+}  // namespace
+
 Vec3d choose_origin(std::span<const Vec3d> vertices) {
     Vec3d low = vertices[0];
     Vec3d high = low;
@@ -34,12 +38,6 @@ Vec3d choose_origin(std::span<const Vec3d> vertices) {
     const Vec3d center = 0.5 * (low + high);
     return {near(center.x), near(center.y), near(center.z)};
 }
-
-bool less(const Vec3d& a, const Vec3d& b) {
-    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
-}
-
-}  // namespace
 
 bool MeshBuilder::add_vertex(Vec3d p) {
     const auto fits = [](double c) { return std::abs(c) <= kLargestCoordinate; };

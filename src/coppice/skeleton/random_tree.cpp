@@ -13,6 +13,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/base/segment_distance.h"
+#include "coppice/skeleton/pipe_model.h"
 
 namespace coppice {
 namespace {
@@ -97,16 +98,10 @@ Topology make_topology(std::uint32_t segments, std::uint64_t seed, bool hard) {
     return t;
 }
 
-std::vector<double> pipe_radii(const Topology& t) {
-    const double tip = std::pow(kTipRadius, kPipeExponent);
-    std::vector<double> area(t.size(), 0.0);
-    for (std::uint32_t i = t.size() - 1; i > 0; --i) {
-        // Every segment bears a few leaves, so that unbranched axes taper too.
-        area[i] = area[i] == 0 ? tip : area[i] + 0.08 * tip;
-        area[t.parent[i]] += area[i];
-    }
-    for (double& a : area) a = std::pow(a, 1 / kPipeExponent);
-    return area;
+std::vector<NodeId> parents_of(const Topology& t) {
+    std::vector<NodeId> parents(t.size());
+    for (std::uint32_t i = 1; i < t.size(); ++i) parents[i] = NodeId(t.parent[i]);
+    return parents;
 }
 
 /// Finds the placed segments near a new one. Segments are cut into pieces a few radii long and filed in a
@@ -316,13 +311,13 @@ Skeleton random_tree(std::uint32_t segments, std::uint64_t seed, bool hard) {
         throw InvalidInput(fmt::format("a random tree needs 1 to {} segments, not {}", kMost, segments));
     }
     const Topology topology = make_topology(segments, seed, hard);
-    const std::vector<double> radius = pipe_radii(topology);
+    std::vector<NodeId> parents = parents_of(topology);
+    // Every segment bears a few leaves, so that unbranched axes taper too.
+    const std::vector<double> radius = pipe_radii(parents, kTipRadius, kPipeExponent, 0.08);
     const std::vector<Frame> placed = Placer(topology, radius, seed, hard).place();
-    std::vector<NodeId> parents(topology.size());
     std::vector<Vec3> positions(topology.size());
     std::vector<float> radii(topology.size());
     for (std::uint32_t i = 0; i < topology.size(); ++i) {
-        if (i > 0) parents[i] = NodeId(topology.parent[i]);
         positions[i] = Vec3(placed[i].end);
         radii[i] = static_cast<float>(radius[i]);
     }

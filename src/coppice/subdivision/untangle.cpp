@@ -26,7 +26,7 @@ constexpr float kDamping = 0.95f;        // of each
 constexpr float kLongestStep = 0.3f;     // in distances to the anchor
 constexpr float kTolerance = 1e-4f;      // of the distance to the anchor
 constexpr std::uint32_t kPatience = 10;  // passes without gain
-constexpr std::size_t kMostMoves = 5;     // of each vertex, on average: a tangle is not worth more
+constexpr std::size_t kMostMoves = 5;    // of each vertex, on average: a tangle is not worth more
 constexpr std::size_t kFacesPerRange = 1024;
 
 // A set of indices that is as cheap to empty as it was to fill.

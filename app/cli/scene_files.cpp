@@ -1,0 +1,46 @@
+#include "scene_files.h"
+
+#include <fmt/format.h>
+
+#include "coppice/io/file.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr std::uint64_t kLargestScene = std::uint64_t{64} << 20;
+
+/// The command of a line, to call its stage by.
+std::string stage_name(const std::string& line) {
+    const auto words = scene_words(line);
+    return words.empty() ? "nothing" : words.front().text;
+}
+
+}  // namespace
+
+void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path) {
+    const std::string text =
+        run.stage("read", [&](const Context&) { return read_file(path, kLargestScene); });
+    scene.set_folder(path.parent_path());
+    for (const SceneLine& line : scene_lines(text, path.string())) {
+        const std::string place = fmt::format("{}:{}", path.string(), line.number);
+        std::string stage;
+        try {
+            stage = stage_name(line.text);
+        } catch (const InvalidInput&) {
+            stage = "nothing";  // the scene says what is wrong, and where
+        }
+        const std::string said =
+            run.stage(stage, [&](const Context& ctx) { return scene.run(line.text, place, ctx); });
+        fmt::print("{}", said);
+    }
+}
+
+void count_objects(Run& run, const Scene& scene) {
+    for (const std::string_view kind : EnumNames<ObjectKind>::names) run.counts()[std::string(kind)] = 0;
+    for (const auto& [key, object] : scene.state().objects) {
+        Json& count = run.counts()[std::string(name_of(key.first))];
+        count = count.get<int>() + 1;
+    }
+}
+
+}  // namespace coppice::cli

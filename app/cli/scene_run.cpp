@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/io/mesh_writer.h"
+#include "coppice/scene/reference.h"
+#include "coppice/scene/save.h"
+#include "files.h"
+#include "options.h"
+#include "scene_files.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr Field kMaxMemory{"max_memory", "MiB that the objects of the scene may take", Unit::none, 1, 1e6};
+
+struct RunFlags {
+    std::vector<std::filesystem::path> scenes, outputs;
+    bool reference = false;
+    int max_memory = SceneSettings{}.max_memory;
+};
+
+ExitCode run_scenes(Run& run, const RunFlags& flags) {
+    if (flags.reference) {
+        fmt::print("{}", scene_reference());
+        run.finish("reference printed");
+        return kDone;
+    }
+    if (flags.scenes.empty()) throw UsageError("name the scene: coppice run SCENE [-o FILE]");
+    for (const auto& output : flags.outputs) check_output_folder(output);
+    Scene scene({.max_memory = flags.max_memory});
+    for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
+    run.stage("write", [&](const Context& ctx) {
+        std::vector<ObjectPtr> objects;
+        for (const auto& output : flags.outputs)
+            objects.push_back(object_for_file(scene.state(), {}, output));
+        for (std::size_t i = 0; i < objects.size(); ++i) save_object(*objects[i], flags.outputs[i], ctx);
+    });
+    count_objects(run, scene);
+    run.finish(fmt::format("{}: {} objects", flags.scenes.back().string(), scene.state().objects.size()));
+    return kDone;
+}
+
+struct GrowFlags {
+    std::filesystem::path scene;
+    std::vector<std::filesystem::path> outputs;
+    int max_memory = SceneSettings{}.max_memory;
+};
+
+ExitCode grow_scene(Run& run, const GrowFlags& flags) {
+    if (flags.scene.empty() || flags.outputs.empty())
+        throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
+    for (const auto& output : flags.outputs) {
+        if (kind_of_output(output, FileKind::skeleton) != FileKind::skeleton)
+            throw UsageError(fmt::format("'{}' is no name of a skeleton; use .swc, .json, .csv, .ply or .obj",
+                                         output.string()));
+        check_output_folder(output);
+    }
+    Scene scene({.max_memory = flags.max_memory, .outputs = false});
+    run_scene_file(run, scene, flags.scene);
+    const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
+    if (grown == scene.state().objects.end())
+        throw InvalidInput(
+            fmt::format("{}: the scene grows no tree; add a line: grow TREE POINTS", flags.scene.string()));
+    run.stage("write", [&](const Context& ctx) {
+        for (const auto& output : flags.outputs) save_object(*grown->second, output, ctx);
+    });
+    const Skeleton& tree = std::get<Skeleton>(grown->second->value);
+    run.counts()["nodes"] = tree.size();
+    run.counts()["trees"] = tree.tree_count();
+    run.finish(fmt::format("{}: {} nodes", flags.scene.string(), grouped(tree.size())));
+    return kDone;
+}
+
+void add_memory_flag(CLI::App& app, int& value) {
+    detail::add_flag(app, kMaxMemory, value, "--max-memory", "Running");
+}
+
+}  // namespace
+
+Command run_command(CLI::App& app) {
+    auto [command, flags] = new_command<RunFlags>(
+        app, "run", "Run scenes: crowns, points, growth and meshes by commands, one a line");
+    command.app->add_option("scenes", flags->scenes, "scenes to run, one after the other (.coppice)")
+        ->type_name("SCENE");
+    command.app
+        ->add_option(
+            "-o,--output", flags->outputs,
+            "write what was made last and suits the ending: mesh, skeleton or points; may be repeated")
+        ->type_name("FILE")
+        ->expected(1)
+        ->take_all();
+    command.app->add_flag("--reference", flags->reference, "print the reference page of all commands");
+    add_memory_flag(*command.app, flags->max_memory);
+    command.run = [flags = flags](Run& run) { return run_scenes(run, *flags); };
+    return command;
+}
+
+Command grow_command(CLI::App& app) {
+    auto [command, flags] = new_command<GrowFlags>(
+        app, "grow", "Run a scene and write the tree that it grows last; it draws and saves nothing");
+    command.app->add_option("scene", flags->scene, "scene to run (.coppice)")->type_name("SCENE");
+    command.app
+        ->add_option("-o,--output", flags->outputs,
+                     "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated")
+        ->type_name("SKELETON")
+        ->expected(1)
+        ->take_all();
+    add_memory_flag(*command.app, flags->max_memory);
+    command.run = [flags = flags](Run& run) { return grow_scene(run, *flags); };
+    return command;
+}
+
+}  // namespace coppice::cli

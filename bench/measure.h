@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "clock.h"
+
+namespace coppice::bench {
+
+/// One thing that was measured, several times.
+struct Measure {
+    std::string name;             ///< "mesh", "mesh: project", "opensubdiv", "write ply", ...
+    std::vector<double> samples;  ///< [s]
+    double median() const;
+    double least() const;
+};
+
+/// Measures by name, in the order of their first sample.
+class Measures {
+  public:
+    explicit Measures(std::vector<Measure>& all) : all_(all) {}
+
+    void add(const std::string& name, double seconds);
+
+    template <class Work>
+    void time(const std::string& name, const Work& work) {
+        const Clock clock;
+        work();
+        add(name, clock.seconds());
+    }
+
+  private:
+    std::vector<Measure>& all_;
+};
+
+}  // namespace coppice::bench

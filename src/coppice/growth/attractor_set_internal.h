@@ -1,0 +1,145 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/base/vec.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice {
+
+/// The sum of the unit vectors from a node to the attractors that it is nearest to. In whole numbers: what is
+/// added can be taken away again without a trace, in any order.
+struct Pull {
+    std::int64_t x = 0, y = 0, z = 0;
+    std::uint32_t count = 0;    ///< attractors
+    std::uint16_t changed = 0;  ///< whether it lost attractors, or is new, since the node last grew
+    std::uint16_t served = 0;   ///< whether an attractor ever came nearest to the node
+};
+
+/// The attractors, each with the nearest node within the influence radius, kept up to date as nodes are
+/// added. A hierarchy of boxes knows how near the nodes are to everything in it, so that a new node only
+/// meets attractors that it may be nearest to. A place is the position of an attractor in the order of the
+/// hierarchy. Nothing depends on the number of threads.
+class AttractorSet {
+  public:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    struct Target {
+        std::uint32_t place = kNone;
+        float distance_squared = 0;
+    };
+
+    /// Positions must be finite, radii greater than 0.
+    AttractorSet(std::span<const Vec3> attractors, float influence, float kill, const Context& ctx);
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(number_.size()); }
+    std::uint32_t spent() const { return spent_; }
+    Vec3 position(std::uint32_t place) const {
+        const Points& p = points_[place / kWidth];
+        return {p.x[place % kWidth], p.y[place % kWidth], p.z[place % kWidth]};
+    }
+
+    /// Takes in the nodes from `first` on: attractors change over to those that are nearer, and are spent
+    /// within the kill radius. Among equally near nodes the one of least number counts.
+    void add_nodes(std::span<const Vec3> nodes, std::uint32_t first, std::span<Pull> pulls,
+                   const Context& ctx);
+
+    /// The nearest of the attractors that belong to a node; none when there are none.
+    Target nearest_of(std::uint32_t node, Vec3 at) const;
+
+    /// The nearest attractor that is not spent.
+    Target nearest(Vec3 at) const;
+
+    /// The node gives an attractor up; others may still take it.
+    void drop(std::uint32_t place, std::span<Pull> pulls);
+
+    /// Numbers of the attractors that are not spent, rising.
+    std::vector<std::uint32_t> left() const;
+
+  private:
+    static constexpr std::uint32_t kWidth = BoxTree::kWidth;
+    using Floats = std::array<float, kWidth>;
+    /// Squared distance above, node below: the lesser key is the nearer node.
+    using Key = std::uint64_t;
+    static constexpr Key kSpent = 0;
+    static Key make_key(float distance_squared, std::uint32_t node) {
+        // The bits of numbers that are not negative are ordered as the numbers are.
+        return Key{std::bit_cast<std::uint32_t>(distance_squared)} << 32 | node;
+    }
+    static std::uint32_t node_of(Key key) { return static_cast<std::uint32_t>(key); }
+    static float distance_squared_of(Key key) {
+        return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
+    }
+
+    /// What belongs to one box of the level above; the places that are left over are spent.
+    struct Points {
+        Floats x, y, z;
+        std::array<Key, kWidth> key;
+
+        Floats distances_squared(Vec3 p) const {
+            Floats d;
+            for (std::uint32_t i = 0; i < kWidth; ++i) {
+                const float dx = x[i] - p.x, dy = y[i] - p.y, dz = z[i] - p.z;
+                d[i] = dx * dx + dy * dy + dz * dz;
+            }
+            return d;
+        }
+    };
+    struct Boxes {
+        Floats low_x, low_y, low_z, high_x, high_y, high_z;
+        Floats reach;  ///< greatest squared distance of a key below; -1 where all are spent
+
+        /// Never above the squared distance to anything in the box, also as that is rounded.
+        Floats least_distances_squared(Vec3 p) const {
+            // Twice the distance beyond an axis' range, exactly, without the branches that keep out vectors.
+            const auto beyond = [](float low, float x, float high) {
+                const float under = low - x, over = x - high;
+                return (under + std::abs(under)) + (over + std::abs(over));
+            };
+            Floats d;
+            for (std::uint32_t i = 0; i < kWidth; ++i) {
+                const float x = beyond(low_x[i], p.x, high_x[i]);
+                const float y = beyond(low_y[i], p.y, high_y[i]);
+                const float z = beyond(low_z[i], p.z, high_z[i]);
+                d[i] = 0.2499997f * (x * x + y * y + z * z);
+            }
+            return d;
+        }
+    };
+
+    /// What an attractor has added to the pull of its node.
+    struct Link {
+        std::uint32_t node;
+        std::int32_t x, y, z;
+    };
+    struct Newcomer {
+        Vec3 position;
+        std::uint32_t node;
+        std::uint32_t first;  ///< the first node of the same batch
+    };
+    using Places = std::vector<std::uint32_t>;
+
+    Key& key(std::uint32_t place) { return points_[place / kWidth].key[place % kWidth]; }
+    Key key(std::uint32_t place) const { return points_[place / kWidth].key[place % kWidth]; }
+    void copy_boxes(const BoxTree& tree, float reach);
+    float offer_below(std::uint32_t level, std::uint32_t group, const Newcomer& n, Places& changed);
+    float offer_to_points(std::uint32_t group, const Newcomer& n, Places& changed);
+    void nearest_below(std::uint32_t level, std::uint32_t group, std::uint32_t node, Vec3 at,
+                       Target& best) const;
+    bool settle(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls);
+
+    Buffer<std::uint32_t> number_;      // of the attractor at a place
+    Buffer<Points> points_;             // by group of places
+    std::vector<Buffer<Boxes>> boxes_;  // by level and group; the last level is a single group
+    Buffer<Link> link_;                 // by place
+    float kill_squared_;
+    std::uint32_t spent_ = 0;
+};
+
+}  // namespace coppice

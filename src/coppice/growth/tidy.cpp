@@ -1,0 +1,195 @@
+#include "coppice/growth/tidy.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+constexpr int kRounds = 64;  // after these an edit is done without: what is left gives way one by one
+
+using Positions = std::vector<Vec3>;
+
+Positions relaxed(const Skeleton& s, const Positions& p, float part) {
+    Positions to = p;
+    for (const NodeId n : nodes(s)) {
+        if (!s.is_root(n)) to[n.index()] = lerp(p[n.index()], p[s.parent(n).index()], part);
+    }
+    return to;
+}
+
+Positions smoothed(const Skeleton& s, const Positions& p, float part) {
+    Positions to = p;
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n) || s.is_tip(n)) continue;
+        const Vec3 middle = lerp(p[s.parent(n).index()], p[s.leader(n).index()], 0.5f);
+        to[n.index()] = lerp(p[n.index()], middle, part);
+    }
+    return to;
+}
+
+/// Keeps edits clear of the guard, if there is one.
+class Warden {
+  public:
+    Warden(const Skeleton& s, const Guard* guard, const Context& ctx) : s_(s), guard_(guard), ctx_(ctx) {}
+
+    /// Takes nodes back from `to` to `from` until no segment that moved is barred.
+    std::uint32_t hold(const Positions& from, Positions& to) const {
+        if (!guard_) return 0;
+        std::uint32_t held = 0;
+        std::vector<char> look(s_.size(), 1);
+        bool again = true;
+        for (int round = 0; again && round < kRounds; ++round) {
+            const std::vector<char> bad = barred(from, to, look);
+            again = false;
+            std::ranges::fill(look, 0);
+            for (const NodeId n : nodes(s_)) {
+                if (!bad[n.index()]) continue;
+                again = true;
+                held += put_back(n, from, to, look) + put_back(s_.parent(n), from, to, look);
+            }
+        }
+        if (again) to = from;
+        return held;
+    }
+
+    /// The nodes whose segments from the given nodes below are barred and are not as they were.
+    std::vector<char> barred_from(std::span<const NodeId> below, const Positions& p) const {
+        std::vector<char> bad(s_.size(), 0);
+        if (!guard_) return bad;
+        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+            const NodeId n(static_cast<std::uint32_t>(i));
+            if (s_.is_root(n) || below[i] == s_.parent(n)) return;
+            bad[i] = !guard_->allows_segment(p[below[i].index()], p[i]);
+        });
+        return bad;
+    }
+
+  private:
+    std::vector<char> barred(const Positions& from, const Positions& to,
+                             const std::vector<char>& look) const {
+        std::vector<char> bad(s_.size(), 0);
+        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+            const NodeId n(static_cast<std::uint32_t>(i));
+            if (s_.is_root(n)) return;
+            const std::uint32_t a = s_.parent(n).index();
+            if (!look[i] || (from[a] == to[a] && from[i] == to[i])) return;
+            bad[i] = !guard_->allows_segment(to[a], to[i]);
+        });
+        return bad;
+    }
+
+    std::uint32_t put_back(NodeId n, const Positions& from, Positions& to, std::vector<char>& look) const {
+        if (to[n.index()] == from[n.index()]) return 0;
+        to[n.index()] = from[n.index()];
+        look[n.index()] = 1;
+        for (const NodeId c : s_.children(n)) look[c.index()] = 1;
+        return 1;
+    }
+
+    const Skeleton& s_;
+    const Guard* guard_;
+    const Context& ctx_;
+};
+
+double mean_length(const Skeleton& s, const Positions& p) {
+    double sum = 0;
+    for (const NodeId n : nodes(s)) {
+        if (!s.is_root(n)) sum += distance(Vec3d(p[n.index()]), Vec3d(p[s.parent(n).index()]));
+    }
+    const std::uint32_t segments = s.size() - s.tree_count();
+    return segments > 0 ? sum / segments : 0;
+}
+
+/// Lengths below which nodes are contracted.
+struct Shortest {
+    double step;    ///< [m] of any segment
+    double within;  ///< [radius of the node below]
+};
+
+/// For every node the one it became, itself where it stays. Those of `firm` stay.
+std::vector<NodeId> contracted(const Skeleton& s, const Positions& p, const Shortest& shortest,
+                               const std::vector<char>& firm) {
+    std::vector<NodeId> image(s.size());
+    for (const NodeId n : nodes(s)) {
+        image[n.index()] = n;
+        if (s.is_root(n) || firm[n.index()]) continue;
+        const NodeId below = image[s.parent(n).index()];
+        const double least = std::max(shortest.step, shortest.within * s.radius(below));
+        if (distance(Vec3d(p[n.index()]), Vec3d(p[below.index()])) < least) image[n.index()] = below;
+    }
+    return image;
+}
+
+/// Contracts, and where that makes a segment that is barred, does without the contraction next to it.
+std::vector<NodeId> contract(const Skeleton& s, const Positions& p, const Shortest& shortest,
+                             const Warden& warden, std::uint32_t& held) {
+    std::vector<char> firm(s.size(), 0);
+    for (int round = 0; round < kRounds; ++round) {
+        std::vector<NodeId> image = contracted(s, p, shortest, firm);
+        std::vector<NodeId> below(s.size());
+        for (const NodeId n : nodes(s)) {
+            const bool stays = !s.is_root(n) && image[n.index()] == n;
+            below[n.index()] = stays ? image[s.parent(n).index()] : s.parent(n);
+        }
+        const std::vector<char> bad = warden.barred_from(below, p);
+        bool again = false;
+        for (const NodeId n : nodes(s)) {
+            if (!bad[n.index()]) continue;
+            // The parent was contracted, or the segment would be as it was.
+            firm[s.parent(n).index()] = 1;
+            ++held;
+            again = true;
+        }
+        if (!again) return image;
+    }
+    return contracted(s, p, {0, 0}, firm);
+}
+
+TidyResult take(const Skeleton& s, const Positions& p, const std::vector<NodeId>& image) {
+    std::vector<NodeId> new_of_old(s.size()), parents;
+    Positions positions;
+    std::vector<float> radii;
+    for (const NodeId n : nodes(s)) {
+        const NodeId stands = image[n.index()];
+        if (stands == n) {
+            new_of_old[n.index()] = NodeId(static_cast<std::uint32_t>(parents.size()));
+            parents.push_back(s.is_root(n) ? NodeId::none() : new_of_old[s.parent(n).index()]);
+            positions.push_back(p[n.index()]);
+            radii.push_back(s.radius(n));
+        } else {
+            new_of_old[n.index()] = new_of_old[stands.index()];
+        }
+    }
+    const auto gone = static_cast<std::uint32_t>(s.size() - parents.size());
+    return {Skeleton(std::move(parents), std::move(positions), std::move(radii), s.origin()), gone, 0,
+            std::move(new_of_old)};
+}
+
+}  // namespace
+
+TidyResult tidy(const Skeleton& skeleton, const TidyOptions& options, const Guard* guard,
+                const Context& ctx) {
+    check_fields(options, "tidy");
+    const Warden warden(skeleton, guard, ctx);
+    Positions p(skeleton.positions().begin(), skeleton.positions().end());
+    std::uint32_t held = 0;
+    const auto pass = [&](auto&& move, float part) {
+        ctx.throw_if_cancelled();
+        Positions to = move(skeleton, p, part);
+        held += warden.hold(p, to);
+        p = std::move(to);
+    };
+    for (int i = 0; i < options.relax_passes; ++i) pass(relaxed, options.relax);
+    for (int i = 0; i < options.smooth_passes; ++i) pass(smoothed, options.smooth);
+    const Shortest shortest{options.shortest * mean_length(skeleton, p), options.within};
+    TidyResult result = take(skeleton, p, contract(skeleton, p, shortest, warden, held));
+    result.held = held;
+    return result;
+}
+
+}  // namespace coppice

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cmath>
+
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+/// An affine map of space, in double precision: p -> x p.x + y p.y + z p.z + origin.
+struct Affine {
+    Vec3d x{1, 0, 0};  ///< images of the unit vectors
+    Vec3d y{0, 1, 0};
+    Vec3d z{0, 0, 1};
+    Vec3d origin{};
+
+    Vec3d direction(Vec3d d) const { return x * d.x + y * d.y + z * d.z; }
+    Vec3d point(Vec3d p) const { return direction(p) + origin; }
+    double determinant() const { return dot(x, cross(y, z)); }
+
+    /// The map that takes back what this one does; of a map with determinant 0, not finite.
+    Affine inverse() const {
+        const double k = 1 / determinant();
+        const Vec3d r0 = cross(y, z) * k, r1 = cross(z, x) * k, r2 = cross(x, y) * k;
+        Affine out{{r0.x, r1.x, r2.x}, {r0.y, r1.y, r2.y}, {r0.z, r1.z, r2.z}, {}};
+        out.origin = -out.direction(origin);
+        return out;
+    }
+
+    /// First b, then a.
+    friend Affine operator*(const Affine& a, const Affine& b) {
+        return {a.direction(b.x), a.direction(b.y), a.direction(b.z), a.point(b.origin)};
+    }
+
+    static Affine translation(Vec3d by) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by}; }
+    static Affine scaling(Vec3d by) { return {{by.x, 0, 0}, {0, by.y, 0}, {0, 0, by.z}, {}}; }
+
+    /// By `angle` [rad] about the line through the origin along the unit vector `axis`, right-handed.
+    static Affine rotation(Vec3d axis, double angle) {
+        const double c = std::cos(angle), s = std::sin(angle);
+        const auto turned = [&](Vec3d v) {
+            return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
+        };
+        return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
+    }
+
+    /// The rigid map that takes the z axis to the line through `origin` along the unit vector `axis`.
+    static Affine frame(Vec3d origin, Vec3d axis) {
+        const Vec3d u = perpendicular(axis);
+        return {u, cross(axis, u), axis, origin};
+    }
+};
+
+}  // namespace coppice

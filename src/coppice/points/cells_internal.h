@@ -1,0 +1,126 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+
+#include "coppice/base/box.h"
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/points/point_region.h"
+
+namespace coppice::points_internal {
+
+/// Cubic voxels over a box, numbered in blocks of 8 x 8 x 8, so that neighbours in space are near in memory
+/// and a block is one batch of the field.
+struct Voxels {
+    static constexpr std::uint32_t kSide = 8, kBlock = kSide * kSide * kSide;
+
+    bool operator==(const Voxels&) const = default;
+
+    Vec3d low;
+    double edge = 1;                        ///< [m]
+    std::array<std::uint32_t, 3> blocks{};  ///< along each axis
+
+    /// Voxels over `box`: about `wanted`, fewer where `least_edge` asks for it, at most 2^31.
+    static Voxels over(const Box3& box, double wanted, double least_edge);
+    static double bytes_per_voxel() { return 8; }
+
+    std::uint64_t count() const { return std::uint64_t{kBlock} * blocks[0] * blocks[1] * blocks[2]; }
+    std::uint32_t index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+        const std::uint32_t block = x / kSide + blocks[0] * (y / kSide + blocks[1] * (z / kSide));
+        return block * kBlock + x % kSide + kSide * (y % kSide + kSide * (z % kSide));
+    }
+    std::array<std::uint32_t, 3> place(std::uint32_t index) const {
+        const std::uint32_t block = index / kBlock, in = index % kBlock;
+        const std::uint32_t bx = block % blocks[0], rest = block / blocks[0];
+        return {bx * kSide + in % kSide, rest % blocks[1] * kSide + in / kSide % kSide,
+                rest / blocks[1] * kSide + in / (kSide * kSide)};
+    }
+    Vec3d corner(std::uint32_t index) const {
+        const auto [x, y, z] = place(index);
+        return low + edge * Vec3d(x, y, z);
+    }
+    /// The voxels of one axis from which to which a ball's box reaches.
+    std::array<std::uint32_t, 2> range(int axis, double center, double radius) const;
+};
+
+/// A cube of a voxel: all cubes have the same size, a voxel cut into 8^level.
+struct Cell {
+    static constexpr unsigned kDeepest = 10;
+    static constexpr std::uint32_t kFlat = 1u << 31;  ///< in `part`: the density is `bound` all over the cell
+
+    std::uint32_t voxel;
+    std::uint32_t part;  ///< place in the voxel, 10 bits for each axis
+    float bound;         ///< on the density in the cell; holds as far as the field is smooth at this scale
+    float factor;        ///< of the kernels of placed points at the centre
+};
+
+/// The cells in which the density may be above 0, sorted by voxel.
+class Cells {
+  public:
+    Cells(const PointRegion& region, const Voxels& voxels, const Context& ctx);
+
+    const Voxels& voxels() const { return voxels_; }
+    unsigned level() const { return level_; }
+    double edge() const { return edge_; }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(cells_.size()); }
+    Cell& operator[](std::uint32_t i) { return cells_[i]; }
+    const Cell& operator[](std::uint32_t i) const { return cells_[i]; }
+    Vec3d low(const Cell& cell) const { return voxels_.corner(cell.voxel) + edge_ * part(cell.part); }
+    /// Cells of a voxel: [first, second).
+    std::array<std::uint32_t, 2> of(std::uint32_t voxel) const { return {first_[voxel], first_[voxel + 1]}; }
+
+    /// Which of its eight parts a cell loses: bit k for the part on side k & 1, k & 2, k & 4 of the axes.
+    using Losses = std::function<unsigned(const Cell&)>;
+    /// Cuts each cell in eight and keeps the parts where the density may be above 0 and that `losses`, which
+    /// must be thread safe, does not name. Cells of factor 0 vanish.
+    void subdivide(const PointRegion& region, const Losses& losses, const Context& ctx);
+    /// Memory that `subdivide` takes at most, next to what is held.
+    double subdivide_bytes() const { return 8.0 * size() * (sizeof(Cell) + sizeof(float)); }
+
+  private:
+    static Vec3d part(std::uint32_t p) { return Vec3d(p & 1023, p >> 10 & 1023, p >> 20 & 1023); }
+    void number_voxels();
+
+    Voxels voxels_;
+    unsigned level_ = 0;
+    double edge_;
+    Buffer<Cell> cells_;
+    Buffer<std::uint32_t> first_;
+};
+
+/// What a region has room for, from a seeded sample of its cells.
+struct Room {
+    double volume = 0;     ///< [m^3] where the density is above 0
+    double mass = 0;       ///< [m^3] integral of the density over its greatest value
+    double thickness = 0;  ///< [m] of a shell; 0 where the region is no shell
+    double greatest = 0;   ///< density met
+
+    /// The distance at which `count` random Poisson disks fill the region: densest random packing of balls
+    /// (share 0.384), and of disks (0.547) where the shell is thinner than the distance.
+    double packing_distance(double count) const;
+};
+Room measure_room(const PointRegion& region, const Cells& cells, std::uint64_t seed);
+
+/// Throws InvalidInput unless the box is finite, has a volume and floats can tell its points apart.
+void check_box(const Box3& box);
+
+/// Throws InvalidInput, one sentence, when `bytes` is above `limit_mib`.
+void check_memory(double bytes, double limit_mib);
+
+/// Sums of the bounds up to each cell, for draws from cells that do not change.
+class CellSums {
+  public:
+    explicit CellSums(const Cells& cells);
+    double total() const { return total_; }
+    std::uint32_t find(double share) const;
+
+  private:
+    Buffer<double> sum_;  ///< before each cell
+    double total_ = 0;
+};
+
+}  // namespace coppice::points_internal

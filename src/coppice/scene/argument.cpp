@@ -1,0 +1,201 @@
+#include "coppice/scene/argument.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace coppice {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kLargestNumber = 1e30;  // still finite as a float
+constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kShownLength = 40;  // of a word in a message
+
+std::optional<double> parse_number(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
+    return number;
+}
+
+/// Bounds of angles are rounded radians, so their degrees have stray digits.
+std::string bound_text(const Argument& a, double value) {
+    return a.unit == Unit::radian ? fmt::format("{:.4g}", value / kDegree) : fmt::format("{:.6g}", value);
+}
+
+std::string_view unit_text(Unit unit) {
+    switch (unit) {
+        case Unit::metre:
+            return " of metres";
+        case Unit::radian:
+            return " of degrees";
+        case Unit::radius:
+            return " of radii";
+        case Unit::second:
+            return " of seconds";
+        case Unit::none:
+            break;
+    }
+    return "";
+}
+
+std::string range_text(const Argument& a) {
+    if (a.low >= a.high) return {};
+    return fmt::format(" from {} to {}", bound_text(a, a.low), bound_text(a, a.high));
+}
+
+std::string sizes_text(const Argument& a) { return fmt::format("{}", fmt::join(a.sizes, " or ")); }
+
+[[noreturn]] void refuse(const Argument& a, std::string_view text) {
+    const std::string shown(text.substr(0, kShownLength));
+    const std::vector<std::string> words =
+        a.type == ArgumentType::flag ? std::vector<std::string>{"true", "false"} : a.choices;
+    throw InvalidInput(fmt::format("{} takes {}, not '{}{}'{}", a.name, takes_text(a), shown,
+                                   shown.size() < text.size() ? "..." : "", did_you_mean(text, words)));
+}
+
+double checked(const Argument& a, std::string_view text, double number) {
+    const double value = a.unit == Unit::radian ? number * kDegree : number;
+    const bool ranged = a.low < a.high;
+    // A bound is typed with the digits that help shows, so it may be a little beyond what it stands for.
+    const double slack = a.unit == Unit::radian ? 1e-3 : 0;
+    const double low = ranged ? a.low - slack : -kLargestNumber,
+                 high = ranged ? a.high + slack : kLargestNumber;
+    const bool whole = a.type != ArgumentType::whole || number == std::floor(number);
+    if (!whole || value < low || value > high) refuse(a, text);
+    return number;
+}
+
+ArgumentValue parse_tuple(const Argument& a, std::string_view text) {
+    ArgumentValue out;
+    out.numbers = numbers_of(text);
+    if (std::ranges::find(a.sizes, out.numbers.size()) == a.sizes.end()) refuse(a, text);
+    for (double& number : out.numbers) number = checked(a, text, number);
+    return out;
+}
+
+ArgumentValue parse_section(const Argument& a, std::string_view text) {
+    const std::size_t at = text.find('@');
+    if (at == text.npos) refuse(a, text);
+    const auto fraction = parse_number(text.substr(at + 1));
+    if (!fraction) refuse(a, text);
+    return {std::string(text.substr(0, at)), {checked(a, text, *fraction)}};
+}
+
+/// A choice by its name or the only one that begins so.
+std::string chosen(const Argument& a, std::string_view text) {
+    if (std::ranges::find(a.choices, text) != a.choices.end()) return std::string(text);
+    const auto begins = [&](const std::string& choice) { return choice.starts_with(text); };
+    if (text.empty() || std::ranges::count_if(a.choices, begins) != 1) refuse(a, text);
+    return *std::ranges::find_if(a.choices, begins);
+}
+
+}  // namespace
+
+double in_library_unit(const Argument& a, double number) {
+    const double value = a.unit == Unit::radian ? number * kDegree : number;
+    return a.low < a.high ? std::clamp(value, a.low, a.high) : value;
+}
+
+double in_typed_unit(Unit unit, double value) { return unit == Unit::radian ? value / kDegree : value; }
+
+std::vector<double> numbers_of(std::string_view word) {
+    std::vector<double> out;
+    for (;;) {
+        const std::size_t end = std::min(word.find(','), word.size());
+        const auto number = parse_number(word.substr(0, end));
+        if (!number) return {};
+        out.push_back(*number);
+        if (end == word.size()) return out;
+        word.remove_prefix(end + 1);
+    }
+}
+
+ArgumentValue parse_argument(const Argument& a, std::string_view text) {
+    switch (a.type) {
+        case ArgumentType::number:
+        case ArgumentType::whole: {
+            const auto number = parse_number(text);
+            if (!number) refuse(a, text);
+            return {{}, {checked(a, text, *number)}};
+        }
+        case ArgumentType::tuple:
+            return parse_tuple(a, text);
+        case ArgumentType::section:
+            return parse_section(a, text);
+        case ArgumentType::flag: {
+            const bool yes = text == "true" || text == "yes" || text == "on" || text == "1";
+            const bool no = text == "false" || text == "no" || text == "off" || text == "0";
+            if (!yes && !no) refuse(a, text);
+            return {yes ? "true" : "false", {}};
+        }
+        case ArgumentType::choice:
+            return {chosen(a, text), {}};
+        case ArgumentType::new_name:
+            if (!is_object_name(text)) refuse(a, text);
+            return {std::string(text), {}};
+        case ArgumentType::object:
+        case ArgumentType::word:
+        case ArgumentType::input_file:
+        case ArgumentType::output_file:
+            break;
+    }
+    if (text.empty()) refuse(a, text);
+    return {std::string(text), {}};
+}
+
+std::string typed(const Argument& a, const ArgumentValue& value) {
+    switch (a.type) {
+        case ArgumentType::number:
+        case ArgumentType::whole:
+        case ArgumentType::tuple:
+            return fmt::format("{}", fmt::join(value.numbers, ","));
+        case ArgumentType::section:
+            return fmt::format("{}@{}", value.text, value.numbers.at(0));
+        default:
+            return quoted_word(value.text);
+    }
+}
+
+std::string takes_text(const Argument& a) {
+    switch (a.type) {
+        case ArgumentType::number:
+            return fmt::format("a number{}{}", unit_text(a.unit), range_text(a));
+        case ArgumentType::whole:
+            return fmt::format("a whole number{}{}", unit_text(a.unit), range_text(a));
+        case ArgumentType::tuple:
+            return fmt::format("{} numbers{}{} joined by commas", sizes_text(a), unit_text(a.unit),
+                               range_text(a));
+        case ArgumentType::section:
+            return "a profile and a fraction from 0 to 1 as in top@0.5";
+        case ArgumentType::flag:
+            return "true or false";
+        case ArgumentType::choice:
+            return fmt::format("one of {}", fmt::join(a.choices, ", "));
+        case ArgumentType::new_name:
+            return "a name (letters, digits, _, - and . after a letter, at most 64)";
+        case ArgumentType::object:
+            return a.any_kind ? "the name of an object" : fmt::format("the name of {}", with_article(a.kind));
+        case ArgumentType::input_file:
+        case ArgumentType::output_file:
+            return "the name of a file";
+        case ArgumentType::word:
+            break;
+    }
+    return "a word";
+}
+
+bool is_object_name(std::string_view name) {
+    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+    const auto rest = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.'; };
+    return !name.empty() && name.size() <= kLongestName && letter(name.front()) &&
+           std::ranges::all_of(name, rest);
+}
+
+}  // namespace coppice

@@ -1,0 +1,342 @@
+#include "coppice/scene/command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coppice/scene/tables_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr double kMebibyte = 1 << 20;
+
+std::vector<SceneCommand> whole_table() {
+    std::vector<SceneCommand> table;
+    for (const auto make : {primitive_commands, solid_commands, curve_commands, point_commands, tree_commands,
+                            session_commands}) {
+        std::ranges::move(make(), std::back_inserter(table));
+    }
+    return table;
+}
+
+const SceneCommand* command_called(std::string_view name) {
+    for (const SceneCommand& c : scene_commands()) {
+        if (c.name == name || std::ranges::find(c.aliases, name) != c.aliases.end()) return &c;
+    }
+    return nullptr;
+}
+
+std::vector<std::string> command_names() {
+    std::vector<std::string> names;
+    for (const SceneCommand& c : scene_commands()) {
+        names.push_back(c.name);
+        names.insert(names.end(), c.aliases.begin(), c.aliases.end());
+    }
+    return names;
+}
+
+std::vector<std::string> names_of_kind(const SceneState& state, ObjectKind kind) {
+    std::vector<std::string> names;
+    for (const auto& [key, object] : state.objects) {
+        if (key.first == kind) names.push_back(key.second);
+    }
+    return names;
+}
+
+/// The kinds that a name stands for.
+std::vector<ObjectKind> kinds_of(const SceneState& state, const std::string& name) {
+    std::vector<ObjectKind> kinds;
+    for (int k = 0; k < static_cast<int>(EnumNames<ObjectKind>::names.size()); ++k) {
+        if (state.objects.contains({static_cast<ObjectKind>(k), name}))
+            kinds.push_back(static_cast<ObjectKind>(k));
+    }
+    return kinds;
+}
+
+void check_exists(const SceneState& state, ObjectKind kind, const std::string& name) {
+    if (state.objects.contains({kind, name})) return;
+    const auto others = kinds_of(state, name);
+    const std::string wanted(name_of(kind));
+    if (others.empty()) {
+        throw InvalidInput(fmt::format("there is no {} '{}'{}", wanted, name,
+                                       did_you_mean(name, names_of_kind(state, kind))));
+    }
+    std::string mend;
+    if (kind == ObjectKind::solid && others.back() == ObjectKind::mesh)
+        mend = fmt::format("; make one of it with: solid {}", name);
+    if (kind == ObjectKind::mesh && others.front() == ObjectKind::solid)
+        mend = fmt::format("; make one of it with: polygonize {}", name);
+    throw InvalidInput(
+        fmt::format("'{}' is {}, not {}{}", name, with_article(others.front()), with_article(kind), mend));
+}
+
+/// The example without what goes before it.
+std::string own_line(const SceneCommand& command) {
+    const std::size_t end = command.example.rfind('\n');
+    return end == std::string::npos ? command.example : command.example.substr(end + 1);
+}
+
+std::string option_word(const SceneWord& word) {
+    return word.key.empty() ? word.text : word.key + "=" + word.text;
+}
+
+/// Gives the words of a line to the arguments of its command.
+class Binder {
+  public:
+    Binder(const SceneCommand& command, const SceneState& state, SceneCall& call)
+        : command_(command), state_(state), call_(call) {}
+
+    void bind(std::span<const SceneWord> words) {
+        for (const SceneWord& word : words) {
+            if (word.key.empty()) {
+                positional_.push_back(word.text);
+            } else {
+                bind_option(word);
+            }
+        }
+        bind_positionals();
+        fill_defaults();
+        for (const auto& [argument, values] : typed_) call_.set(*argument, values);
+    }
+
+  private:
+    void bind_option(const SceneWord& word) {
+        const auto found = std::ranges::find(command_.arguments, word.key, &Argument::name);
+        if (found == command_.arguments.end()) {
+            std::vector<std::string> known;
+            for (const Argument& a : command_.arguments) known.push_back(a.name);
+            throw InvalidInput(fmt::format("{} has no option '{}'{}", command_.name, word.key,
+                                           did_you_mean(word.key, known)));
+        }
+        auto& values = typed_[&*found];
+        if (!values.empty() && !found->repeats)
+            throw InvalidInput(fmt::format("{} is given twice", word.key));
+        values.push_back(parsed(*found, word.text));
+    }
+
+    ArgumentValue parsed(const Argument& a, const std::string& text) const {
+        ArgumentValue value = parse_argument(a, text);
+        if (a.type == ArgumentType::object && !a.any_kind) check_exists(state_, a.kind, value.text);
+        if (a.type == ArgumentType::object && a.any_kind && kinds_of(state_, value.text).empty()) {
+            std::vector<std::string> known;
+            for (const auto& [key, object] : state_.objects) known.push_back(key.second);
+            throw InvalidInput(
+                fmt::format("there is no object '{}'{}", value.text, did_you_mean(value.text, known)));
+        }
+        if (a.type == ArgumentType::section) check_exists(state_, ObjectKind::profile, value.text);
+        return value;
+    }
+
+    void bind_positionals() {
+        std::vector<const Argument*> order;
+        for (const Argument& a : command_.arguments) {
+            if (a.positional && !typed_.contains(&a)) order.push_back(&a);
+        }
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            const std::size_t left = positional_.size() - at, after = order.size() - i - 1;
+            if (left == 0) break;
+            if (order[i]->repeats) {
+                const std::size_t mine = left > after ? left - after : 0;
+                take(*order[i], at, mine);
+                at += mine;
+            } else if (order[i]->type == ArgumentType::tuple) {
+                at += take_tuple(*order[i], at);
+            } else {
+                take(*order[i], at++, 1);
+            }
+        }
+        if (at < positional_.size()) {
+            throw InvalidInput(
+                fmt::format("{} does not know what to do with '{}'", command_.name, positional_[at]));
+        }
+    }
+
+    void take(const Argument& a, std::size_t first, std::size_t count) {
+        for (std::size_t i = first; i < first + count; ++i) typed_[&a].push_back(parsed(a, positional_[i]));
+    }
+
+    /// A point may be one word, or one for each number.
+    std::size_t take_tuple(const Argument& a, std::size_t first) {
+        std::string joined;
+        std::size_t count = 0, numbers = 0;
+        const std::size_t most = *std::ranges::max_element(a.sizes);
+        while (first + count < positional_.size() && numbers < most) {
+            const auto more = numbers_of(positional_[first + count]);
+            if (more.empty()) break;
+            joined += (count > 0 ? "," : "") + positional_[first + count];
+            numbers += more.size();
+            ++count;
+        }
+        if (count == 0) joined = positional_[first];
+        typed_[&a].push_back(parsed(a, joined));
+        return std::max<std::size_t>(1, count);
+    }
+
+    void fill_defaults() {
+        for (const Argument& a : command_.arguments) {
+            if (typed_.contains(&a)) continue;
+            if (a.required) {
+                throw InvalidInput(fmt::format("{} needs {}: {}, as in: {}", command_.name, a.name,
+                                               takes_text(a), own_line(command_)));
+            }
+            if (a.initial.empty()) continue;
+            std::string text = a.initial;
+            if (text.starts_with('@')) {
+                const auto other = std::ranges::find(command_.arguments, text.substr(1), &Argument::name);
+                text = typed_.at(&*other).front().text;
+            } else if (a.name == "seed") {
+                text = std::to_string(state_.seed);
+            }
+            typed_[&a].push_back(parsed(a, text));
+        }
+    }
+
+    const SceneCommand& command_;
+    const SceneState& state_;
+    SceneCall& call_;
+    std::vector<std::string> positional_;
+    std::map<const Argument*, std::vector<ArgumentValue>> typed_;
+};
+
+}  // namespace
+
+SceneCall::SceneCall(const SceneCommand& command, const SceneState& state, const SceneSettings& settings,
+                     const Context& ctx)
+    : command_(command), state_(state), settings_(settings), ctx_(ctx) {}
+
+void SceneCall::set(const Argument& argument, std::vector<ArgumentValue> values) {
+    values_[argument.name] = std::move(values);
+}
+
+std::string SceneCall::typed() const {
+    std::string line = command_.name;
+    for (const Argument& a : command_.arguments) {
+        for (ArgumentValue value : values(a.name)) {
+            // A recipe may lie elsewhere than the scene.
+            if (a.type == ArgumentType::input_file)
+                value.text = std::filesystem::absolute(input(a.name)).lexically_normal().string();
+            line += a.positional ? " " : " " + a.name + "=";
+            line += coppice::typed(a, value);
+        }
+    }
+    return line;
+}
+
+std::span<const ArgumentValue> SceneCall::values(std::string_view name) const {
+    const auto found = values_.find(name);
+    if (found == values_.end()) return {};
+    return found->second;
+}
+
+const std::string& SceneCall::text(std::string_view name) const {
+    static const std::string kNone;
+    const auto all = values(name);
+    return all.empty() ? kNone : all.front().text;
+}
+
+double SceneCall::number(std::string_view name) const {
+    const auto argument = std::ranges::find(command_.arguments, name, &Argument::name);
+    COPPICE_ASSERT(argument != command_.arguments.end() && has(name));
+    return in_library_unit(*argument, values(name).front().numbers.at(0));
+}
+
+std::vector<Vec3> SceneCall::points(std::string_view name) const {
+    std::vector<Vec3> out;
+    for (const ArgumentValue& value : values(name)) {
+        const auto& n = value.numbers;
+        out.push_back(Vec3(Vec3d(n.at(0), n.at(1), n.at(2))));
+    }
+    return out;
+}
+
+Vec3 SceneCall::point(std::string_view name) const { return points(name).at(0); }
+
+ObjectPtr SceneCall::any(const std::string& name, const std::string& kind) const {
+    auto kinds = kinds_of(state_, name);
+    if (!kind.empty()) std::erase_if(kinds, [&](ObjectKind k) { return name_of(k) != kind; });
+    if (kinds.empty()) throw InvalidInput(fmt::format("there is no {} '{}'", kind, name));
+    if (kinds.size() > 1) {
+        std::vector<std::string_view> names;
+        for (const ObjectKind k : kinds) names.push_back(name_of(k));
+        throw InvalidInput(fmt::format("'{}' is the name of several things; add kind= and one of {}", name,
+                                       fmt::join(names, ", ")));
+    }
+    return state_.objects.at({kinds.front(), name});
+}
+
+SolidField SceneCall::field(const std::string& name) const {
+    constexpr double kBytesOfPart = 300;
+    reserve(kBytesOfPart * solid(name).part_count());
+    return SolidField(solid(name));
+}
+
+void SceneCall::reserve(double bytes) const {
+    const double held = static_cast<double>(state_.bytes), limit = settings_.max_memory * kMebibyte;
+    if (held + bytes <= limit) return;
+    throw InvalidInput(fmt::format(
+        "this may take {:.1f} MiB beside the {:.1f} that are held, and {} are allowed; ask for less, "
+        "delete objects, or raise --max-memory",
+        bytes / kMebibyte, held / kMebibyte, settings_.max_memory));
+}
+
+std::filesystem::path SceneCall::input(std::string_view name) const {
+    std::filesystem::path path = text(name);
+    if (!settings_.files)
+        throw IoError(fmt::format("'{}' is not read: files are not allowed here", path.string()));
+    if (path.is_relative() && !settings_.folder.empty()) path = settings_.folder / path;
+    return path;
+}
+
+std::filesystem::path SceneCall::output(std::string_view name) const {
+    std::filesystem::path path = text(name);
+    if (!settings_.files)
+        throw IoError(fmt::format("'{}' is not written: files are not allowed here", path.string()));
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    std::error_code error;
+    if (settings_.outputs && !std::filesystem::is_directory(folder, error)) {
+        throw IoError(
+            fmt::format("cannot write '{}': the folder '{}' does not exist", path.string(), folder.string()));
+    }
+    return path;
+}
+
+const Argument* SceneCall::by_field(const std::string& field) const {
+    const auto found = std::ranges::find(command_.arguments, field, &Argument::field);
+    return found == command_.arguments.end() ? nullptr : &*found;
+}
+
+std::span<const SceneCommand> scene_commands() {
+    static const std::vector<SceneCommand> kTable = whole_table();
+    return kTable;
+}
+
+const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& used) {
+    COPPICE_ASSERT(!words.empty());
+    const std::string first = option_word(words[0]);
+    const std::string both = words.size() > 1 ? first + " " + option_word(words[1]) : first;
+    used = 2;
+    if (const SceneCommand* command = command_called(both); command && words.size() > 1) return *command;
+    used = 1;
+    if (const SceneCommand* command = command_called(first)) return *command;
+    const auto names = command_names();
+    const std::string start = first + " ";
+    const bool family =
+        std::ranges::any_of(names, [&](const std::string& n) { return n.starts_with(start); });
+    const std::string word = family ? both : first;
+    std::string hint = did_you_mean(word, names);
+    if (hint.empty()) hint = "; help lists them";
+    throw InvalidInput(fmt::format("there is no command '{}'{}", word.substr(0, 64), hint));
+}
+
+SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state,
+                       const SceneSettings& settings, const Context& ctx) {
+    std::size_t used = 0;
+    const SceneCommand& command = find_command(words, used);
+    SceneCall call(command, state, settings, ctx);
+    Binder(command, state, call).bind(words.subspan(used));
+    return call;
+}
+
+}  // namespace coppice

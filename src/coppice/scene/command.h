@@ -1,0 +1,159 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/implicit/solid_field.h"
+#include "coppice/scene/argument.h"
+#include "coppice/scene/object.h"
+
+namespace coppice {
+
+struct SceneSettings {
+    int max_memory = 4096;  ///< [MiB] of all objects and what is being made; more is refused beforehand
+    bool files = true;      ///< whether files may be read and written
+    bool outputs = true;    ///< whether save and render write; if not, they only check
+    std::filesystem::path folder;  ///< where files to read are looked for; empty: the current one
+};
+
+/// The objects of a scene by kind and name.
+using SceneObjects = std::map<std::pair<ObjectKind, std::string>, ObjectPtr>;
+
+struct SceneState {
+    SceneObjects objects;
+    std::vector<std::string> history;  ///< commands that made them, with every option spelled out
+    std::string last_grown;            ///< name of the skeleton that was grown last
+    std::vector<std::pair<ObjectKind, std::string>> made;  ///< in the order of making, the last one last
+    int seed = 0;                                          ///< of commands that are given none
+    std::uint64_t bytes = 0;                               ///< of the objects, about
+};
+
+struct SceneCommand;
+
+/// A command with its arguments, checked against the table; what was left out has its default. Objects that
+/// are named exist.
+class SceneCall {
+  public:
+    SceneCall(const SceneCommand& command, const SceneState& state, const SceneSettings& settings,
+              const Context& ctx);
+
+    const SceneCommand& command() const { return command_; }
+    const SceneState& state() const { return state_; }
+    const SceneSettings& settings() const { return settings_; }
+    const Context& context() const { return ctx_; }
+    std::string typed() const;  ///< the whole line, every option spelled out
+
+    std::span<const ArgumentValue> values(std::string_view name) const;
+    bool has(std::string_view name) const { return !values(name).empty(); }
+    const std::string& text(std::string_view name) const;
+    double number(std::string_view name) const;  ///< in the library's unit
+    bool flag(std::string_view name) const { return text(name) == "true"; }
+    Vec3 point(std::string_view name) const;
+    std::vector<Vec3> points(std::string_view name) const;
+
+    const Solid& solid(const std::string& name) const { return get<Solid>(ObjectKind::solid, name); }
+    SolidField field(const std::string& name) const;  ///< of a solid; throws as `reserve` does
+    const Curve& path(const std::string& name) const { return get<Curve>(ObjectKind::path, name); }
+    const Profile& profile(const std::string& name) const { return get<Profile>(ObjectKind::profile, name); }
+    const PointSet& point_set(const std::string& name) const {
+        return get<PointSet>(ObjectKind::points, name);
+    }
+    const Skeleton& skeleton(const std::string& name) const {
+        return get<Skeleton>(ObjectKind::skeleton, name);
+    }
+    const Surface& surface(const std::string& name) const { return get<Surface>(ObjectKind::mesh, name); }
+    /// The object that is meant by a name of any kind, or of the kind called `kind` where that is not empty.
+    /// Throws InvalidInput when there is none or several.
+    ObjectPtr any(const std::string& name, const std::string& kind) const;
+
+    /// An option struct whose members are arguments: "grow" for those with fields "grow.step" and so on.
+    template <class Options>
+    Options options(const std::string& path, Options out = {}) const {
+        visit_members(out, path, path,
+                      [&](const std::string& at, const std::string&, const Field&, auto& value) {
+                          if (const Argument* a = by_field(at)) read(*a, value);
+                      });
+        return out;
+    }
+
+    /// Throws InvalidInput when `bytes` more would be beyond the limit of memory.
+    void reserve(double bytes) const;
+    /// Where a file to read lies; throws IoError where files are forbidden.
+    std::filesystem::path input(std::string_view name) const;
+    /// Throws where files are forbidden or the folder does not exist.
+    std::filesystem::path output(std::string_view name) const;
+
+    void set(const Argument& argument, std::vector<ArgumentValue> values);
+
+  private:
+    template <class T>
+    const T& get(ObjectKind kind, const std::string& name) const {
+        return std::get<T>(state_.objects.at({kind, name})->value);
+    }
+    template <class T>
+    void read(const Argument& a, T& value) const {
+        if (!has(a.name)) return;
+        if constexpr (std::is_same_v<T, bool>) {
+            value = flag(a.name);
+        } else if constexpr (NamedEnum<T>) {
+            const auto found = std::ranges::find(EnumNames<T>::names, text(a.name));
+            value = static_cast<T>(found - EnumNames<T>::names.begin());
+        } else {
+            value = static_cast<T>(number(a.name));
+        }
+    }
+    const Argument* by_field(const std::string& field) const;
+
+    const SceneCommand& command_;
+    const SceneState& state_;
+    const SceneSettings& settings_;
+    const Context& ctx_;
+    std::map<std::string, std::vector<ArgumentValue>, std::less<>> values_;
+};
+
+/// What a command does to a scene: nothing of it happens when the command fails.
+struct SceneOutcome {
+    struct Change {
+        ObjectKind kind;
+        std::string name;
+        ObjectPtr object;  ///< none: it goes
+    };
+    std::vector<Change> changes;
+    std::string text;  ///< what the command has to say
+    std::string grown;
+    std::optional<int> seed;
+    int undo = 0;  ///< commands to take back
+};
+
+struct SceneCommand {
+    std::string name;  ///< "sphere", "pointset thin"
+    std::vector<std::string> aliases;
+    std::string group;
+    std::string help;     ///< one sentence without a full stop
+    std::string example;  ///< a line that works after those in the examples of the commands before it
+    std::vector<Argument> arguments;
+    bool records = true;  ///< whether it makes or changes objects: a recipe keeps it
+    std::function<SceneOutcome(const SceneCall&)> run;
+};
+
+/// The one table of all commands, in the order of the reference page.
+std::span<const SceneCommand> scene_commands();
+
+/// The command that the first one or two words name; `used` says how many. Throws InvalidInput with the
+/// nearest spelling.
+const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& used);
+
+/// Checks a line against the table. Throws InvalidInput, one sentence that names the word.
+SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state,
+                       const SceneSettings& settings, const Context& ctx);
+
+}  // namespace coppice

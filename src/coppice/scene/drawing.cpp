@@ -1,0 +1,122 @@
+#include <algorithm>
+
+#include "coppice/implicit/polygonize.h"
+#include "coppice/implicit/solid_field.h"
+#include "coppice/scene/drawing_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr float kPointSize = 1 / 250.0f;  // of the size of the points' box
+constexpr int kPathSteps = 200;
+
+/// Gathers surfaces and balls of all objects relative to the origin of the first one.
+class Gatherer {
+  public:
+    Gatherer(float point_radius, const Context& ctx) : point_radius_(point_radius), ctx_(ctx) {}
+
+    void operator()(const Solid& solid) {
+        const SolidField field(solid);
+        PolygonizeOptions options;
+        const Vec3 size = field.surface_bounds().size();
+        options.cell = std::max({size.x, size.y, size.z}) / 128;
+        const TriangleSurface made = polygonize(field, options, ctx_);
+        PolygonMesh part;
+        part.positions.assign(made.positions.begin(), made.positions.end());
+        for (const auto& t : made.triangles) part.add_face(t);
+        add(part);
+    }
+    void operator()(const Surface& surface) { add(polygons_of(surface)); }
+    void operator()(const Skeleton& s) {
+        const Vec3 shift = shift_of(s.origin());
+        const auto base = static_cast<std::uint32_t>(positions_.size());
+        for (const NodeId n : nodes(s)) {
+            const NodeId parent = s.parent(n);
+            parents_.push_back(parent ? NodeId(base + parent.index()) : NodeId{});
+            positions_.push_back(s.position(n) + shift);
+            radii_.push_back(s.radius(n));
+        }
+    }
+    void operator()(const PointSet& points) {
+        const Vec3 shift = shift_of(points.origin);
+        const float radius = ball_radius(bounds(points));
+        for (const Vec3 p : points.positions) add_ball(p + shift, radius, NodeId{});
+    }
+    void operator()(const Curve& path) {
+        const Vec3 shift = shift_of({});
+        const float radius = ball_radius(path.bounds());
+        NodeId before;
+        for (int i = 0; i <= kPathSteps; ++i) {
+            const Vec3 p(path.position(path.at_fraction(static_cast<double>(i) / kPathSteps)));
+            before = add_ball(p + shift, radius, before);
+        }
+    }
+    void operator()(const Profile&) {
+        throw InvalidInput("a profile cannot be drawn; draw the solid that is made of it");
+    }
+
+    std::optional<PolygonMesh> mesh() {
+        if (mesh_.face_count() == 0) return {};
+        mesh_.origin = origin_.value_or(Vec3d{});
+        return std::move(mesh_);
+    }
+    std::optional<Skeleton> skeleton() {
+        if (positions_.empty()) return {};
+        return Skeleton(std::move(parents_), std::move(positions_), std::move(radii_),
+                        origin_.value_or(Vec3d{}));
+    }
+
+  private:
+    Vec3 shift_of(Vec3d origin) {
+        if (!origin_) origin_ = origin;
+        return Vec3(origin - *origin_);
+    }
+    float ball_radius(const Box3& box) const {
+        return point_radius_ > 0 ? point_radius_ : std::max(1e-6f, kPointSize * box.diagonal());
+    }
+    NodeId add_ball(Vec3 p, float radius, NodeId parent) {
+        parents_.push_back(parent);
+        positions_.push_back(p);
+        radii_.push_back(radius);
+        return NodeId(static_cast<std::uint32_t>(positions_.size() - 1));
+    }
+    void add(const PolygonMesh& part) {
+        const Vec3 shift = shift_of(part.origin);
+        const auto base = static_cast<std::uint32_t>(mesh_.positions.size());
+        for (const Vec3 p : part.positions) mesh_.positions.push_back(p + shift);
+        std::vector<std::uint32_t> corners;
+        for (std::uint32_t f = 0; f < part.face_count(); ++f) {
+            corners.clear();
+            for (const std::uint32_t v : part.face(f)) corners.push_back(base + v);
+            mesh_.add_face(corners);
+        }
+    }
+
+    float point_radius_;
+    const Context& ctx_;
+    std::optional<Vec3d> origin_;
+    PolygonMesh mesh_;
+    std::vector<NodeId> parents_;
+    std::vector<Vec3> positions_;
+    std::vector<float> radii_;
+};
+
+}  // namespace
+
+Drawing::Drawing(std::span<const ObjectPtr> objects, float point_radius, const SceneCall& call) {
+    Context quiet = call.context();
+    quiet.progress = nullptr;  // it is the picture's
+    Gatherer gatherer(point_radius, quiet);
+    constexpr double kBytesOfSurface = 5e7;  // of a solid at the resolution of pictures
+    double bytes = 0;
+    for (const ObjectPtr& object : objects) {
+        bytes += 4.0 * static_cast<double>(object->bytes);
+        if (object->kind() == ObjectKind::solid) bytes += kBytesOfSurface;
+    }
+    call.reserve(bytes);
+    for (const ObjectPtr& object : objects) std::visit(gatherer, object->value);
+    mesh_ = gatherer.mesh();
+    skeleton_ = gatherer.skeleton();
+}
+
+}  // namespace coppice

@@ -1,0 +1,114 @@
+#include "coppice/scene/object.h"
+
+#include <fmt/format.h>
+
+#include "coppice/skeleton/measure.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::uint64_t kBytesOfNode = 60;
+
+std::string box_text(const Box3& box, Vec3d origin = {}) {
+    if (box.empty()) return "empty";
+    const Vec3d low = Vec3d(box.low) + origin, high = Vec3d(box.high) + origin;
+    return fmt::format("{:.6g},{:.6g},{:.6g} to {:.6g},{:.6g},{:.6g}", low.x, low.y, low.z, high.x, high.y,
+                       high.z);
+}
+
+std::string described(const Solid& solid) {
+    return fmt::format("solid      {}\nparts      {}\ndepth      {}\nsurface    {}\nsupport    {}\n",
+                       solid.kind(), solid.part_count(), solid.depth(), box_text(solid.surface_bounds()),
+                       box_text(solid.bounds()));
+}
+
+std::string described(const Curve& path) {
+    return fmt::format("path       {}\npieces     {}\nlength_m   {:.6g}\nbox        {}\n",
+                       path.closed() ? "closed" : "open", path.piece_count(), path.length(),
+                       box_text(path.bounds()));
+}
+
+std::string described(const Profile& profile) {
+    return fmt::format("profile    {}\ncontours   {}\nbox        {:.6g},{:.6g} to {:.6g},{:.6g}\n",
+                       profile.closed() ? "closed" : "open", profile.contours().size(), profile.low().x,
+                       profile.low().y, profile.high().x, profile.high().y);
+}
+
+std::string described(const PointSet& points) {
+    return fmt::format("points     {}\nbox        {}\n", points.size(),
+                       box_text(bounds(points), points.origin));
+}
+
+std::string described(const Skeleton& skeleton) {
+    const SkeletonMeasures m = measure(skeleton);
+    return fmt::format(
+        "skeleton   {} nodes\ntrees      {}\ntips       {}\nlength_m   {:.6g}\nradius_m   {:.6g} to "
+        "{:.6g}\nbox "
+        "       {}\n",
+        m.nodes, m.trees, m.tips, m.length, m.least_radius, m.greatest_radius,
+        box_text(m.bounds, skeleton.origin()));
+}
+
+std::string described(const Surface& surface) {
+    Box3 box;
+    Vec3d origin;
+    std::size_t vertices = 0;
+    std::visit(
+        [&](const auto& mesh) {
+            for (const Vec3 p : mesh.positions) box.extend(p);
+            origin = mesh.origin;
+            vertices = mesh.positions.size();
+        },
+        surface.mesh);
+    return fmt::format("mesh       {} faces\nvertices   {}\nbox        {}\n", face_count(surface), vertices,
+                       box_text(box, origin));
+}
+
+PolygonMesh to_polygons(const TriMesh& mesh) {
+    PolygonMesh out;
+    out.positions = mesh.positions;
+    out.origin = mesh.origin;
+    for (const Triangle& t : mesh.triangles) out.add_face(t);
+    return out;
+}
+
+}  // namespace
+
+std::string with_article(ObjectKind kind) {
+    const std::string name(name_of(kind));
+    return kind == ObjectKind::points ? name : "a " + name;
+}
+
+PolygonMesh polygons_of(const Surface& surface) {
+    if (const auto* quads = std::get_if<QuadMesh>(&surface.mesh)) return to_polygons(*quads);
+    if (const auto* triangles = std::get_if<TriMesh>(&surface.mesh)) return to_polygons(*triangles);
+    return std::get<PolygonMesh>(surface.mesh);
+}
+
+TriMesh triangles_of(const Surface& surface) {
+    if (const auto* triangles = std::get_if<TriMesh>(&surface.mesh)) return *triangles;
+    if (const auto* quads = std::get_if<QuadMesh>(&surface.mesh)) return triangulate(*quads);
+    return triangulate(std::get<PolygonMesh>(surface.mesh));
+}
+
+std::uint64_t face_count(const Surface& surface) {
+    if (const auto* quads = std::get_if<QuadMesh>(&surface.mesh)) return quads->quads.size();
+    if (const auto* triangles = std::get_if<TriMesh>(&surface.mesh)) return triangles->triangles.size();
+    return std::get<PolygonMesh>(surface.mesh).face_count();
+}
+
+std::uint64_t memory_of(const PointSet& points) { return points.size() * sizeof(Vec3); }
+
+std::uint64_t memory_of(const Skeleton& skeleton) { return skeleton.size() * kBytesOfNode; }
+
+std::uint64_t memory_of(const Surface& surface) {
+    const std::uint64_t vertices =
+        std::visit([](const auto& mesh) { return mesh.positions.size(); }, surface.mesh);
+    return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t);
+}
+
+std::string description_of(const SceneObject& object) {
+    return std::visit([](const auto& value) { return described(value); }, object.value);
+}
+
+}  // namespace coppice

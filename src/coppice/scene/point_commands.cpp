@@ -1,0 +1,251 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coppice/implicit/cached_field.h"
+#include "coppice/implicit/solid_field.h"
+#include "coppice/io/file.h"
+#include "coppice/io/point_reader.h"
+#include "coppice/io/point_writer.h"
+#include "coppice/points/edit_points.h"
+#include "coppice/points/generate.h"
+#include "coppice/points/near_mesh.h"
+#include "coppice/points/quality.h"
+#include "coppice/scene/tables_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace table;
+
+constexpr double kMebibyte = 1 << 20;
+
+SceneCommand in_group(const std::string& name, std::string help, std::string example) {
+    SceneCommand c{.name = "pointset " + name, .group = "Points", .help = std::move(help)};
+    c.example = std::move(example);
+    return c;
+}
+
+Argument points(std::string help) { return object("points", ObjectKind::points, std::move(help)); }
+
+/// A new name that is given as name=.
+Argument name_option(std::string initial) {
+    Argument a = new_name("name", "name of the new points", std::move(initial));
+    a.positional = false;
+    return a;
+}
+
+void make_positional(std::vector<Argument>& arguments, std::string_view name, bool required) {
+    Argument& a = *std::ranges::find(arguments, name, &Argument::name);
+    a.positional = true;
+    a.required = required;
+}
+
+SceneOutcome makes_points(const std::string& name, PointSet set) {
+    const std::uint64_t bytes = memory_of(set);
+    return makes(name, std::move(set), bytes);
+}
+
+/// What is left of the memory, and no more than the command asks for.
+int memory_left(const SceneCall& call, int asked) {
+    const double left = call.settings().max_memory - static_cast<double>(call.state().bytes) / kMebibyte;
+    return std::clamp(static_cast<int>(left), 1, asked);
+}
+
+Box3 box_of(const SolidField& field, const GenerateOptions& options) {
+    if (options.density == PointDensity::outside_boundary) {
+        const float value = field.level() - options.width;
+        return value > 0 ? field.bounds_at(value) : field.bounds();
+    }
+    return field.surface_bounds();
+}
+
+std::vector<DensityCurve::Knot> knots_of(const SceneCall& call) {
+    std::vector<DensityCurve::Knot> knots;
+    for (const ArgumentValue& v : call.values("curve"))
+        knots.push_back({static_cast<float>(v.numbers.at(0)), static_cast<float>(v.numbers.at(1))});
+    return knots;
+}
+
+/// A field that is remembered on a grid answers for the surface and what is near it only.
+GenerateResult generate_cached(const SceneCall& call, const SolidField& field,
+                               const GenerateOptions& options) {
+    if (options.density == PointDensity::proportional || options.density == PointDensity::inverse)
+        throw InvalidInput("cached=true knows the field near the surface only; use it with other densities");
+    CacheOptions cache;
+    if (options.density != PointDensity::uniform)
+        cache.band = std::clamp(1.1f * options.width, cache.band, 10.0f);
+    const CachedField cached(field, cache, call.context());
+    return generate(FieldRef(cached), box_of(field, options), options, call.context());
+}
+
+GenerateResult generated(const SceneCall& call, const SolidField& field) {
+    auto options = call.options<GenerateOptions>("generate");
+    options.max_memory = memory_left(call, options.max_memory);
+    const bool cached = call.flag("cached");
+    if (!call.has("curve")) {
+        if (cached) return generate_cached(call, field, options);
+        return generate(FieldRef(field), box_of(field, options), options, call.context());
+    }
+    if (cached) throw InvalidInput("cached=true does not go with a curve");
+    const PointRegion region{FieldRef(field), field.bounds(), DensityCurve(knots_of(call))};
+    return generate(region, options, call.context());
+}
+
+SceneCommand generate_command() {
+    SceneCommand c = in_group("generate", "fills a solid, or a shell at its surface, with points",
+                              "pointset generate s poisson count=500");
+    c.aliases = {"pointset gen"};
+    c.arguments = {object("solid", ObjectKind::solid, "what is filled")};
+    add_options(c.arguments, GenerateOptions{}, "generate");
+    make_positional(c.arguments, "pattern", false);
+    Argument cached{.name = "cached", .help = "remembers the field on a grid, for solids of many parts"};
+    cached.type = ArgumentType::flag;
+    cached.initial = "false";
+    c.arguments.push_back(std::move(cached));
+    c.arguments.push_back(
+        repeated(tuple("curve", "", "VALUE,DENSITY: a knot of a density of your own, instead of `density`",
+                       {2}, Unit::none)));
+    c.arguments.push_back(name_option("@solid"));
+    c.run = [](const SceneCall& call) {
+        const SolidField field = call.field(call.text("solid"));
+        GenerateResult result = generated(call, field);
+        const int asked = static_cast<int>(call.number("count"));
+        const std::size_t placed = result.points.size();
+        SceneOutcome out = makes_points(call.text("name"), std::move(result.points));
+        if (asked > 0 && result.stop != PointStop::count_reached)
+            out.text = fmt::format("{} of {} points have found room\n", placed, asked);
+        return out;
+    };
+    return c;
+}
+
+SceneCommand near_command() {
+    SceneCommand c = in_group("near", "points near a mesh, within limits along its normals",
+                              "pointset near rest_mesh count=300 high=2 name=ivy");
+    c.arguments = {object("mesh", ObjectKind::mesh, "the mesh")};
+    add_options(c.arguments, NearMeshOptions{}, "near");
+    c.arguments.push_back(name_option("@mesh"));
+    c.run = [](const SceneCall& call) {
+        auto options = call.options<NearMeshOptions>("near");
+        options.max_memory = memory_left(call, options.max_memory);
+        const Surface& surface = call.surface(call.text("mesh"));
+        call.reserve(4.0 * static_cast<double>(memory_of(surface)));
+        return makes_points(call.text("name"), near_mesh(triangles_of(surface), options, call.context()));
+    };
+    return c;
+}
+
+SceneCommand thin_command() {
+    SceneCommand c = in_group("thin", "takes away a share of the points that lie in a solid",
+                              "sphere secondary radius=40\npointset thin s secondary 80");
+    c.arguments = {points("what is thinned"), object("solid", ObjectKind::solid, "where")};
+    add_options(c.arguments, ThinOptions{}, "thin");
+    make_positional(c.arguments, "percent", true);
+    c.run = [](const SceneCall& call) {
+        const SolidField field = call.field(call.text("solid"));
+        const std::string& name = call.text("points");
+        return makes_points(name, thinned(call.point_set(name), FieldRef(field),
+                                          call.options<ThinOptions>("thin"), call.context()));
+    };
+    return c;
+}
+
+SceneCommand densify_command() {
+    SceneCommand c = in_group("densify", "adds points in a solid, none nearer to any other than a distance",
+                              "pointset densify s secondary count=50 distance=2");
+    c.arguments = {points("what is added to"), object("solid", ObjectKind::solid, "where")};
+    add_options(c.arguments, LaneOptions{}, "lane", {"greatest_factor"});
+    c.arguments.push_back(number("distance", "0", 0, 1e9, Unit::metre, "least distance of the new points"));
+    c.run = [](const SceneCall& call) {
+        const SolidField field = call.field(call.text("solid"));
+        const PointRegion region{FieldRef(field), field.surface_bounds(),
+                                 DensityCurve(PointDensity::uniform, field.level())};
+        auto options = call.options<LaneOptions>("lane");
+        options.max_memory = memory_left(call, options.max_memory);
+        const std::string& name = call.text("points");
+        const auto kernel = RadialKernel::disk(static_cast<float>(call.number("distance")));
+        return makes_points(name, densified(call.point_set(name), region, kernel, options, call.context()));
+    };
+    return c;
+}
+
+SceneCommand add_command() {
+    SceneCommand c = in_group("add", "adds the points of one set to another", "pointset add s ivy");
+    c.arguments = {points("what is added to"), object("more", ObjectKind::points, "what is added")};
+    c.run = [](const SceneCall& call) {
+        const std::string& name = call.text("points");
+        const PointSet &a = call.point_set(name), &b = call.point_set(call.text("more"));
+        call.reserve(static_cast<double>(memory_of(a) + memory_of(b)));
+        return makes_points(name, merged(a, b));
+    };
+    return c;
+}
+
+SceneCommand load_command() {
+    SceneCommand c = in_group("load", "reads points from a file", "pointset load stored points.xyz");
+    c.arguments = {new_name("name", "name of the new points"),
+                   file("file", ArgumentType::input_file, ".xyz, .txt, .csv, .asc or .ply")};
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.input("file");
+        std::error_code error;
+        const auto size = std::filesystem::file_size(path, error);
+        if (!error) call.reserve(4.0 * static_cast<double>(size));
+        return makes_points(call.text("name"), read_points(path));
+    };
+    return c;
+}
+
+SceneCommand save_command() {
+    SceneCommand c = in_group("save", "writes points to a file", "pointset save s points.xyz");
+    c.records = false;
+    c.arguments = {points("what is written"),
+                   file("file", ArgumentType::output_file, ".xyz, .txt, .csv, .asc or .ply")};
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.output("file");
+        if (!point_format_of_name(path))
+            throw InvalidInput(fmt::format(
+                "'{}' is no name of a file of points; use .xyz, .txt, .csv, .asc or .ply", path.string()));
+        if (call.settings().outputs) write_points(path, call.point_set(call.text("points")), call.context());
+        return SceneOutcome{};
+    };
+    return c;
+}
+
+SceneCommand quality_command() {
+    SceneCommand c = in_group("quality", "measures how evenly points lie, and draws the curves as SVG",
+                              "pointset quality s");
+    c.records = false;
+    Argument picture = file("file", ArgumentType::output_file, "a picture to write (.svg)");
+    picture.required = false;
+    c.arguments = {points("what is measured"), std::move(picture)};
+    c.run = [](const SceneCall& call) {
+        const QualityReport report = quality(call.point_set(call.text("points")), {}, call.context());
+        if (call.has("file")) {
+            const std::filesystem::path path = call.output("file");
+            if (path.extension() != ".svg")
+                throw InvalidInput(fmt::format("'{}' is no name of such a picture; use .svg", path.string()));
+            if (call.settings().outputs) {
+                AtomicFile svg(path);
+                svg.write(quality_svg(report));
+                svg.commit();
+            }
+        }
+        SceneOutcome out;
+        out.text = fmt::format(
+            "least_distance_m  {:.6g}\nmean_distance_m   {:.6g}\nmean_spacing_m    {:.6g}\nlow_power         "
+            "{:.4g}\n",
+            report.least_distance, report.mean_distance, report.mean_spacing, report.low_power);
+        return out;
+    };
+    return c;
+}
+
+}  // namespace
+
+std::vector<SceneCommand> point_commands() {
+    return {generate_command(), near_command(), thin_command(), densify_command(),
+            add_command(),      save_command(), load_command(), quality_command()};
+}
+
+}  // namespace coppice

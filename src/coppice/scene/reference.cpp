@@ -1,0 +1,245 @@
+#include "coppice/scene/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace coppice {
+namespace {
+
+/// The default, rounded where it is an angle in degrees with stray digits.
+std::string default_text(const Argument& a) {
+    if (a.initial.starts_with('@')) return fmt::format("that of {}", a.initial.substr(1));
+    if (a.name == "seed") return fmt::format("{}, or what set seed says", a.initial);
+    if (a.unit != Unit::radian || a.initial.empty()) return a.initial;
+    return fmt::format("{:.4g}", numbers_of(a.initial).at(0));
+}
+
+std::string argument_line(const Argument& a) {
+    std::string text = fmt::format("{}; {}", a.help, takes_text(a));
+    if (const std::string initial = default_text(a); !initial.empty()) text += "; default " + initial;
+    if (a.repeats && !a.positional) text += "; may be repeated";
+    return text;
+}
+
+std::string upper(std::string_view name) {
+    std::string out(name);
+    std::ranges::transform(out, out.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    return out;
+}
+
+std::string help_of_command(const SceneCommand& c) {
+    std::string text = fmt::format("{}\n    {}\n", usage_of(c), c.help);
+    if (!c.aliases.empty()) text += fmt::format("    also: {}\n", fmt::join(c.aliases, ", "));
+    for (const Argument& a : c.arguments)
+        text += fmt::format("  {:<18} {}\n", a.positional ? upper(a.name) : a.name + "=", argument_line(a));
+    text += "example:\n";
+    std::string_view rest = c.example;
+    while (!rest.empty()) {
+        const std::size_t end = std::min(rest.find('\n'), rest.size());
+        text += fmt::format("  {}\n", rest.substr(0, end));
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return text;
+}
+
+std::string table_cell(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        if (c == '|') out += '\\';
+        out += c;
+    }
+    return out;
+}
+
+std::string markdown_of(const SceneCommand& c) {
+    std::string text = fmt::format("### {}\n`{}`: {}.\n", c.name, usage_of(c), c.help);
+    if (!c.aliases.empty()) text += fmt::format("Also called `{}`.\n", fmt::join(c.aliases, "`, `"));
+    text += fmt::format("```\n{}\n```\n", c.example);
+    if (c.arguments.empty()) return text + "\n";
+    text += "| argument | what it is | takes | default |\n| --- | --- | --- | --- |\n";
+    for (const Argument& a : c.arguments) {
+        text += fmt::format("| `{}` | {} | {}{} | {} |\n", a.positional ? upper(a.name) : a.name + "=",
+                            table_cell(a.help), table_cell(takes_text(a)), a.repeats ? ", repeated" : "",
+                            a.required ? "required" : default_text(a));
+    }
+    return text + "\n";
+}
+
+std::vector<std::string> groups() {
+    std::vector<std::string> names;
+    for (const SceneCommand& c : scene_commands()) {
+        if (std::ranges::find(names, c.group) == names.end()) names.push_back(c.group);
+    }
+    return names;
+}
+
+/// What an argument's value may be, as far as it can be listed.
+std::vector<std::string> values_of(const Argument& a, const SceneState& state) {
+    if (a.type == ArgumentType::choice) return a.choices;
+    if (a.type == ArgumentType::flag) return {"false", "true"};
+    std::vector<std::string> names;
+    for (const auto& [key, object] : state.objects) {
+        if (a.type == ArgumentType::object && (a.any_kind || key.first == a.kind))
+            names.push_back(key.second);
+        if (a.type == ArgumentType::section && key.first == ObjectKind::profile)
+            names.push_back(key.second + "@");
+    }
+    return names;
+}
+
+/// Whether the text is a positional word rather than key=value.
+bool is_plain(const SceneWord& word) { return word.key.empty(); }
+
+void add_matches(std::set<std::string>& out, const std::vector<std::string>& words, std::string_view begin,
+                 const std::string& before = {}) {
+    for (const std::string& word : words) {
+        if (word.starts_with(begin)) out.insert(before + word);
+    }
+}
+
+/// The words after `done` that begin as `begin` does, of commands with one or two words.
+void add_commands(std::set<std::string>& out, const std::string& done, std::string_view begin) {
+    for (const SceneCommand& c : scene_commands()) {
+        if (!c.name.starts_with(done)) continue;
+        const std::string rest = c.name.substr(done.size());
+        const std::string word = rest.substr(0, rest.find(' '));
+        if (word.starts_with(begin)) out.insert(word);
+    }
+}
+
+Json json_of(const Argument& a) {
+    static constexpr std::array<std::string_view, 11> kTypes{
+        "new_name", "object",  "number", "whole",      "flag",       "choice",
+        "tuple",    "section", "word",   "input_file", "output_file"};
+    Json out{{"name", a.name},
+             {"help", a.help},
+             {"type", kTypes[static_cast<std::size_t>(a.type)]},
+             {"positional", a.positional},
+             {"required", a.required},
+             {"repeats", a.repeats}};
+    if (!a.initial.empty()) out["default"] = a.initial;
+    if (a.unit != Unit::none) out["unit"] = a.unit == Unit::radian ? "degree" : name_of_unit(a.unit);
+    if (a.low < a.high) {
+        out["low"] = in_typed_unit(a.unit, a.low);
+        out["high"] = in_typed_unit(a.unit, a.high);
+    }
+    if (!a.choices.empty()) out["choices"] = a.choices;
+    if (!a.sizes.empty()) out["sizes"] = a.sizes;
+    if (a.type == ArgumentType::object) out["kind"] = a.any_kind ? "any" : name_of(a.kind);
+    return out;
+}
+
+}  // namespace
+
+std::string usage_of(const SceneCommand& command) {
+    std::string text = command.name;
+    bool options = false;
+    for (const Argument& a : command.arguments) {
+        options = options || !a.positional;
+        if (!a.positional) continue;
+        const std::string name = upper(a.name) + (a.repeats ? "..." : "");
+        text += a.required ? fmt::format(" {}", name) : fmt::format(" [{}]", name);
+    }
+    return options ? text + " [OPTION=VALUE...]" : text;
+}
+
+std::string help_overview() {
+    std::string text;
+    for (const std::string& group : groups()) {
+        text += group + "\n";
+        for (const SceneCommand& c : scene_commands()) {
+            if (c.group == group) text += fmt::format("  {:<18} {}\n", c.name, c.help);
+        }
+    }
+    return text + "help COMMAND explains one; lines that begin with # are comments.\n";
+}
+
+std::string help_of(std::span<const SceneWord> words) {
+    if (words.size() == 1) {
+        std::string family;
+        for (const SceneCommand& c : scene_commands()) {
+            if (c.name.starts_with(words[0].text + " "))
+                family += fmt::format("  {:<18} {}\n", c.name, c.help);
+        }
+        if (!family.empty() && words[0].text != "save") return family;
+    }
+    std::size_t used = 0;
+    return help_of_command(find_command(words, used));
+}
+
+std::string scene_reference() {
+    std::string text =
+        "# Commands of scenes\n\nMade by `coppice run --reference`; [scenes.md](scenes.md) explains the "
+        "language. Angles "
+        "are degrees.\nWords in capitals are given in order, without their names; all others as "
+        "`name=value`.\n\n";
+    for (const std::string& group : groups()) {
+        text += fmt::format("## {}\n\n", group);
+        for (const SceneCommand& c : scene_commands()) {
+            if (c.group == group) text += markdown_of(c);
+        }
+    }
+    text.pop_back();
+    return text;
+}
+
+Json scene_schema() {
+    Json all = Json::array();
+    for (const SceneCommand& c : scene_commands()) {
+        Json arguments = Json::array();
+        for (const Argument& a : c.arguments) arguments.push_back(json_of(a));
+        all.push_back({{"name", c.name},
+                       {"aliases", c.aliases},
+                       {"group", c.group},
+                       {"help", c.help},
+                       {"example", c.example},
+                       {"arguments", arguments}});
+    }
+    return all;
+}
+
+std::vector<std::string> completions(std::string_view line, const SceneState& state) {
+    std::vector<SceneWord> words;
+    try {
+        words = scene_words(line);
+    } catch (const InvalidInput&) {
+        return {};  // within quotes: a file name
+    }
+    const bool fresh = line.empty() || line.back() == ' ' || line.back() == '\t';
+    const SceneWord last = fresh || words.empty() ? SceneWord{} : words.back();
+    if (!fresh && !words.empty()) words.pop_back();
+    std::set<std::string> out;
+    if (words.empty()) {
+        add_commands(out, "", last.text);
+        return {out.begin(), out.end()};
+    }
+    if (words.size() == 1) add_commands(out, words[0].text + " ", last.text);
+    std::size_t used = 0;
+    const SceneCommand* command = nullptr;
+    try {
+        command = &find_command(words, used);
+    } catch (const InvalidInput&) {
+        return {out.begin(), out.end()};
+    }
+    if (command->name == "help") add_commands(out, words.size() > 1 ? words[1].text + " " : "", last.text);
+    std::size_t before = 0;
+    for (const SceneWord& word : std::span(words).subspan(used)) before += is_plain(word) ? 1 : 0;
+    std::size_t place = 0;
+    for (const Argument& a : command->arguments) {
+        if (!last.key.empty()) {
+            if (a.name == last.key) add_matches(out, values_of(a, state), last.text, a.name + "=");
+            continue;
+        }
+        if (!a.positional) {
+            add_matches(out, {fmt::format("{}=", a.name)}, last.text);
+        } else if (place++ == before || (a.repeats && place <= before + 1)) {
+            add_matches(out, values_of(a, state), last.text);
+        }
+    }
+    return {out.begin(), out.end()};
+}
+
+}  // namespace coppice

@@ -1,0 +1,105 @@
+#include "coppice/scene/save.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coppice/io/mesh_writer.h"
+#include "coppice/io/point_reader.h"
+#include "coppice/io/point_writer.h"
+#include "coppice/io/skeleton_writer.h"
+
+namespace coppice {
+namespace {
+
+bool is_writable(SkeletonFormat format) {
+    return format == SkeletonFormat::swc || format == SkeletonFormat::cylinders ||
+           format == SkeletonFormat::ply || format == SkeletonFormat::obj || format == SkeletonFormat::json;
+}
+
+bool suits(ObjectKind kind, const std::filesystem::path& path) {
+    if (kind == ObjectKind::points) return point_format_of_name(path).has_value();
+    if (kind == ObjectKind::skeleton) {
+        const auto format = format_of_extension(path);
+        return format && is_writable(*format);
+    }
+    if (kind == ObjectKind::mesh) {
+        const auto format = mesh_format_of_name(path);
+        return format && *format != MeshFormat::off;
+    }
+    return false;
+}
+
+std::string_view mend_of(ObjectKind kind) {
+    switch (kind) {
+        case ObjectKind::points:
+            return "use .xyz, .txt, .csv, .asc or .ply";
+        case ObjectKind::skeleton:
+            return "use .swc, .json, .csv, .ply or .obj";
+        case ObjectKind::mesh:
+            return "use .obj, .ply, .glb, .stl or .usda";
+        case ObjectKind::solid:
+            return "write the mesh that polygonize makes of it";
+        case ObjectKind::path:
+        case ObjectKind::profile:
+            break;
+    }
+    return "it is kept by: save recipe FILE.coppice";
+}
+
+}  // namespace
+
+ObjectPtr object_for_file(const SceneState& state, const std::string& name,
+                          const std::filesystem::path& path) {
+    std::vector<ObjectKind> fitting;
+    ObjectPtr last;
+    for (const auto& key : state.made) {
+        const auto found = state.objects.find(key);
+        if (found == state.objects.end() || !suits(key.first, path)) continue;
+        if (!name.empty() && key.second != name) continue;
+        if (std::ranges::find(fitting, key.first) == fitting.end()) fitting.push_back(key.first);
+        last = found->second;
+    }
+    if (!last && name.empty())
+        throw InvalidInput(fmt::format("the scene makes nothing that '{}' can hold", path.string()));
+    if (!last) {
+        const auto same =
+            std::ranges::find_if(state.objects, [&](const auto& o) { return o.first.second == name; });
+        COPPICE_ASSERT(same != state.objects.end());
+        check_file_name(*same->second, path);
+    }
+    if (!name.empty() && fitting.size() > 1) {
+        throw InvalidInput(
+            fmt::format("'{}' is the name of several things that '{}' can hold; add kind= and one of {}, {}",
+                        name, path.string(), name_of(fitting[0]), name_of(fitting[1])));
+    }
+    return last;
+}
+
+void check_file_name(const SceneObject& object, const std::filesystem::path& path) {
+    const ObjectKind kind = object.kind();
+    if (suits(kind, path)) return;
+    throw InvalidInput(fmt::format("'{}' is no name of a file for {}; {}", path.string(), with_article(kind),
+                                   mend_of(kind)));
+}
+
+void save_object(const SceneObject& object, const std::filesystem::path& path, const Context& ctx) {
+    check_file_name(object, path);
+    if (const auto* points = std::get_if<PointSet>(&object.value)) {
+        write_points(path, *points, ctx);
+    } else if (const auto* skeleton = std::get_if<Skeleton>(&object.value)) {
+        write_skeleton(path, *skeleton);
+    } else {
+        std::visit([&](const auto& mesh) { write_mesh(path, mesh, {}, ctx); },
+                   std::get<Surface>(object.value).mesh);
+    }
+}
+
+std::string recipe_of(const SceneState& state) {
+    std::string text =
+        "# Makes the same objects as the scene it was saved from; every option is spelled out.\n";
+    for (const std::string& line : state.history) text += line + "\n";
+    return text;
+}
+
+}  // namespace coppice

@@ -1,0 +1,137 @@
+#include "coppice/scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kMostObjects = 10'000;
+constexpr std::size_t kMostSteps = 1000;
+constexpr std::uint64_t kMebibyte = 1 << 20;
+
+/// Some messages of the library begin with the name of the stage, which may be the command's.
+std::string with_place(const std::string& place, std::string_view message) {
+    const std::size_t space = place.rfind(' ');
+    const std::string last = place.substr(space == place.npos ? 0 : space + 1) + ":";
+    if (message.starts_with(last + " ")) message.remove_prefix(last.size() + 1);
+    return place.empty() ? std::string(message) : fmt::format("{}: {}", place, message);
+}
+
+/// Calls work, and puts the place before the message of whatever it throws.
+template <class Work>
+auto placed(const std::string& place, const Work& work) {
+    try {
+        return work();
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const IoError& error) {
+        throw IoError(with_place(place, error.what()));
+    } catch (const Unsupported& error) {
+        throw Unsupported(with_place(place, error.what()));
+    } catch (const Error& error) {
+        throw InvalidInput(with_place(place, error.what()));
+    } catch (const std::bad_alloc&) {
+        throw InvalidInput(with_place(place, "there is not enough memory for this"));
+    }
+}
+
+std::string place_of(const std::string& place, const SceneCommand& command) {
+    return place.empty() ? command.name : fmt::format("{}: {}", place, command.name);
+}
+
+}  // namespace
+
+std::string Scene::run(std::string_view line, const std::string& place, const Context& ctx) {
+    const auto words = placed(place, [&] { return scene_words(line); });
+    if (words.empty()) return {};
+    const SceneCall call = placed(place, [&] { return bind_command(words, state_, settings_, ctx); });
+    return placed(place_of(place, call.command()), [&] {
+        SceneOutcome outcome = call.command().run(call);
+        ctx.throw_if_cancelled();
+        if (outcome.undo > 0) {
+            take_back(outcome.undo);
+        } else {
+            apply(call, outcome);
+        }
+        return outcome.text;
+    });
+}
+
+std::string Scene::run_text(std::string_view text, const std::string& source, const Context& ctx) {
+    std::string out;
+    for (const SceneLine& line : scene_lines(text, source)) {
+        ctx.throw_if_cancelled();
+        out += run(line.text, fmt::format("{}:{}", source, line.number), ctx);
+    }
+    return out;
+}
+
+void Scene::apply(const SceneCall& call, const SceneOutcome& outcome) {
+    if (outcome.changes.empty() && !outcome.seed) return;
+    if (state_.objects.size() + outcome.changes.size() > kMostObjects)
+        throw InvalidInput(fmt::format("a scene has at most {} objects; delete some", kMostObjects));
+    double more = 0;
+    for (const auto& change : outcome.changes)
+        more += change.object ? static_cast<double>(change.object->bytes) : 0;
+    call.reserve(more);
+    std::string typed = call.command().records ? call.typed() : std::string();
+    Step step{.before = {}, .history = state_.history.size(), .made = state_.made.size()};
+    step.last_grown = state_.last_grown;
+    step.seed = state_.seed;
+    for (const auto& change : outcome.changes) {
+        const auto found = state_.objects.find({change.kind, change.name});
+        const ObjectPtr before = found == state_.objects.end() ? nullptr : found->second;
+        step.before.push_back({change.kind, change.name, before});
+        if (before) step.bytes += before->bytes;
+        put(change.kind, change.name, change.object);
+        if (change.object) state_.made.emplace_back(change.kind, change.name);
+    }
+    if (!typed.empty()) state_.history.push_back(std::move(typed));
+    if (!outcome.grown.empty()) state_.last_grown = outcome.grown;
+    if (outcome.seed) state_.seed = *outcome.seed;
+    undo_bytes_ += step.bytes;
+    undo_.push_back(std::move(step));
+    forget_old_steps();
+}
+
+void Scene::put(ObjectKind kind, const std::string& name, const ObjectPtr& object) {
+    const auto key = std::pair(kind, name);
+    if (const auto found = state_.objects.find(key); found != state_.objects.end()) {
+        state_.bytes -= found->second->bytes;
+        state_.objects.erase(found);
+    }
+    if (!object) return;
+    state_.bytes += object->bytes;
+    state_.objects[key] = object;
+}
+
+void Scene::take_back(int count) {
+    if (undo_.size() < static_cast<std::size_t>(count)) {
+        throw InvalidInput(undo_.empty() ? "there is nothing to take back"
+                                         : fmt::format("only {} commands can be taken back", undo_.size()));
+    }
+    for (; count > 0; --count) {
+        const Step step = std::move(undo_.back());
+        undo_.pop_back();
+        undo_bytes_ -= step.bytes;
+        for (auto change = step.before.rbegin(); change != step.before.rend(); ++change)
+            put(change->kind, change->name, change->object);
+        state_.history.resize(step.history);
+        state_.made.resize(step.made);
+        state_.last_grown = step.last_grown;
+        state_.seed = step.seed;
+    }
+}
+
+void Scene::forget_old_steps() {
+    const std::uint64_t most = static_cast<std::uint64_t>(settings_.max_memory) * kMebibyte / 4;
+    while (undo_.size() > kMostSteps || (undo_bytes_ > most && !undo_.empty())) {
+        undo_bytes_ -= undo_.front().bytes;
+        undo_.pop_front();
+    }
+}
+
+}  // namespace coppice

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/scene/command.h"
+#include "coppice/scene/words.h"
+
+namespace coppice {
+
+/// A scene: named objects, and the commands that make them one after the other. docs/user/scenes.md explains
+/// the language, docs/user/scene-reference.md its commands.
+///
+/// Objects never change: a command that "changes" one gives its name to a new one, and whatever was made of
+/// the old one stays as it is. A command that fails leaves the scene as it was. The same commands give the
+/// same bits for any number of threads.
+class Scene {
+  public:
+    explicit Scene(SceneSettings settings = {}) : settings_(std::move(settings)) {}
+
+    /// Runs one command; `place` begins messages ("crown.coppice:3", empty for none). Returns what the
+    /// command has to say: nothing for most.
+    ///
+    /// Throws what the command's library functions throw, as one sentence "PLACE: COMMAND: ...": InvalidInput
+    /// for a word that is not understood (with the nearest valid spelling), a value out of range, an object
+    /// that does not exist, more than 10,000 objects, or more memory than the settings allow, by estimate and
+    /// before work begins; IoError; Cancelled.
+    std::string run(std::string_view line, const std::string& place = {}, const Context& ctx = {});
+
+    /// Runs all lines of a file's text; returns what they have to say. `source` names it in messages.
+    std::string run_text(std::string_view text, const std::string& source, const Context& ctx = {});
+
+    const SceneState& state() const { return state_; }
+    const SceneSettings& settings() const { return settings_; }
+    void set_folder(std::filesystem::path folder) { settings_.folder = std::move(folder); }
+
+    /// Commands that `undo` can take back: the last 1,000, fewer when what they replaced takes more than a
+    /// quarter of the memory.
+    std::size_t undo_depth() const { return undo_.size(); }
+
+  private:
+    /// What a command replaced.
+    struct Step {
+        std::vector<SceneOutcome::Change> before;
+        std::size_t history = 0, made = 0;
+        std::string last_grown;
+        int seed = 0;
+        std::uint64_t bytes = 0;  ///< of what was replaced
+    };
+
+    void apply(const SceneCall& call, const SceneOutcome& outcome);
+    void put(ObjectKind kind, const std::string& name, const ObjectPtr& object);
+    void take_back(int count);
+    void forget_old_steps();
+
+    SceneSettings settings_;
+    SceneState state_;
+    std::deque<Step> undo_;
+    std::uint64_t undo_bytes_ = 0;
+};
+
+}  // namespace coppice

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coppice/implicit/polygonize.h"
+#include "coppice/implicit/solid_field.h"
+#include "coppice/io/file.h"
+#include "coppice/render/png.h"
+#include "coppice/render/render.h"
+#include "coppice/scene/drawing_internal.h"
+#include "coppice/scene/reference.h"
+#include "coppice/scene/save.h"
+#include "coppice/scene/tables_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace table;
+
+SceneCommand in_group(std::string name, std::string help, std::string example) {
+    SceneCommand c{.name = std::move(name), .group = "Looking, saving and taking back"};
+    c.help = std::move(help);
+    c.example = std::move(example);
+    c.records = false;
+    return c;
+}
+
+SceneCommand save_command() {
+    SceneCommand c = in_group("save", "writes an object to a file, of the kind that its ending names",
+                              "save tree tree.swc");
+    c.arguments = {any_object("name", "what is written"),
+                   file("file", ArgumentType::output_file,
+                        ".swc, .json or .csv for skeletons, .obj, .ply, .glb, .stl or .usda for meshes, .xyz "
+                        "or .ply for points"),
+                   choice_of_kind()};
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.output("file");
+        const std::string& kind = call.text("kind");
+        const ObjectPtr object = kind.empty() ? object_for_file(call.state(), call.text("name"), path)
+                                              : call.any(call.text("name"), kind);
+        check_file_name(*object, path);
+        if (call.settings().outputs) save_object(*object, path, call.context());
+        return SceneOutcome{};
+    };
+    return c;
+}
+
+SceneCommand save_recipe_command() {
+    SceneCommand c =
+        in_group("save recipe", "writes a scene that makes the same objects again, every option spelled out",
+                 "save recipe again.coppice");
+    c.arguments = {file("file", ArgumentType::output_file, "a scene to write (.coppice)")};
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.output("file");
+        if (path.extension() != ".coppice")
+            throw InvalidInput(fmt::format("'{}' is no name of a scene; use .coppice", path.string()));
+        if (call.settings().outputs) {
+            AtomicFile recipe(path);
+            recipe.write(recipe_of(call.state()));
+            recipe.commit();
+        }
+        return SceneOutcome{};
+    };
+    return c;
+}
+
+SceneCommand render_command() {
+    SceneCommand c = in_group("render", "draws objects as a PNG picture",
+                              "render tree tree.png kind=skeleton width=64 height=64 samples=1");
+    c.arguments = {any_object("objects", "what is drawn", true),
+                   file("file", ArgumentType::output_file, "the picture (.png), the last word"),
+                   choice_of_kind()};
+    add_options(c.arguments, RenderOptions{}, "render", {"color", "deviation_range"});
+    c.arguments.push_back(number("point_radius", "0", 0, 1e6, Unit::metre,
+                                 "of the balls that points are drawn as; 0 = 1/250 of the size"));
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.output("file");
+        if (path.extension() != ".png")
+            throw InvalidInput(fmt::format("'{}' is no name of a picture; use .png", path.string()));
+        const auto options = call.options<RenderOptions>("render");
+        constexpr double kBytesOfPixel = 16;
+        call.reserve(kBytesOfPixel * options.width * options.height);
+        std::vector<ObjectPtr> objects;
+        for (const ArgumentValue& v : call.values("objects"))
+            objects.push_back(call.any(v.text, call.text("kind")));
+        if (!call.settings().outputs) return SceneOutcome{};
+        const Drawing drawing(objects, static_cast<float>(call.number("point_radius")), call);
+        const Image image = render(drawing.scene(), options, call.context());
+        AtomicFile png(path);
+        png.write(encode_png(image));
+        png.commit();
+        return SceneOutcome{};
+    };
+    return c;
+}
+
+SceneCommand list_command() {
+    SceneCommand c = in_group("list", "names all objects by kind", "list");
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        for (int k = 0; k < static_cast<int>(EnumNames<ObjectKind>::names.size()); ++k) {
+            std::vector<std::string> names;
+            for (const auto& [key, object] : call.state().objects) {
+                if (key.first == static_cast<ObjectKind>(k)) names.push_back(key.second);
+            }
+            if (!names.empty())
+                out.text +=
+                    fmt::format("{:<9}  {}\n", EnumNames<ObjectKind>::names[static_cast<std::size_t>(k)],
+                                fmt::join(names, " "));
+        }
+        return out;
+    };
+    return c;
+}
+
+SceneCommand describe_command() {
+    SceneCommand c = in_group("describe", "the figures of all that a name stands for", "describe tree");
+    c.arguments = {any_object("name", "what is described")};
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        for (const auto& [key, object] : call.state().objects) {
+            if (key.second == call.text("name")) out.text += description_of(*object);
+        }
+        return out;
+    };
+    return c;
+}
+
+SceneCommand delete_command() {
+    SceneCommand c = in_group("delete", "forgets objects; what was made of them stays", "delete s2");
+    c.records = true;
+    c.arguments = {any_object("names", "what is forgotten", true), choice_of_kind()};
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        for (const ArgumentValue& v : call.values("names"))
+            out.changes.push_back({call.any(v.text, call.text("kind"))->kind(), v.text, nullptr});
+        return out;
+    };
+    return c;
+}
+
+SceneCommand undo_command() {
+    SceneCommand c = in_group("undo", "takes back the last commands that changed something", "undo 1");
+    Argument count = positional(number("count", "1", 1, 1000, Unit::none, "how many"), false);
+    count.type = ArgumentType::whole;
+    c.arguments = {std::move(count)};
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        out.undo = static_cast<int>(call.number("count"));
+        return out;
+    };
+    return c;
+}
+
+SceneCommand seed_command() {
+    SceneCommand c =
+        in_group("set seed", "the seed of all commands after it that are given none", "set seed 7");
+    Argument seed =
+        positional(number("value", "", 0, 2147483647, Unit::none, "another seed, other points and trees"));
+    seed.type = ArgumentType::whole;
+    c.arguments = {std::move(seed)};
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        out.seed = static_cast<int>(call.number("value"));
+        return out;
+    };
+    return c;
+}
+
+SceneCommand help_command() {
+    SceneCommand c = in_group("help", "lists the commands, or explains one", "help pointset thin");
+    Argument words = positional(repeated(Argument{.name = "command", .help = "the command"}), false);
+    c.arguments = {std::move(words)};
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        std::vector<SceneWord> words_of_name;
+        for (const ArgumentValue& v : call.values("command")) words_of_name.push_back({{}, v.text});
+        out.text = words_of_name.empty() ? help_overview() : help_of(words_of_name);
+        return out;
+    };
+    return c;
+}
+
+}  // namespace
+
+std::vector<SceneCommand> session_commands() {
+    return {save_command(),   save_recipe_command(), render_command(), list_command(), describe_command(),
+            delete_command(), undo_command(),        seed_command(),   help_command()};
+}
+
+}  // namespace coppice

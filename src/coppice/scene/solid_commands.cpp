@@ -1,0 +1,222 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "coppice/implicit/polygonize.h"
+#include "coppice/implicit/solid_field.h"
+#include "coppice/scene/tables_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace table;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr auto kSolid = ObjectKind::solid;
+
+float as_float(double v) { return static_cast<float>(v); }
+
+/// A command that changes a solid, and only what it stands for from now on: solids made of it before stay.
+SceneCommand change(std::string name, std::string help, std::string example, std::vector<Argument> arguments,
+                    std::function<Solid(const SceneCall&, const Solid&)> make) {
+    SceneCommand c{.name = std::move(name), .group = "Moving and bending", .help = std::move(help)};
+    c.example = std::move(example);
+    c.arguments.push_back(object("solid", kSolid, "what is changed"));
+    std::ranges::move(arguments, std::back_inserter(c.arguments));
+    c.run = [make = std::move(make)](const SceneCall& call) {
+        const std::string& name_of_solid = call.text("solid");
+        return makes_solid(name_of_solid, make(call, call.solid(name_of_solid)));
+    };
+    return c;
+}
+
+SceneCommand combination(std::string name, std::vector<std::string> aliases, std::string help,
+                         std::string example, std::vector<Argument> options,
+                         std::function<Solid(const SceneCall&, std::span<const Solid>)> make) {
+    SceneCommand c{.name = std::move(name), .aliases = std::move(aliases), .group = "Combining"};
+    c.help = std::move(help);
+    c.example = std::move(example);
+    c.arguments = {object("parts", kSolid, "two solids or more", true),
+                   new_name("result", "name of the new solid, the last word")};
+    std::ranges::move(options, std::back_inserter(c.arguments));
+    c.run = [make = std::move(make)](const SceneCall& call) {
+        std::vector<Solid> parts;
+        for (const ArgumentValue& part : call.values("parts")) parts.push_back(call.solid(part.text));
+        if (parts.size() < 2) {
+            throw InvalidInput(fmt::format("name two solids or more and then the result, as in: {}",
+                                           call.command().example));
+        }
+        return makes_solid(call.text("result"), make(call, parts), kBytesOfSolid + 16 * parts.size());
+    };
+    return c;
+}
+
+SceneCommand copy_command() {
+    SceneCommand c{.name = "copy", .group = "Moving and bending"};
+    c.help = "another name for what an object is now";
+    c.example = "copy s s2";
+    c.arguments = {any_object("name", "what is copied"), new_name("copy", "the other name"),
+                   choice_of_kind()};
+    c.run = [](const SceneCall& call) {
+        const ObjectPtr object = call.any(call.text("name"), call.text("kind"));
+        SceneOutcome out;
+        out.changes.push_back({object->kind(), call.text("copy"), object});
+        return out;
+    };
+    return c;
+}
+
+SceneCommand scale_command() {
+    Argument factors =
+        positional(tuple("factors", "", "one for all axes or one for each", {1, 3}, Unit::none));
+    factors.low = -1e6;
+    factors.high = 1e6;
+    return change("scale", "stretches a solid along the axes; a negative factor mirrors", "scale s 50 80 50",
+                  {factors, tuple("center", "0,0,0", "what stays in place")},
+                  [](const SceneCall& c, const Solid& s) {
+                      const auto& n = c.values("factors").front().numbers;
+                      const Vec3d by = n.size() == 1 ? Vec3d(n[0], n[0], n[0]) : Vec3d(n[0], n[1], n[2]);
+                      return scaled(s, Vec3(by), c.point("center"));
+                  });
+}
+
+SceneCommand translate_command() {
+    return change("translate", "moves a solid", "translate s 0 0 60",
+                  {positional(tuple("by", "", "how far along x, y and z"))},
+                  [](const SceneCall& c, const Solid& s) { return translated(s, c.point("by")); });
+}
+
+SceneCommand rotate_command() {
+    return change("rotate", "turns a solid about a line, counter-clockwise seen against the axis",
+                  "rotate s 30 axis=1,0,0",
+                  {positional(number("angle", "", -6.2832e3, 6.2832e3, Unit::radian, "how far")),
+                   tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none),
+                   tuple("center", "0,0,0", "a point of the line")},
+                  [](const SceneCall& c, const Solid& s) {
+                      return rotated(s, c.point("axis"), as_float(c.number("angle")), c.point("center"));
+                  });
+}
+
+SceneCommand twist_command() {
+    return change("twist", "turns a solid about a line, the more the higher", "twist b 45",
+                  {positional(number("rate", "", -1e5, 1e5, Unit::none, "degrees for each metre of height")),
+                   tuple("origin", "0,0,0", "the point of the line that height counts from"),
+                   tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none)},
+                  [](const SceneCall& c, const Solid& s) {
+                      return twisted(s, c.point("origin"), c.point("axis"),
+                                     as_float(c.number("rate") * kDegree));
+                  });
+}
+
+/// The line along which a solid is tapered or bent.
+std::vector<Argument> along() {
+    return {tuple("from", "", "where it begins; by default the middle of the solid's lowest side"),
+            tuple("to", "", "where it ends; by default the middle of the solid's highest side")};
+}
+
+std::pair<Vec3, Vec3> ends(const SceneCall& c, const Solid& s) {
+    const Box3 box = s.surface_bounds();
+    if (box.empty() && !(c.has("from") && c.has("to")))
+        throw InvalidInput("the solid is empty; say from where to where with from= and to=");
+    const Vec3 middle = box.empty() ? Vec3{} : box.center();
+    return {c.has("from") ? c.point("from") : Vec3{middle.x, middle.y, box.low.z},
+            c.has("to") ? c.point("to") : Vec3{middle.x, middle.y, box.high.z}};
+}
+
+SceneCommand taper_command() {
+    std::vector<Argument> arguments = along();
+    arguments.insert(arguments.begin(), positional(number("factor", "", 0.01, 100, Unit::none,
+                                                          "how much wider or narrower it is at the end")));
+    return change("taper", "makes a solid narrower or wider along a line", "taper b 0.4",
+                  std::move(arguments), [](const SceneCall& c, const Solid& s) {
+                      const auto [a, b] = ends(c, s);
+                      return tapered(s, a, b, as_float(c.number("factor")));
+                  });
+}
+
+SceneCommand bend_command() {
+    std::vector<Argument> arguments = along();
+    arguments.insert(arguments.begin(), positional(number("angle", "", -3.14159265, 3.14159265, Unit::radian,
+                                                          "by how much the end is turned")));
+    arguments.push_back(tuple("side", "1,0,0", "towards where it bends", {3}, Unit::none));
+    return change("bend", "bends a line through a solid into an arc", "bend zigzag 60", std::move(arguments),
+                  [](const SceneCall& c, const Solid& s) {
+                      const auto [a, b] = ends(c, s);
+                      const double angle = c.number("angle");
+                      const Vec3 side = angle < 0 ? -c.point("side") : c.point("side");
+                      return bent(s, a, b, side, as_float(std::abs(angle)));
+                  });
+}
+
+SceneCommand union_command() {
+    return combination("union", {}, "what is in any of the solids", "union s l both", {},
+                       [](const SceneCall&, std::span<const Solid> p) { return unite(p); });
+}
+
+SceneCommand intersection_command() {
+    return combination("intersection", {"intersect"}, "what is in all of the solids",
+                       "intersection s b common", {},
+                       [](const SceneCall&, std::span<const Solid> p) { return intersect(p); });
+}
+
+SceneCommand diff_command() {
+    return combination(
+        "diff", {"difference", "subtract"}, "the first solid without the others", "diff s l rest", {},
+        [](const SceneCall&, std::span<const Solid> p) { return subtract(p.front(), p.subspan(1)); });
+}
+
+SceneCommand blend_command() {
+    return combination("blend", {}, "the solids melted into one another: the sum of their fields",
+                       "blend s l soft", {},
+                       [](const SceneCall&, std::span<const Solid> p) { return blend(p); });
+}
+
+SceneCommand ricci_command() {
+    return combination("ricci", {}, "between blend (exponent 1) and union (great exponents)",
+                       "ricci s l tight exponent=4",
+                       {number("exponent", "2", 1, 100, Unit::none, "how little they melt")},
+                       [](const SceneCall& c, std::span<const Solid> p) {
+                           return ricci_blend(p, as_float(c.number("exponent")));
+                       });
+}
+
+SceneCommand polygonize_command() {
+    SceneCommand c{.name = "polygonize", .group = "Combining"};
+    c.help = "the surface of a solid as a closed mesh of triangles";
+    c.example = "polygonize rest rest_mesh cell=4";
+    c.arguments = {object("solid", kSolid, "whose surface"),
+                   positional(new_name("name", "name of the new mesh", "@solid"), false)};
+    add_options(c.arguments, PolygonizeOptions{}, "polygonize");
+    c.run = [](const SceneCall& call) {
+        constexpr double kBytesOfCell = 250;  // of those at the surface, six sides of the box at most twice
+        const SolidField field = call.field(call.text("solid"));
+        const auto options = call.options<PolygonizeOptions>("polygonize");
+        const Vec3d size(field.surface_bounds().size());
+        const double longest = std::max({size.x, size.y, size.z});
+        const double cell = options.cell > 0 ? static_cast<double>(options.cell) : longest / 64;
+        if (cell > 0) {
+            const Vec3d n = size / cell;
+            call.reserve(4 * kBytesOfCell * (n.x * n.y + n.y * n.z + n.z * n.x));
+        }
+        const TriangleSurface made = polygonize(field, options, call.context());
+        TriMesh mesh;
+        mesh.positions.assign(made.positions.begin(), made.positions.end());
+        mesh.triangles.assign(made.triangles.begin(), made.triangles.end());
+        Surface surface{std::move(mesh)};
+        const std::uint64_t bytes = memory_of(surface);
+        return makes(call.text("name"), std::move(surface), bytes);
+    };
+    return c;
+}
+
+}  // namespace
+
+std::vector<SceneCommand> solid_commands() {
+    return {scale_command(),        translate_command(), rotate_command(), twist_command(),
+            taper_command(),        bend_command(),      copy_command(),   union_command(),
+            intersection_command(), diff_command(),      blend_command(),  ricci_command(),
+            polygonize_command()};
+}
+
+}  // namespace coppice

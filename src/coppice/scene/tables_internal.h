@@ -1,0 +1,111 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coppice/scene/command.h"
+
+namespace coppice {
+
+// The parts of the table, in its order.
+std::vector<SceneCommand> primitive_commands();
+std::vector<SceneCommand> solid_commands();
+std::vector<SceneCommand> curve_commands();
+std::vector<SceneCommand> point_commands();
+std::vector<SceneCommand> tree_commands();
+std::vector<SceneCommand> session_commands();
+
+namespace table {
+
+inline Argument new_name(std::string name, std::string help, std::string initial = {}) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::new_name};
+    a.positional = true;
+    a.required = initial.empty();
+    a.initial = std::move(initial);
+    return a;
+}
+
+inline Argument object(std::string name, ObjectKind kind, std::string help, bool repeats = false) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::object};
+    a.positional = a.required = true;
+    a.repeats = repeats;
+    a.kind = kind;
+    return a;
+}
+
+inline Argument object_option(std::string name, ObjectKind kind, std::string help) {
+    Argument a = object(std::move(name), kind, std::move(help));
+    a.positional = a.required = false;
+    return a;
+}
+
+inline Argument any_object(std::string name, std::string help, bool repeats = false) {
+    Argument a = object(std::move(name), ObjectKind::solid, std::move(help), repeats);
+    a.any_kind = true;
+    return a;
+}
+
+inline Argument tuple(std::string name, std::string initial, std::string help,
+                      std::vector<std::size_t> sizes = {3}, Unit unit = Unit::metre) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::tuple};
+    a.initial = std::move(initial);
+    a.unit = unit;
+    a.sizes = std::move(sizes);
+    return a;
+}
+
+inline Argument number(std::string name, std::string initial, double low, double high, Unit unit,
+                       std::string help) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::number};
+    a.initial = std::move(initial);
+    a.unit = unit;
+    a.low = low;
+    a.high = high;
+    return a;
+}
+
+inline Argument positional(Argument a, bool required = true) {
+    a.positional = true;
+    a.required = required;
+    return a;
+}
+
+inline Argument repeated(Argument a) {
+    a.repeats = true;
+    return a;
+}
+
+inline Argument file(std::string name, ArgumentType type, std::string help) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = type};
+    a.positional = a.required = true;
+    return a;
+}
+
+inline Argument choice_of_kind() {
+    Argument a{
+        .name = "kind", .help = "which, where the name stands for several", .type = ArgumentType::choice};
+    a.choices.assign(EnumNames<ObjectKind>::names.begin(), EnumNames<ObjectKind>::names.end());
+    return a;
+}
+
+}  // namespace table
+
+/// One new or changed object.
+template <class T>
+SceneOutcome makes(const std::string& name, T value, std::uint64_t bytes) {
+    auto object = std::make_shared<const SceneObject>(SceneObject{std::move(value), bytes});
+    const ObjectKind kind = object->kind();
+    SceneOutcome out;
+    out.changes.push_back({kind, name, std::move(object)});
+    return out;
+}
+
+/// What a solid takes beside its parts.
+inline constexpr std::uint64_t kBytesOfSolid = 512;
+
+inline SceneOutcome makes_solid(const std::string& name, Solid solid, std::uint64_t bytes = kBytesOfSolid) {
+    return makes(name, std::move(solid), bytes);
+}
+
+}  // namespace coppice

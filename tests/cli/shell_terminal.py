@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""shell_terminal.py PROGRAM: coppice shell in a terminal: completion, history, Ctrl-C while typing and while running."""
+
+import os
+import pty
+import select
+import sys
+import time
+
+PATIENCE = 60  # seconds until an answer must have come
+PROMPT = "coppice> "
+
+
+def answer(terminal, expected):
+    """What comes until all of it holds the expected text after which the prompt stands again."""
+    text, end = "", time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if select.select([terminal], [], [], 0.1)[0]:
+            try:
+                text += os.read(terminal, 65536).decode(errors="replace")
+            except OSError:
+                break
+        at = text.find(expected)
+        if at >= 0 and PROMPT in text[at:]:
+            return text
+    sys.exit(f"no '{expected}' and prompt in: {text!r}")
+
+
+def say(terminal, keys, expected):
+    os.write(terminal, keys.encode())
+    return answer(terminal, expected)
+
+
+def main():
+    child, terminal = pty.fork()
+    if child == 0:
+        os.environ["TERM"] = "xterm"
+        os.execv(sys.argv[1], ["coppice", "shell"])
+    answer(terminal, "help lists the commands")
+    say(terminal, "sph\tcrown\n", PROMPT)
+    say(terminal, "describe cr\t\n", "sphere")
+    say(terminal, "this goes\x03list\n", "solid      crown")
+    say(terminal, "bogus\n", "there is no command 'bogus'")
+    say(terminal, "\x1b[A\x1b[A\n", "solid      crown")
+    os.write(terminal, b"render crown crown.png width=2048 height=2048 samples=4096\n")
+    time.sleep(0.5)  # it takes minutes; Ctrl-C is to come while it runs
+    say(terminal, "\x03", "interrupted")
+    say(terminal, "list\n", "solid      crown")
+    os.write(terminal, b"quit\n")
+    _, status = os.waitpid(child, 0)
+    sys.exit(os.waitstatus_to_exitcode(status))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+// The readers of point files against arbitrary bytes. They return points that are finite, with a finite
+// origin, or throw coppice::Error.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "coppice/base/error.h"
+#include "coppice/io/point_reader.h"
+
+namespace {
+
+void require(bool condition) {
+    if (!condition) std::abort();
+}
+
+void check(const coppice::PointSet& points) {
+    require(points.size() > 0 && is_finite(points.origin));
+    for (const coppice::Vec3 p : points.positions) require(is_finite(p));
+    require(is_finite(points.world(points.size() - 1)));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    try {
+        check(coppice::parse_points({reinterpret_cast<const char*>(data), size}, "input"));
+    } catch (const coppice::Error&) {  // the proper answer to a bad file
+    }
+    return 0;
+}
