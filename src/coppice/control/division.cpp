@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 namespace coppice::control {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 // So many sites are laid with care; more are stacked around the second site, one after the other.
 constexpr std::size_t kMostWeighed = 48;
 // Ways to open a corner that are tried in earnest.
