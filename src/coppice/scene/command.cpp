@@ -285,8 +285,11 @@ std::filesystem::path SceneCall::input(std::string_view name) const {
     std::filesystem::path path = text(name);
     if (!settings_.files)
         throw IoError(fmt::format("'{}' is not read: files are not allowed here", path.string()));
-    if (path.is_relative() && !settings_.folder.empty()) path = settings_.folder / path;
-    return path;
+    if (path.is_absolute() || settings_.folder.empty()) return path;
+    const std::filesystem::path beside = settings_.folder / path;
+    std::error_code error;
+    const bool is_only_here = !std::filesystem::exists(beside, error) && std::filesystem::exists(path, error);
+    return is_only_here ? path : beside;
 }
 
 std::filesystem::path SceneCall::output(std::string_view name) const {
