@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "coppice/base/context.h"
@@ -35,6 +36,7 @@ void parallel_for(const Context& ctx, std::size_t count, std::size_t grain, cons
 template <class T, class Map, class Fold>
 T parallel_reduce(const Context& ctx, std::size_t count, std::size_t grain, T init, const Map& map,
                   const Fold& fold) {
+    static_assert(!std::is_same_v<T, bool>, "neighbours in a vector of bool share their byte: a data race");
     std::vector<T> part((count + grain - 1) / grain, init);
     parallel_for_ranges(ctx, count, grain, [&](IndexRange range) { part[range.begin / grain] = map(range); });
     for (const T& p : part) init = fold(init, p);

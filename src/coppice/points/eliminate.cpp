@@ -87,21 +87,20 @@ Buffer<Vec3> eliminate(const Buffer<Vec3>& points, std::size_t count, double rad
 
     Buffer<double> weights(points.size());
     const auto gather = [&](IndexRange range) {
-        bool crowded = false;
+        int crowded = 0;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             int neighbours = 0;
             double sum = 0;
-            crowded |= !grid.visit(points[i], reach, [&](std::uint32_t n, double d2) {
+            const bool ended = !grid.visit(points[i], reach, [&](std::uint32_t n, double d2) {
                 if (n != i) sum += weight(d2);
                 return ++neighbours < kMostNeighbours;
             });
+            crowded |= ended ? 1 : 0;
             weights[i] = sum;
         }
         return crowded;
     };
-    const bool crowded =
-        parallel_reduce(ctx, points.size(), 1024, false, gather, [](bool a, bool b) { return a || b; });
-    if (crowded) {
+    if (parallel_reduce(ctx, points.size(), 1024, 0, gather, [](int a, int b) { return a | b; }) != 0) {
         throw InvalidInput(
             "points: the points lie on one another, so that they cannot be spread evenly; lower count");
     }

@@ -138,8 +138,9 @@ Draws draw_jittered(const PointRegion& region, const Room& room, double count, s
             [&](std::size_t k) {
                 const std::uint64_t i = begin + k;
                 const Vec3d in(random.uniform(4 * i), random.uniform(4 * i + 1), random.uniform(4 * i + 2));
-                const Vec3d cube(static_cast<double>(i % n[0]), static_cast<double>(i / n[0] % n[1]),
-                                 static_cast<double>(i / n[0] / n[1]));
+                const std::uint64_t row = i / n[0], layer = row / n[1];
+                const Vec3d cube(static_cast<double>(i % n[0]), static_cast<double>(row % n[1]),
+                                 static_cast<double>(layer));
                 return Vec3(low + edge * (cube + in));
             },
             [&](std::size_t k, Vec3 p, double density) {

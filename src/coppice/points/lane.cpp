@@ -98,7 +98,7 @@ class Lane {
   private:
     Cells make_cells(std::optional<Cells> surveyed) const {
         const Voxels voxels = choose_voxels(region_.box, kernel_, options_);
-        const double per_voxel = Voxels::bytes_per_voxel() + sizeof(Cell) + sizeof(double) * 8 / 7;
+        const double per_voxel = Voxels::bytes_per_voxel() + sizeof(Cell) + sizeof(double) * 8 / 7.0;
         const double points = options_.count;
         check_memory(per_voxel * static_cast<double>(voxels.count()) + points * sizeof(Vec3) +
                          PointHash::bytes(points),
