@@ -108,6 +108,69 @@ TEST(CandidateLists, HoldWhatContributesAndHangsTogetherOnTheZoo) {
     }
 }
 
+std::vector<Box3> boxes_of(const std::vector<FieldRegion>& regions) {
+    std::vector<Box3> boxes;
+    for (const FieldRegion& r : regions) boxes.push_back(r.box);
+    return boxes;
+}
+
+TEST(TouchingLists, GiveTheFieldOfAllSegmentsOnTheZoo) {
+    for (const auto& [name, s] : skeleton_zoo()) {
+        if (s.size() > 300) continue;
+        SCOPED_TRACE(name);
+        ConvolutionField field(s, {});
+        const auto boxes = boxes_of(region_per_segment(s));
+        field.set_regions(boxes);
+        ASSERT_EQ(field.region_count(), boxes.size());
+        for (std::uint32_t r = 0; r < boxes.size(); ++r) {
+            std::vector<Vec3> points;
+            for (std::uint64_t i = 0; i < 20; ++i)
+                points.push_back(point_in(boxes[r], CounterRandom(8, r), i));
+            std::vector<FieldSample> by_list(points.size()), all(points.size());
+            field.sample(r, points, by_list);
+            field.sample_everywhere(points, all);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                EXPECT_NEAR(by_list[i].value, all[i].value, 2e-5f * (1 + all[i].value)) << "region " << r;
+            }
+        }
+    }
+}
+
+TEST(TouchingLists, HoldABranchThatMerelyPassesByAndNothingFar) {
+    const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2), NodeId{}, NodeId(4)},
+                     {{0, 0, 0}, {0, 0, 10}, {2.2f, 0, 0}, {2.2f, 0, 10}, {4.5f, 0, 0}, {4.5f, 0, 10}},
+                     {1, 1, 1, 1, 1, 1});
+    ConvolutionField field(s, {});
+    const Box3 boxes[] = {capsule_box({0, 0, 4}, {0, 0, 6}, 1.2f), Box3{{100, 0, 0}, {101, 1, 1}}};
+    field.set_regions(boxes);
+    const auto list = field.candidates(0);
+    EXPECT_EQ(std::vector(list.begin(), list.end()), (std::vector<std::uint32_t>{1, 3}));
+    EXPECT_TRUE(field.candidates(1).empty());
+    const Vec3 p[] = {{100.5f, 0.5f, 0.5f}};
+    FieldSample nothing[1];
+    field.sample(1, p, nothing);
+    EXPECT_EQ(nothing[0].value, 0.0f);
+}
+
+TEST(TouchingLists, KeepTheNearestOfTooMany) {
+    // Balls of radius 1 in a row; the box lies about the first of them, but all supports reach it.
+    constexpr std::uint32_t kCount = 600;
+    std::vector<SegmentSupport> supports;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        const Vec3 c{0.001f * static_cast<float>(i), 0, 0};
+        supports.push_back({capsule_box(c, c, 1), c, c, 1});
+    }
+    supports[3].radius = 0;
+    std::vector<Box3> boxes(8192, Box3{{-1, -1, -1}, {1, 1, 1}});
+    const CandidateLists lists = find_touching(supports, boxes);
+    for (std::size_t r = 0; r < boxes.size(); ++r) {
+        ASSERT_EQ(lists.first[r + 1] - lists.first[r], longest_list(boxes.size()));
+        ASSERT_EQ(lists.segments[lists.first[r] + 2], 2u);
+        ASSERT_EQ(lists.segments[lists.first[r] + 3], 4u);
+        ASSERT_EQ(lists.segments[lists.first[r + 1] - 1], 256u);
+    }
+}
+
 TEST(CandidateLists, LeaveOutABranchThatMerelyPassesBy) {
     // A hairpin: up, over, and down again at a distance of 2.2 radii; its legs are in each other's support.
     const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(2), NodeId(3), NodeId(4)},

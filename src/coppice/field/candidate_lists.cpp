@@ -5,6 +5,8 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/field/collect_lists_internal.h"
+#include "coppice/spatial/box_tree.h"
 
 namespace coppice {
 namespace {
@@ -14,6 +16,8 @@ constexpr std::size_t kHub = 64;     // a node with more children gets a tree of
 constexpr std::size_t kWay = 16;     // of that tree
 constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMinLimit = 256;
+constexpr std::size_t kLooked =
+    4;  // times the longest list: of more segments that touch a box, some go unseen
 
 /// Spreads the low 10 bits of x over every third bit.
 std::uint32_t spread_bits(std::uint32_t x) {
@@ -163,6 +167,16 @@ std::vector<Hub> find_hubs(const Skeleton& skeleton, std::span<const SegmentSupp
     return hubs;
 }
 
+/// Leaves those whose supports reach farthest beyond p, or come nearest to it.
+void keep_nearest(std::span<const SegmentSupport> supports, Vec3 p, std::size_t count,
+                  std::vector<std::uint32_t>& list) {
+    std::vector<std::pair<float, std::uint32_t>> ranked;
+    for (const std::uint32_t s : list) ranked.emplace_back(clearance(supports[s], p), s);
+    std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
+    for (std::size_t k = 0; k < count; ++k) list[k] = ranked[k].second;
+    list.resize(count);
+}
+
 }  // namespace
 
 std::size_t longest_list(std::size_t regions) {
@@ -178,25 +192,44 @@ CandidateLists find_candidates(const Skeleton& skeleton, std::span<const Segment
     const std::vector<Hub> hubs = find_hubs(skeleton, supports);
     const std::size_t count = regions.size();
     const std::size_t limit = longest_list(count);
-    std::vector<std::vector<std::uint32_t>> parts((count + kGrain - 1) / kGrain);
-    CandidateLists lists;
-    lists.first.assign(count + 1, 0);
-    parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
-        std::vector<std::uint32_t>& part = parts[range.begin / kGrain];
-        part.reserve(8 * range.size());
+    return collect_lists(count, kGrain, ctx, [&](IndexRange range, const auto& put) {
         Flood flood(skeleton, supports, hubs, limit);
+        std::vector<std::uint32_t> list;
         for (std::size_t i = range.begin; i < range.end; ++i) {
-            const std::size_t before = part.size();
-            flood.run(regions[i], part);
-            lists.first[i] = part.size() - before;
+            list.clear();
+            flood.run(regions[i], list);
+            for (const std::uint32_t segment : list) put(i, segment);
         }
     });
-    lists.segments.resize(exclusive_scan(std::span(lists.first)));
-    parallel_for(ctx, parts.size(), 1, [&](std::size_t i) {
-        std::copy(parts[i].begin(), parts[i].end(),
-                  lists.segments.begin() + static_cast<std::ptrdiff_t>(lists.first[i * kGrain]));
+}
+
+CandidateLists find_touching(std::span<const SegmentSupport> supports, std::span<const Box3> regions,
+                             const Context& ctx) {
+    std::vector<Box3> boxes;
+    std::vector<std::uint32_t> segments;
+    for (std::uint32_t s = 0; s < supports.size(); ++s) {
+        if (!(supports[s].radius > 0)) continue;
+        boxes.push_back(supports[s].box);
+        segments.push_back(s);
+    }
+    const BoxTree tree(boxes, ctx);
+    const std::size_t limit = longest_list(regions.size());
+    return collect_lists(regions.size(), kGrain, ctx, [&](IndexRange range, const auto& put) {
+        std::vector<std::uint32_t> list;
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            const Vec3 center = regions[i].center();
+            const float half_diagonal = 0.5f * regions[i].diagonal();
+            list.clear();
+            tree.visit_overlapping(regions[i], [&](std::uint32_t item) {
+                const std::uint32_t s = segments[item];
+                if (may_touch(supports[s], regions[i], center, half_diagonal)) list.push_back(s);
+                return list.size() < kLooked * limit;
+            });
+            if (list.size() > limit) keep_nearest(supports, center, limit, list);
+            std::sort(list.begin(), list.end());
+            for (const std::uint32_t s : list) put(i, s);
+        }
     });
-    return lists;
 }
 
 }  // namespace coppice

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -25,16 +26,24 @@ struct SegmentSupport {
     float radius = 0;  ///< [m] greatest
 };
 
+inline float axis_distance_squared(const SegmentSupport& s, Vec3 p) {
+    const Vec3 axis = s.b - s.a, w = p - s.a;
+    const float along = dot(w, axis), length2 = length_squared(axis);
+    const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
+    return length_squared(w - t * axis);
+}
+
 /// Whether the capsule may reach the box: by boxes, then by the ball about the box, which is the closer test
 /// for a thin capsule that runs aslant.
 inline bool may_touch(const SegmentSupport& s, const Box3& box, Vec3 center, float half_diagonal) {
     if (!s.box.overlaps(box)) return false;
-    const Vec3 axis = s.b - s.a;
-    const Vec3 w = center - s.a;
-    const float along = dot(w, axis), length2 = length_squared(axis);
-    const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
     const float reach = 1.0001f * (s.radius + half_diagonal);
-    return length_squared(w - t * axis) <= reach * reach;
+    return axis_distance_squared(s, center) <= reach * reach;
+}
+
+/// How far p lies outside a support; negative within.
+inline float clearance(const SegmentSupport& s, Vec3 p) {
+    return std::sqrt(axis_distance_squared(s, p)) - s.radius;
 }
 
 /// Lists of segments, ascending, one list per region: entries [first[i], first[i + 1]) of `segments`.
@@ -55,5 +64,11 @@ std::size_t longest_list(std::size_t regions);
 /// keeps those with the fewest nodes between them and the seed.
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                                std::span<const FieldRegion> regions, const Context& ctx = {});
+
+/// Finds for every box all segments whose support touches it, connected or not; supports of radius 0 are left
+/// out. O((segments + regions) log n + lists). Of more than longest_list() the nearest to the box's center
+/// are kept, as far as four times as many were looked at.
+CandidateLists find_touching(std::span<const SegmentSupport> supports, std::span<const Box3> regions,
+                             const Context& ctx = {});
 
 }  // namespace coppice

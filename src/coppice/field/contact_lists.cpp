@@ -6,6 +6,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/field/collect_lists_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice {
@@ -180,13 +181,7 @@ class RivalSearch {
         if (found.size() > kMostRivals) keep_nearest(center, found);
     }
     void keep_nearest(Vec3 p, std::vector<Ranked>& found) const {
-        for (auto& [clearance, s] : found) {
-            const SegmentSupport& c = capsules_[s];
-            const Vec3 axis = c.b - c.a;
-            const float along = dot(p - c.a, axis), length2 = length_squared(axis);
-            const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
-            clearance = distance(p, c.a + t * axis) - c.radius;
-        }
+        for (auto& [away, s] : found) away = clearance(capsules_[s], p);
         std::nth_element(found.begin(), found.begin() + kMostRivals, found.end());
         found.resize(kMostRivals);
         std::sort(found.begin(), found.end(),
@@ -206,28 +201,6 @@ class RivalSearch {
     BoxTree tree_;
 };
 
-/// Concatenates lists found in parallel: find(range, put) calls put(region, segment) for regions in order.
-template <class Find>
-CandidateLists collect(std::size_t regions, const Context& ctx, const Find& find) {
-    std::vector<std::vector<std::uint32_t>> part((regions + kGrain - 1) / kGrain);
-    CandidateLists out;
-    out.first.assign(regions + 1, 0);
-    parallel_for_ranges(ctx, regions, kGrain, [&](IndexRange range) {
-        auto& list = part[range.begin / kGrain];
-        list.reserve(4 * range.size());
-        find(range, [&](std::uint32_t region, std::uint32_t segment) {
-            list.push_back(segment);
-            ++out.first[region];
-        });
-    });
-    out.segments.resize(exclusive_scan(std::span(out.first)));
-    for (std::size_t i = 0; i < part.size(); ++i) {
-        std::copy(part[i].begin(), part[i].end(),
-                  out.segments.begin() + static_cast<std::ptrdiff_t>(out.first[i * kGrain]));
-    }
-    return out;
-}
-
 }  // namespace
 
 ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
@@ -241,7 +214,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
     const CandidateLists near =
         find_candidates(tubes.tree, tube_supports(tubes.tree, contents, supports, ctx), at_tubes, ctx);
     ContactLists out;
-    out.own = collect(regions.size(), ctx, [&](IndexRange range, const auto& put) {
+    out.own = collect_lists(regions.size(), kGrain, ctx, [&](IndexRange range, const auto& put) {
         std::vector<std::uint32_t> list;
         for (auto r = static_cast<std::uint32_t>(range.begin); r < range.end; ++r) {
             const Box3& box = regions[r].box;
@@ -261,8 +234,8 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
         }
     });
     const RivalSearch search(skeleton, regions, tubes.tube, out.own, ctx);
-    out.rivals =
-        collect(regions.size(), ctx, [&](IndexRange range, const auto& put) { search.run(range, put); });
+    out.rivals = collect_lists(regions.size(), kGrain, ctx,
+                               [&](IndexRange range, const auto& put) { search.run(range, put); });
     return out;
 }
 

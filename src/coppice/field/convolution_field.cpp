@@ -89,8 +89,20 @@ ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions&
 }
 
 void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const Context& ctx) {
-    lists_ = find_candidates(*skeleton_, supports_, regions, ctx);
-    rivals_ = {std::vector<std::uint64_t>(regions.size() + 1, 0), {}};
+    set_lists(find_candidates(*skeleton_, supports_, regions, ctx), ctx);
+}
+
+void ConvolutionField::set_regions(std::span<const Box3> boxes, const Context& ctx) {
+    std::vector<SegmentSupport> supports = supports_;
+    for (std::size_t i = 0; i < supports.size(); ++i) {
+        if (segments_[i].weight == 0) supports[i].radius = 0;
+    }
+    set_lists(find_touching(supports, boxes, ctx), ctx);
+}
+
+void ConvolutionField::set_lists(CandidateLists lists, const Context& ctx) {
+    lists_ = std::move(lists);
+    rivals_ = {std::vector<std::uint64_t>(lists_.first.size(), 0), {}};
     sort_by_axis(lists_, ctx);
 }
 

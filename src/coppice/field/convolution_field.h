@@ -45,6 +45,10 @@ class ConvolutionField {
     /// two branches that would pass through each other meet at a wall with a gap instead [Cani1993].
     void set_regions(std::span<const FieldRegion> regions, const TubeTree& tubes, const Context& ctx = {});
 
+    /// The same for boxes in which every segment counts whose support touches them, connected or not:
+    /// branches that cross become one body.
+    void set_regions(std::span<const Box3> boxes, const Context& ctx = {});
+
     float level() const { return 1.0f; }
     std::uint32_t region_count() const { return static_cast<std::uint32_t>(lists_.first.size() - 1); }
 
@@ -71,6 +75,7 @@ class ConvolutionField {
     const KernelConstants& kernel() const { return builder_.kernel(); }
 
   private:
+    void set_lists(CandidateLists lists, const Context& ctx);
     void sort_by_axis(std::span<std::uint32_t> segments) const;
     void sort_by_axis(CandidateLists& lists, const Context& ctx) const;
     void press(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
