@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+/// Four vertices a, b, c, d with dot(cross(b - a, c - a), d - a) > 0.
+using Tetra = std::array<std::uint32_t, 4>;
+
+/// The face opposite each vertex of a tetrahedron, counter-clockwise seen from outside.
+inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kTetraFaces{
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+/// A part of space cut into tetrahedra without gaps or overlaps: two of them share a whole face, a whole
+/// edge, a vertex, or nothing. They come in runs, one per region, that lie together in space.
+struct TetraMesh {
+    Buffer<Vec3> positions;               ///< [m]
+    Buffer<Tetra> tetra;                  ///< by region
+    std::vector<std::uint32_t> first{0};  ///< region r has the tetrahedra first[r] .. first[r + 1]
+
+    std::uint32_t region_count() const { return static_cast<std::uint32_t>(first.size() - 1); }
+};
+
+/// A face of one tetrahedron, opposite its vertex number `opposite`.
+struct TetraFace {
+    std::uint32_t tetra = 0;
+    std::uint32_t opposite = 0;
+    friend bool operator==(const TetraFace&, const TetraFace&) = default;
+};
+
+}  // namespace coppice
