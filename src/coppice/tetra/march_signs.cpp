@@ -1,0 +1,111 @@
+#include <algorithm>
+
+#include "coppice/tetra/march_internal.h"
+
+namespace coppice::march_detail {
+namespace {
+
+using Order = std::array<std::uint8_t, 4>;
+
+constexpr bool is_even(const Order& o) {
+    bool even = true;
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = i + 1; j < 4; ++j) {
+            if (o[i] > o[j]) even = !even;
+        }
+    }
+    return even;
+}
+
+/// The first even order in which the corners in `first` come first.
+constexpr Order even_order(std::uint32_t first) {
+    Order o{0, 1, 2, 3};
+    do {
+        bool sorted = true;
+        for (std::size_t i = 1; i < 4; ++i) sorted &= (first >> o[i] & 1) <= (first >> o[i - 1] & 1);
+        if (sorted && is_even(o)) break;
+    } while (std::next_permutation(o.begin(), o.end()));
+    return o;
+}
+
+constexpr std::uint8_t edge_number(std::uint8_t a, std::uint8_t b) {
+    std::uint8_t e = 0;
+    while (kTetraEdges[e][0] != std::min(a, b) || kTetraEdges[e][1] != std::max(a, b)) ++e;
+    return e;
+}
+
+/// Between a corner inside and one that is not.
+constexpr std::uint8_t cut_corner(std::uint8_t a, std::uint8_t b, std::uint32_t inside, std::uint32_t on) {
+    const std::uint8_t other = (inside >> a & 1) != 0 ? b : a;
+    if ((on >> other & 1) != 0) return static_cast<std::uint8_t>(kCutVertex + other);
+    return edge_number(a, b);
+}
+
+constexpr Cut make_cut(std::uint32_t inside, std::uint32_t on) {
+    const int count = std::popcount(inside);
+    if (count == 0 || count == 4) return {};
+    const Order o = even_order(count == 3 ? 15 - inside : inside);
+    const auto corner = [&](std::size_t i, std::size_t j) { return cut_corner(o[i], o[j], inside, on); };
+    std::array<std::uint8_t, 4> corners{};
+    std::size_t size = 3;
+    if (count == 1) {
+        corners = {corner(0, 1), corner(0, 2), corner(0, 3), 0};
+    } else if (count == 3) {
+        corners = {corner(0, 1), corner(0, 3), corner(0, 2), 0};
+    } else {
+        corners = {corner(0, 2), corner(0, 3), corner(1, 3), corner(1, 2)};
+        size = 4;
+    }
+    Cut out;
+    for (std::size_t i = 0; i < size; ++i) {
+        if (corners[i] != corners[(i + 1) % size]) out.corners[out.size++] = corners[i];
+    }
+    if (out.size < 3) out.size = 0;
+    return out;
+}
+
+constexpr std::array<Cut, 256> make_cuts() {
+    std::array<Cut, 256> out{};
+    for (std::uint32_t inside = 0; inside < 16; ++inside) {
+        for (std::uint32_t on = 0; on < 16; ++on) {
+            if ((inside & on) == 0) out[16 * inside + on] = make_cut(inside, on);
+        }
+    }
+    return out;
+}
+
+/// Copies bits from .. from + count to at .. of words that are 0 there. Reads and writes one word beyond.
+void append(std::span<const std::uint64_t> source, std::size_t from, std::uint32_t count,
+            std::span<std::uint64_t> out, std::size_t at) {
+    for (std::uint32_t done = 0; done < count; done += 64) {
+        const std::size_t i = from + done, o = at + done, skip = i % 64, gap = o % 64;
+        // Shifts by 64 are not defined: two steps.
+        std::uint64_t bits = source[i / 64] >> skip | source[i / 64 + 1] << 1 << (63 - skip);
+        if (count - done < 64) bits &= (std::uint64_t{1} << (count - done)) - 1;
+        out[o / 64] |= bits << gap;
+        out[o / 64 + 1] |= bits >> 1 >> (63 - gap);
+    }
+}
+
+}  // namespace
+
+const std::array<Cut, 256> kCuts = make_cuts();
+
+bool LocalSigns::gather(const TetraRefinement& refinement, const Samples& samples, std::uint32_t tetra) {
+    const auto& first = refinement.pattern(tetra).first_vertex;
+    const std::uint32_t count = first.back();
+    const auto collect = [&](const RankedBits& bits, Words& out) {
+        std::fill_n(out.begin(), count / 64 + 2, 0);
+        for (std::uint32_t g = 0; g < TetraPattern::kGroups; ++g)
+            append(bits.words(), refinement.first_vertex(tetra, g), first[g + 1] - first[g], out, first[g]);
+    };
+    collect(samples.inside, inside_);
+    std::uint32_t set = 0;
+    for (std::size_t w = 0; w <= count / 64; ++w)
+        set += static_cast<std::uint32_t>(std::popcount(inside_[w]));
+    if (set == 0 || set == count) return false;
+    collect(samples.on, on_);
+    return true;
+}
+
+}  // namespace coppice::march_detail
