@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "acceptance_support.h"
 #include "coppice/base/hash.h"
 #include "coppice/io/skeleton_reader.h"
 #include "coppice/measure/surface_report.h"
@@ -15,16 +15,12 @@
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
-// The whole way from skeleton to surface, held against what is promised of it. Skeletons of others and the
-// workloads lie in a folder beside the sources that not every checkout has; without it those cases are
-// skipped, and the zoo and made-up trees remain.
+// The whole way from skeleton to quads, held against what is promised of it.
 
 namespace coppice {
 namespace {
 
-namespace fs = std::filesystem;
-
-const fs::path kShared = fs::path(COPPICE_SOURCE_DIR).parent_path() / "shared";
+using namespace test;
 
 bool all_finite(const QuadMesh& mesh) {
     return std::all_of(mesh.positions.begin(), mesh.positions.end(),
@@ -220,26 +216,6 @@ TEST(Acceptance, CrowdsOfBranchesAreClosed) {
 
 // --- skeletons of others ------------------------------------------------------------------------------
 
-bool is_skeleton_file(const fs::path& file) {
-    const std::string end = file.extension(), name = file.filename();
-    return end == ".swc" || end == ".csv" || end == ".mat" || name.find("TreeQSM.txt") != std::string::npos;
-}
-
-std::vector<fs::path> skeleton_files() {
-    std::vector<fs::path> files;
-    for (const char* folder : {"swc", "qsm"}) {
-        std::error_code absent;
-        for (const auto& entry : fs::directory_iterator(kShared / "data" / folder, absent)) {
-            if (is_skeleton_file(entry.path())) files.push_back(entry.path());
-        }
-    }
-    for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc", "tree3khard.swc"}) {
-        if (fs::exists(kShared / "workloads" / name)) files.push_back(kShared / "workloads" / name);
-    }
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
 TEST(AcceptanceFiles, EverySkeletonGivesOneSphereForEachTree) {
     const std::vector<fs::path> files = skeleton_files();
     if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
@@ -252,7 +228,7 @@ TEST(AcceptanceFiles, EverySkeletonGivesOneSphereForEachTree) {
 
 class AcceptanceWorkload : public testing::TestWithParam<const char*> {
   protected:
-    fs::path file() const { return kShared / "workloads" / (std::string(GetParam()) + ".swc"); }
+    fs::path file() const { return workload(GetParam()); }
 };
 
 TEST_P(AcceptanceWorkload, IsFaithful) {

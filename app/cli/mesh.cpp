@@ -22,10 +22,28 @@ void check_flags(const MeshFlags& flags) {
     }
     for (const auto& output : flags.outputs) check_mesh_output(output);
     if (flags.cage.empty()) return;
+    if (flags.mesh.method != MeshMethod::quads) throw UsageError("--cage needs --method quads");
     check_mesh_output(flags.cage);
     if (mesh_format_of_name(flags.cage) != MeshFormat::usda) {
         throw UsageError(fmt::format("--cage writes USDA; end the name '{}' in .usda", flags.cage.string()));
     }
+}
+
+void count_quads(Run& run, const MeshResult& result) {
+    run.counts()["vertices"] = result.mesh.positions.size();
+    run.counts()["quads"] = result.mesh.quads.size();
+    run.counts()["cage_quads"] = result.cage.cage.quads.size();
+}
+
+void count_triangles(Run& run, const MeshResult& result) {
+    run.counts()["vertices"] = result.triangles.positions.size();
+    run.counts()["triangles"] = result.triangles.triangles.size();
+    run.counts()["tetrahedra"] = result.tetra.tetra;
+    run.counts()["samples"] = result.tetra.vertices;
+    run.counts()["crossed_tetrahedra"] = result.tetra.crossed;
+    run.counts()["snapped_vertices"] = result.tetra.snapped;
+    run.counts()["freed_vertices"] = result.tetra.freed;
+    run.counts()["lattice_grown"] = result.grown;
 }
 
 ExitCode mesh(Run& run, const MeshFlags& flags) {
@@ -33,17 +51,19 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const MeshResult result =
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(file.skeleton, flags.mesh, ctx); });
+    const bool quads = flags.mesh.method == MeshMethod::quads;
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) write_mesh(output, result.mesh, {}, ctx);
+        for (const auto& output : flags.outputs) {
+            quads ? write_mesh(output, result.mesh, {}, ctx) : write_mesh(output, result.triangles, {}, ctx);
+        }
         if (!flags.cage.empty()) write_cage(flags.cage, result.cage.cage, ctx);
     });
-    run.counts()["vertices"] = result.mesh.positions.size();
-    run.counts()["quads"] = result.mesh.quads.size();
-    run.counts()["cage_quads"] = result.cage.cage.quads.size();
-    run.finish(fmt::format("{}: {} nodes, {} repaired; {} quads", flags.skeleton.string(),
+    quads ? count_quads(run, result) : count_triangles(run, result);
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {} {}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()),
-                           grouped(result.mesh.quads.size())));
+                           grouped(quads ? result.mesh.quads.size() : result.triangles.triangles.size()),
+                           quads ? "quads" : "triangles"));
     return kDone;
 }
 
@@ -51,7 +71,7 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
 
 Command mesh_command(CLI::App& app) {
     auto [command, flags] =
-        new_command<MeshFlags>(app, "mesh", "Turn a skeleton with radii into one closed surface of quads");
+        new_command<MeshFlags>(app, "mesh", "Turn a skeleton with radii into one closed surface of quads or triangles");
     command.app
         ->add_option("skeleton", flags->skeleton,
                      "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)")

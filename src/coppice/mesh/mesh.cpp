@@ -14,17 +14,21 @@ void add_quad(TriMesh& out, std::uint32_t a, std::uint32_t b, std::uint32_t c, s
     }
 }
 
-}  // namespace
-
-PolygonMesh to_polygons(const QuadMesh& mesh) {
+template <class Mesh, class Face>
+PolygonMesh as_polygons(const Mesh& mesh, const Buffer<Face>& faces) {
     PolygonMesh out;
     out.positions = mesh.positions;
     out.origin = mesh.origin;
-    out.corners.reserve(4 * mesh.quads.size());
-    out.first.reserve(mesh.quads.size() + 1);
-    for (const Quad& q : mesh.quads) out.add_face(q);
+    out.corners.reserve(std::tuple_size_v<Face> * faces.size());
+    out.first.reserve(faces.size() + 1);
+    for (const Face& f : faces) out.add_face(f);
     return out;
 }
+
+}  // namespace
+
+PolygonMesh to_polygons(const QuadMesh& mesh) { return as_polygons(mesh, mesh.quads); }
+PolygonMesh to_polygons(const TriMesh& mesh) { return as_polygons(mesh, mesh.triangles); }
 
 TriMesh triangulate(const QuadMesh& mesh) {
     TriMesh out{mesh.positions, {}, mesh.origin};

@@ -46,6 +46,7 @@ struct PolygonMesh {
 };
 
 PolygonMesh to_polygons(const QuadMesh& mesh);
+PolygonMesh to_polygons(const TriMesh& mesh);
 
 /// Each quad is cut along its shorter diagonal; larger faces become fans.
 TriMesh triangulate(const QuadMesh& mesh);

@@ -1,37 +1,13 @@
 #include "coppice/recipe/mesh_skeleton.h"
 
-#include <chrono>
-
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
+#include "coppice/recipe/tetra_skeleton_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
 
 namespace coppice {
-namespace {
-
-/// Seconds per stage, and the bar's way through them.
-class Stages {
-  public:
-    explicit Stages(const Context& ctx, std::vector<std::pair<std::string, double>>& seconds)
-        : ctx_(ctx), seconds_(seconds) {}
-
-    template <class Work>
-    auto run(const char* name, float progress_after, const Work& work) {
-        ctx_.throw_if_cancelled();
-        const auto start = std::chrono::steady_clock::now();
-        auto result = work();
-        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-        seconds_.emplace_back(name, took.count());
-        ctx_.report(progress_after);
-        return result;
-    }
-
-  private:
-    const Context& ctx_;
-    std::vector<std::pair<std::string, double>>& seconds_;
-};
 
 // Where the end of a tree is cut flat, the field goes on far enough to be full there.
 FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
@@ -40,6 +16,8 @@ FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
     if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;
     return field;
 }
+
+namespace {
 
 // The field of a region is asked about the points of its quads, and a little beyond.
 std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
@@ -70,17 +48,10 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-}  // namespace
-
-MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
-    check_fields(options.control, "control");
-    MeshResult out;
-    Stages stages(ctx, out.stages);
-    const PrepareResult prepared =
-        stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
-    out.prepared = prepared.report;
+void mesh_by_quads(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages,
+                   MeshResult& out) {
     const GraftResult grafted =
-        stages.run("graft", 0.08f, [&] { return graft_branches(prepared.skeleton, options.graft, ctx); });
+        stages.run("graft", 0.08f, [&] { return graft_branches(prepared, options.graft, ctx); });
     out.grafted = grafted.report;
     const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
     out.parted = parted.report;
@@ -113,6 +84,20 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
                             out.cage.clip, FieldRef(field), options.untangle, ctx);
         });
     }
+}
+
+}  // namespace
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
+    check_fields(options, "mesh");
+    check_fields(options.control, "control");
+    MeshResult out;
+    Stages stages(ctx, out.stages);
+    const PrepareResult prepared =
+        stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
+    out.prepared = prepared.report;
+    const bool quads = options.method == MeshMethod::quads;
+    (quads ? mesh_by_quads : mesh_by_tetrahedra)(prepared.skeleton, options, ctx, stages, out);
     return out;
 }
 

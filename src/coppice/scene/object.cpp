@@ -64,14 +64,6 @@ std::string described(const Surface& surface) {
                        box_text(box, origin));
 }
 
-PolygonMesh to_polygons(const TriMesh& mesh) {
-    PolygonMesh out;
-    out.positions = mesh.positions;
-    out.origin = mesh.origin;
-    for (const Triangle& t : mesh.triangles) out.add_face(t);
-    return out;
-}
-
 }  // namespace
 
 std::string with_article(ObjectKind kind) {

@@ -155,7 +155,7 @@ double memory_of_mesh(const Skeleton& skeleton, int levels) {
 }
 
 SceneCommand mesh_command() {
-    SceneCommand c = in_group("mesh", "wraps a tree in one closed surface of quads", "mesh tree levels=1");
+    SceneCommand c = in_group("mesh", "wraps a tree in one closed surface", "mesh tree levels=1");
     c.arguments = {tree("what is wrapped"),
                    positional(new_name("name", "name of the new mesh", "@tree"), false)};
     add_options(c.arguments, MeshOptions{}, "mesh");
@@ -163,7 +163,13 @@ SceneCommand mesh_command() {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         const auto options = call.options<MeshOptions>("mesh");
         call.reserve(memory_of_mesh(skeleton, options.levels));
-        Surface surface{mesh_skeleton(skeleton, options, call.context()).mesh};
+        MeshResult result = mesh_skeleton(skeleton, options, call.context());
+        Surface surface;
+        if (options.method == MeshMethod::quads) {
+            surface.mesh = std::move(result.mesh);
+        } else {
+            surface.mesh = std::move(result.triangles);
+        }
         const std::uint64_t bytes = memory_of(surface);
         return makes(call.text("name"), std::move(surface), bytes);
     };
