@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "coppice/base/parallel.h"
 #include "coppice/control/axes_internal.h"
 #include "coppice/control/crossings_internal.h"
 
@@ -314,16 +315,20 @@ class Grafting {
         return add_cut(spot);
     }
 
-    static bool shows(const AxisPlan& plan, float arc) {
+    // The last piece that begins at or before a place; null where none does.
+    static const Piece* piece_at(const AxisPlan& plan, float arc) {
         const auto after = std::upper_bound(plan.pieces.begin(), plan.pieces.end(), arc,
                                             [](float a, const Piece& p) { return a < p.from; });
-        return after != plan.pieces.begin() && arc <= std::prev(after)->to;
+        return after == plan.pieces.begin() ? nullptr : &*std::prev(after);
+    }
+    static bool shows(const AxisPlan& plan, float arc) {
+        const Piece* const piece = piece_at(plan, arc);
+        return piece && arc <= piece->to;
     }
     // Whether a place lies in the little that is left out where a piece ends.
     static bool is_left_out(const AxisPlan& plan, float arc) {
-        const auto after = std::upper_bound(plan.pieces.begin(), plan.pieces.end(), arc,
-                                            [](float a, const Piece& p) { return a < p.from; });
-        return after != plan.pieces.begin() && std::prev(after)->to <= arc && arc <= std::prev(after)->resume;
+        const Piece* const piece = piece_at(plan, arc);
+        return piece && piece->to <= arc && arc <= piece->resume;
     }
 
     // The nearest point of the branch that hides a point of an axis; none where nothing does.
@@ -429,19 +434,39 @@ class Grafting {
         return best;
     }
 
-    GraftResult number_tubes() const {
-        std::vector<std::vector<NodeId>> children(made_.size());
-        std::vector<NodeId> stack;
+    // The tree of tubes before it is numbered: by new node, none for those that are not in it.
+    struct TubeTree {
+        std::vector<NodeId> parent, roots, child;
+        std::vector<std::uint32_t> first_child;
+        std::span<const NodeId> children(NodeId n) const {
+            const std::uint32_t first = first_child[n.index()];
+            return std::span(child).subspan(first, first_child[n.index() + 1] - first);
+        }
+    };
+    TubeTree tube_tree() const {
+        TubeTree tree{std::vector<NodeId>(made_.size()), {}, {}, {}};
+        tree.first_child.resize(made_.size() + 1);
         for (std::uint32_t i = 0; i < made_.size(); ++i) {
             const Made& m = made_[i];
             if (m.in_tree != NodeId(i)) continue;
             if (!m.parent) {
-                stack.push_back(NodeId(i));
+                tree.roots.push_back(NodeId(i));
             } else {
-                children[parent_tube(m).index()].push_back(NodeId(i));
+                tree.parent[i] = parent_tube(m);
+                ++tree.first_child[tree.parent[i].index()];
             }
         }
-        std::reverse(stack.begin(), stack.end());
+        tree.child.resize(exclusive_scan(std::span(tree.first_child)));
+        std::vector<std::uint32_t> next(tree.first_child);
+        for (std::uint32_t i = 0; i < made_.size(); ++i) {
+            if (tree.parent[i]) tree.child[next[tree.parent[i].index()]++] = NodeId(i);
+        }
+        return tree;
+    }
+
+    GraftResult number_tubes() const {
+        const TubeTree tree = tube_tree();
+        std::vector<NodeId> stack(tree.roots.rbegin(), tree.roots.rend());
         std::vector<NodeId> parent, source, id(made_.size());
         std::vector<Vec3> position;
         std::vector<float> radius;
@@ -449,12 +474,13 @@ class Grafting {
             const NodeId n = stack.back();
             stack.pop_back();
             const Made& m = at(n);
+            const auto children = tree.children(n);
             id[n.index()] = NodeId(static_cast<std::uint32_t>(parent.size()));
-            parent.push_back(m.parent ? id[parent_tube(m).index()] : NodeId::none());
-            source.push_back(m.attached && !children[n.index()].empty() ? children[n.index()][0] : n);
+            parent.push_back(m.parent ? id[tree.parent[n.index()].index()] : NodeId::none());
+            source.push_back(m.attached && !children.empty() ? children[0] : n);
             position.push_back(m.position);
             radius.push_back(m.radius);
-            stack.insert(stack.end(), children[n.index()].rbegin(), children[n.index()].rend());
+            stack.insert(stack.end(), children.rbegin(), children.rend());
         }
         Skeleton tubes(std::move(parent), std::move(position), std::move(radius), s_.origin());
         return {new_skeleton(), std::move(tubes), std::move(source), tubes_of_segments(id), report_};
