@@ -38,10 +38,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 ///
 /// A tube of four quads (or `sides`) wraps every segment. At a node where two segments meet they share a ring
 /// of four vertices; at a branch node the directions about the node are divided into one cell of four corners
-/// per segment, and a cell is the ring with which its tube begins. Up to four laterals that are well spread
-/// around the node open the corners of one ring (a scaffold [FuentesSuarez2018]: a fork has two poles of
-/// valence 6, nothing else irregular). Others sit on the four faces of a belt around the node, each inset to
-/// its own size (four corners of valence 5 each).
+/// per segment, and a cell is the ring with which its tube begins. The cells of stem and leader share a ring;
+/// every lateral opens one of the corners that are there, so that the node adds no faces of its own (a
+/// scaffold [FuentesSuarez2018]: a fork has two poles of valence 6, nothing else irregular).
 ///
 /// Round ends are closed by one quad beyond the end node. A flat end lies in the plane through its node
 /// across the branch: a ring of quads from the rim inward and one within (a clip plane names them). An open

@@ -1,8 +1,6 @@
 #include "coppice/control/hub_internal.h"
 
 #include <algorithm>
-#include <bit>
-#include <limits>
 #include <numbers>
 
 #include "coppice/control/division_internal.h"
@@ -24,10 +22,7 @@ constexpr int kEvenings = 2;
 // Of more branches than this only the first are looked at when a place among them is sought.
 constexpr std::size_t kMostNeighbours = 256;
 
-constexpr int kSlots = 4;
-constexpr std::uint32_t kNone = 0xffffffffu;
-// So few laterals, no nearer to each other in azimuth than this, get slots: their seams are known exactly.
-constexpr std::size_t kMostInSlots = 2;
+// Of one lateral, or two no nearer to each other in azimuth than this, the seams are known exactly.
 constexpr float kLeastGap = 0.6f;
 
 struct Lateral {
@@ -44,8 +39,11 @@ class HubBuilder {
 
     Hub build() && {
         const std::vector<Site> cones = sites();
-        if (lateral_.size() <= kMostInSlots && widely_spaced()) {
-            fill_slots();
+        division_.cell.resize(branch_.size());
+        if (lateral_.size() == 1) {
+            divide_fork();
+        } else if (lateral_.size() == 2 && std::min(gap_after(0), gap_after(1)) >= kLeastGap) {
+            divide_between_two();
         } else {
             division_ = divide_sphere(cones, stem_, leader_);
         }
@@ -73,12 +71,6 @@ class HubBuilder {
         });
     }
 
-    bool widely_spaced() const {
-        for (std::size_t i = 0; i < lateral_.size(); ++i) {
-            if (lateral_.size() > 1 && gap_after(i) < kLeastGap) return false;
-        }
-        return true;
-    }
     float gap_after(std::size_t i) const {
         const bool last = i + 1 == lateral_.size();
         return last ? lateral_[0].azimuth + 2 * kPi - lateral_[i].azimuth
@@ -158,78 +150,49 @@ class HubBuilder {
         return di * std::cos(theta) + cross(normal, di) * std::sin(theta);
     }
 
-    // The four corners of the stem's ring are slots; a lateral opens one: the corner becomes its bottom, a
-    // new vertex its top, and its neighbours are its sides. The ring that is left on top is the leader's.
-    void fill_slots() {
-        division_.cell.resize(branch_.size());
-        const auto slots = assign_slots();
-        Ring ring;
-        for (int k = 0; k < kSlots; ++k) {
-            const std::uint32_t i = slots[k].branch;
-            if (i != kNone) {
-                ring[k] = add(seam(i, stem_, plane_normal(i)));
-            } else if (lateral_.size() == 1 && (slots[(k + 2) % kSlots].branch != kNone)) {
-                ring[k] = add(seam(stem_, leader_, plane_normal(lateral_[0].branch)));
-            } else if (lateral_.size() == 1) {
-                const Vec3 normal = plane_normal(lateral_[0].branch);
-                ring[k] = add(slots[(k + 3) % kSlots].branch != kNone ? normal : -normal);
-            } else {
-                ring[k] = add(frame_.around(slots[k].azimuth));
-            }
-        }
+    // A lateral opens a corner of the stem's ring: the corner becomes its bottom, a new vertex its top, and
+    // the corner's neighbours are its sides. The ring that is left on top is the leader's.
+    void open(Ring& ring, std::size_t corner, std::uint32_t lateral) {
+        const std::uint32_t top = add(seam(leader_, lateral, plane_normal(lateral)));
+        division_.cell[lateral] = {ring[(corner + 1) % 4], top, ring[(corner + 3) % 4], ring[corner]};
+        ring[corner] = top;
+    }
+
+    // The poles of the plane of the three branches, and their seams within it.
+    void divide_fork() {
+        const std::uint32_t i = lateral_[0].branch;
+        const Vec3 normal = plane_normal(i);
+        Ring ring{add(seam(i, stem_, normal)), add(normal), add(seam(stem_, leader_, normal)), add(-normal)};
         division_.cell[stem_] = {ring[0], ring[3], ring[2], ring[1]};
-        std::array<int, kSlots> order{0, 1, 2, 3};
-        std::sort(order.begin(), order.end(),
-                  [&](int a, int b) { return slots[a].height < slots[b].height; });
-        for (const int k : order) {
-            const std::uint32_t i = slots[k].branch;
-            if (i == kNone) continue;
-            const std::uint32_t top = add(seam(leader_, i, plane_normal(i)));
-            division_.cell[i] = {ring[(k + 1) % kSlots], top, ring[(k + 3) % kSlots], ring[k]};
-            ring[k] = top;
-        }
+        open(ring, 0, i);
         division_.cell[leader_] = ring;
     }
 
-    struct Slot {
-        std::uint32_t branch = kNone;
-        float azimuth = 0;
-        float height = 0;
-    };
-
-    // The assignment, in order of azimuth, that leaves the corners most evenly spread.
-    std::array<Slot, 4> assign_slots() const {
-        const int k = static_cast<int>(lateral_.size());
-        std::array<Slot, 4> best{};
-        float best_cost = std::numeric_limits<float>::max();
-        for (unsigned taken = 1; taken < 16; taken += 2) {  // the first lateral has slot 0
-            if (std::popcount(taken) != k) continue;
-            std::array<Slot, 4> slots{};
-            int next = 0;
-            for (int s = 0; s < kSlots; ++s) {
-                if (!(taken >> s & 1)) continue;
-                const Lateral& l = lateral_[next];
-                slots[s] = {l.branch, l.azimuth,
-                            root_distance(l.branch) * dot(branch_[l.branch].direction, frame_.axis)};
-                int empty = 0;
-                while (empty < 3 && !(taken >> ((s + empty + 1) % kSlots) & 1)) ++empty;
-                const float step = gap_after(static_cast<std::size_t>(next)) / static_cast<float>(empty + 1);
-                for (int e = 1; e <= empty; ++e) {
-                    slots[(s + e) % kSlots].azimuth = l.azimuth + step * static_cast<float>(e);
-                }
-                ++next;
-            }
-            float cost = 0;
-            for (int s = 0; s < kSlots; ++s) {
-                const float gap = wrap_angle(slots[(s + 1) % kSlots].azimuth - slots[s].azimuth);
-                cost += (gap - kPi / 2) * (gap - kPi / 2);
-            }
-            if (cost < best_cost) {
-                best_cost = cost;
-                best = slots;
-            }
+    // Two laterals, the lower one first, at the corners that leave the others most evenly spread.
+    void divide_between_two() {
+        const std::array<float, 2> gap{gap_after(0), gap_after(1)};
+        const std::size_t steps = std::numbers::sqrt3_v<float> * gap[0] < gap[1]   ? 1
+                                  : std::numbers::sqrt3_v<float> * gap[1] < gap[0] ? 3
+                                                                                   : 2;
+        const std::array<std::size_t, 2> corner{0, steps}, steps_after{steps, 4 - steps};
+        std::array<Vec3, 4> direction;
+        for (std::size_t l = 0; l < 2; ++l) {
+            const std::uint32_t i = lateral_[l].branch;
+            direction[corner[l]] = seam(i, stem_, plane_normal(i));
+            const float step = gap[l] / static_cast<float>(steps_after[l]);
+            for (std::size_t e = 1; e < steps_after[l]; ++e)
+                direction[corner[l] + e] = frame_.around(lateral_[l].azimuth + step * static_cast<float>(e));
         }
-        return best;
+        Ring ring;
+        for (std::size_t k = 0; k < 4; ++k) ring[k] = add(direction[k]);
+        division_.cell[stem_] = {ring[0], ring[3], ring[2], ring[1]};
+        const std::size_t lower = height(1) < height(0) ? 1 : 0;
+        for (const std::size_t l : {lower, 1 - lower}) open(ring, corner[l], lateral_[l].branch);
+        division_.cell[leader_] = ring;
+    }
+    float height(std::size_t l) const {
+        const std::uint32_t i = lateral_[l].branch;
+        return root_distance(i) * dot(branch_[i].direction, frame_.axis);
     }
 
     std::span<const Branch> branch_;
