@@ -50,12 +50,11 @@ std::string crown_markdown(const std::vector<CrownResult>& rows, unsigned thread
 }
 
 std::string crown_csv(const std::vector<CrownResult>& rows, unsigned threads) {
-    std::string out = "what,size,unit,threads,hash,peak_bytes,measure,median_s,least_s,runs\n";
+    std::string out = fmt::format("what,size,unit,threads,hash,peak_bytes,{}\n", kMeasureColumns);
     for (const CrownResult& row : rows) {
         for (const Measure& m : row.measures) {
-            fmt::format_to(std::back_inserter(out), "\"{}\",{},{},{},{:016x},{},{},{:.6f},{:.6f},{}\n",
-                           row.what, row.size, row.unit, threads, row.hash, row.peak_bytes, m.name,
-                           m.median(), m.least(), m.samples.size());
+            fmt::format_to(std::back_inserter(out), "\"{}\",{},{},{},{:016x},{},{}\n", row.what, row.size,
+                           row.unit, threads, row.hash, row.peak_bytes, measure_csv(m));
         }
     }
     return out;
@@ -71,11 +70,8 @@ std::string crown_json(const std::vector<CrownResult>& rows, unsigned threads, c
                   {"size", row.size},
                   {"unit", row.unit},
                   {"hash", fmt::format("{:016x}", row.hash)},
-                  {"peak_bytes", row.peak_bytes}};
-        for (const Measure& m : row.measures) {
-            json["measures"][m.name] = {
-                {"median_s", m.median()}, {"least_s", m.least()}, {"samples_s", m.samples}};
-        }
+                  {"peak_bytes", row.peak_bytes},
+                  {"measures", measures_json(row.measures)}};
         out["rows"].push_back(std::move(json));
     }
     return out.dump(2) + "\n";

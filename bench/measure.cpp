@@ -1,5 +1,7 @@
 #include "measure.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace coppice::bench {
@@ -12,6 +14,17 @@ double Measure::median() const {
 }
 
 double Measure::least() const { return *std::min_element(samples.begin(), samples.end()); }
+
+nlohmann::ordered_json measures_json(std::span<const Measure> measures) {
+    auto out = nlohmann::ordered_json::object();
+    for (const Measure& m : measures)
+        out[m.name] = {{"median_s", m.median()}, {"least_s", m.least()}, {"samples_s", m.samples}};
+    return out;
+}
+
+std::string measure_csv(const Measure& m) {
+    return fmt::format("{},{:.6f},{:.6f},{}", m.name, m.median(), m.least(), m.samples.size());
+}
 
 void Measures::add(const std::string& name, double seconds) {
     auto it = std::find_if(all_.begin(), all_.end(), [&](const Measure& m) { return m.name == name; });

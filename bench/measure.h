@@ -1,5 +1,7 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,13 @@ struct Measure {
     double median() const;
     double least() const;
 };
+
+/// An object with the median, the least and all samples of every measure, by its name.
+nlohmann::ordered_json measures_json(std::span<const Measure> measures);
+
+/// The last columns of a line about one measure, kMeasureColumns.
+std::string measure_csv(const Measure& measure);
+inline constexpr const char* kMeasureColumns = "measure,median_s,least_s,runs";
 
 /// Measures by name, in the order of their first sample.
 class Measures {

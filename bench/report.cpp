@@ -75,12 +75,11 @@ std::string markdown_report(const RunInfo& run, const std::vector<SceneResult>& 
 }
 
 std::string csv_report(const RunInfo& run, const std::vector<SceneResult>& results) {
-    std::string out = "scene,segments,threads,levels,quads,hash,measure,median_s,least_s,runs\n";
+    std::string out = fmt::format("scene,segments,threads,levels,quads,hash,{}\n", kMeasureColumns);
     for (const SceneResult& r : results) {
         for (const Measure& m : r.measures) {
-            fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{},{:.6f},{:.6f},{}\n", r.scene,
-                           r.segments, run.threads, run.levels, r.quads, hash_text(r.hash), m.name,
-                           m.median(), m.least(), m.samples.size());
+            fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{}\n", r.scene, r.segments,
+                           run.threads, run.levels, r.quads, hash_text(r.hash), measure_csv(m));
         }
     }
     return out;
@@ -102,11 +101,8 @@ std::string json_report(const RunInfo& run, const std::vector<SceneResult>& resu
                    {"peak_bytes", r.peak_bytes},
                    {"bytes_per_quad", r.bytes_per_quad()},
                    {"us_per_segment", r.microseconds_per_segment()},
-                   {"ratio_to_opensubdiv", r.ratio_to_opensubdiv()}};
-        for (const Measure& m : r.measures) {
-            scene["measures"][m.name] = {
-                {"median_s", m.median()}, {"least_s", m.least()}, {"samples_s", m.samples}};
-        }
+                   {"ratio_to_opensubdiv", r.ratio_to_opensubdiv()},
+                   {"measures", measures_json(r.measures)}};
         out["scenes"].push_back(std::move(scene));
     }
     return out.dump(2) + "\n";
