@@ -24,9 +24,6 @@ std::size_t parse_name(const std::string& text, const std::string& flag,
                        std::span<const std::string_view> names);
 std::string number_help(const Field& field, double default_value);
 
-/// Angles are degrees on the command line and radians everywhere else.
-double shown(const Field& field, double value);
-
 template <class T>
 void add_flag(CLI::App& app, const Field& field, T& value, const std::string& flag,
               const std::string& group) {

@@ -3,52 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <numbers>
-#include <optional>
 
 namespace coppice {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLargestNumber = 1e30;  // still finite as a float
 constexpr std::size_t kLongestName = 64;
 constexpr std::size_t kShownLength = 40;  // of a word in a message
-
-std::optional<double> parse_number(std::string_view text) {
-    if (text.starts_with('+')) text.remove_prefix(1);
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
-    return number;
-}
-
-/// Bounds of angles are rounded radians, so their degrees have stray digits.
-std::string bound_text(const Argument& a, double value) {
-    return a.unit == Unit::radian ? fmt::format("{:.4g}", value / kDegree) : fmt::format("{:.6g}", value);
-}
-
-std::string_view unit_text(Unit unit) {
-    switch (unit) {
-        case Unit::metre:
-            return " of metres";
-        case Unit::radian:
-            return " of degrees";
-        case Unit::radius:
-            return " of radii";
-        case Unit::second:
-            return " of seconds";
-        case Unit::none:
-            break;
-    }
-    return "";
-}
-
-std::string range_text(const Argument& a) {
-    if (a.low >= a.high) return {};
-    return fmt::format(" from {} to {}", bound_text(a, a.low), bound_text(a, a.high));
-}
 
 std::string sizes_text(const Argument& a) { return fmt::format("{}", fmt::join(a.sizes, " or ")); }
 
@@ -61,7 +23,7 @@ std::string sizes_text(const Argument& a) { return fmt::format("{}", fmt::join(a
 }
 
 double checked(const Argument& a, std::string_view text, double number) {
-    const double value = a.unit == Unit::radian ? number * kDegree : number;
+    const double value = in_library_unit(a.unit, number);
     const bool ranged = a.low < a.high;
     // A bound is typed with the digits that help shows, so it may be a little beyond what it stands for.
     const double slack = a.unit == Unit::radian ? 1e-3 : 0;
@@ -83,7 +45,7 @@ ArgumentValue parse_tuple(const Argument& a, std::string_view text) {
 ArgumentValue parse_section(const Argument& a, std::string_view text) {
     const std::size_t at = text.find('@');
     if (at == text.npos) refuse(a, text);
-    const auto fraction = parse_number(text.substr(at + 1));
+    const auto fraction = parse_finite(text.substr(at + 1));
     if (!fraction) refuse(a, text);
     return {std::string(text.substr(0, at)), {checked(a, text, *fraction)}};
 }
@@ -99,17 +61,15 @@ std::string chosen(const Argument& a, std::string_view text) {
 }  // namespace
 
 double in_library_unit(const Argument& a, double number) {
-    const double value = a.unit == Unit::radian ? number * kDegree : number;
+    const double value = in_library_unit(a.unit, number);
     return a.low < a.high ? std::clamp(value, a.low, a.high) : value;
 }
-
-double in_typed_unit(Unit unit, double value) { return unit == Unit::radian ? value / kDegree : value; }
 
 std::vector<double> numbers_of(std::string_view word) {
     std::vector<double> out;
     for (;;) {
         const std::size_t end = std::min(word.find(','), word.size());
-        const auto number = parse_number(word.substr(0, end));
+        const auto number = parse_finite(word.substr(0, end));
         if (!number) return {};
         out.push_back(*number);
         if (end == word.size()) return out;
@@ -121,7 +81,7 @@ ArgumentValue parse_argument(const Argument& a, std::string_view text) {
     switch (a.type) {
         case ArgumentType::number:
         case ArgumentType::whole: {
-            const auto number = parse_number(text);
+            const auto number = parse_finite(text);
             if (!number) refuse(a, text);
             return {{}, {checked(a, text, *number)}};
         }
@@ -166,12 +126,11 @@ std::string typed(const Argument& a, const ArgumentValue& value) {
 std::string takes_text(const Argument& a) {
     switch (a.type) {
         case ArgumentType::number:
-            return fmt::format("a number{}{}", unit_text(a.unit), range_text(a));
+            return "a " + quantity_text("number", a.unit, a.low, a.high);
         case ArgumentType::whole:
-            return fmt::format("a whole number{}{}", unit_text(a.unit), range_text(a));
+            return "a " + quantity_text("whole number", a.unit, a.low, a.high);
         case ArgumentType::tuple:
-            return fmt::format("{} numbers{}{} joined by commas", sizes_text(a), unit_text(a.unit),
-                               range_text(a));
+            return quantity_text(sizes_text(a) + " numbers", a.unit, a.low, a.high) + " joined by commas";
         case ArgumentType::section:
             return "a profile and a fraction from 0 to 1 as in top@0.5";
         case ArgumentType::flag:

@@ -9,6 +9,7 @@
 
 #include "coppice/base/fields.h"
 #include "coppice/recipe/json.h"
+#include "coppice/recipe/quantity.h"
 #include "coppice/scene/object.h"
 #include "coppice/scene/words.h"
 
@@ -60,7 +61,6 @@ ArgumentValue parse_argument(const Argument& argument, std::string_view text);
 
 /// A number of the argument as the library takes it: angles in radians.
 double in_library_unit(const Argument& argument, double number);
-double in_typed_unit(Unit unit, double value);  ///< the other way round
 
 /// The numbers of a word, none when it is not made of numbers joined by commas.
 std::vector<double> numbers_of(std::string_view word);

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "coppice/implicit/polygonize.h"
 #include "coppice/implicit/solid_field.h"
+#include "coppice/recipe/quantity.h"
 #include "coppice/scene/tables_internal.h"
 
 namespace coppice {
@@ -12,7 +12,6 @@ namespace {
 
 using namespace table;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr auto kSolid = ObjectKind::solid;
 
 float as_float(double v) { return static_cast<float>(v); }
@@ -105,7 +104,7 @@ SceneCommand twist_command() {
                    tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none)},
                   [](const SceneCall& c, const Solid& s) {
                       return twisted(s, c.point("origin"), c.point("axis"),
-                                     as_float(c.number("rate") * kDegree));
+                                     as_float(in_library_unit(Unit::radian, c.number("rate"))));
                   });
 }
 
