@@ -29,13 +29,29 @@ void check_flags(const MeshFlags& flags) {
     }
 }
 
-void count_quads(Run& run, const MeshResult& result) {
+Json counts_of(const GraftReport& r) {
+    return {{"grafted", r.grafted}, {"cut", r.cut}, {"buried", r.buried}};
+}
+
+Json counts_of(const PartReport& r) {
+    return {{"absorbed", r.absorbed},
+            {"advanced", r.advanced},
+            {"bundled", r.bundled},
+            {"swallowed", r.swallowed}};
+}
+
+/// Puts the figures of a surface into the report; returns what to say of it.
+std::string count_quads(Run& run, const MeshResult& result) {
     run.counts()["vertices"] = result.mesh.positions.size();
     run.counts()["quads"] = result.mesh.quads.size();
     run.counts()["cage_quads"] = result.cage.cage.quads.size();
+    run.counts()["branches_grafted"] = counts_of(result.grafted);
+    run.counts()["branches_parted"] = counts_of(result.parted);
+    return fmt::format("{} grafted, {} cut; {} quads", grouped(result.grafted.grafted),
+                       grouped(result.grafted.cut), grouped(result.mesh.quads.size()));
 }
 
-void count_triangles(Run& run, const MeshResult& result) {
+std::string count_triangles(Run& run, const MeshResult& result) {
     run.counts()["vertices"] = result.triangles.positions.size();
     run.counts()["triangles"] = result.triangles.triangles.size();
     run.counts()["tetrahedra"] = result.tetra.tetra;
@@ -44,6 +60,7 @@ void count_triangles(Run& run, const MeshResult& result) {
     run.counts()["snapped_vertices"] = result.tetra.snapped;
     run.counts()["freed_vertices"] = result.tetra.freed;
     run.counts()["lattice_grown"] = result.grown;
+    return fmt::format("{} triangles", grouped(result.triangles.triangles.size()));
 }
 
 ExitCode mesh(Run& run, const MeshFlags& flags) {
@@ -59,11 +76,9 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
         }
         if (!flags.cage.empty()) write_cage(flags.cage, result.cage.cage, ctx);
     });
-    quads ? count_quads(run, result) : count_triangles(run, result);
-    run.finish(fmt::format("{}: {} nodes, {} repaired; {} {}", flags.skeleton.string(),
-                           grouped(file.skeleton.size()), grouped(file.report.total()),
-                           grouped(quads ? result.mesh.quads.size() : result.triangles.triangles.size()),
-                           quads ? "quads" : "triangles"));
+    const std::string figures = quads ? count_quads(run, result) : count_triangles(run, result);
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {}", flags.skeleton.string(),
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures));
     return kDone;
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the program once in a fresh folder with small inputs and compares exit code, output and files.
 
-A pattern that starts with "json:" asks for JSON with these keys instead. --report FILE:key,key.key does so for a file.
+A pattern that starts with "json:" asks for JSON with these keys instead. --report FILE:key,key.key=value does so for a file.
 """
 
 import argparse
@@ -29,6 +29,8 @@ def write(name, content):
 
 def make_inputs():
     write("tree.swc", TREE)
+    # A branch that comes back and runs through its own stem, out again on the other side.
+    write("loop.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 1 1 0 2 0.05 4\n6 1 -2 0 2 0.05 5\n")
     write("messy.swc", "2 1 0 0 1 0.15 1\n1 1 0 0 0 0.2 -1\n3 1 0 0 2 0 2\n")
     write("broken.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n2 1 0 0 2 0.1 1\n")
     write("lines.obj", "v 0 0 0\nv 0 0 1\nv 0 0 2\nl 1 2 3\n")
@@ -54,10 +56,13 @@ def has_keys(text, keys):
     value = json.loads(text)
     for key in keys.split(","):
         at = value
-        for part in key.split("."):
+        path, _, expected = key.partition("=")
+        for part in path.split("."):
             if not isinstance(at, dict) or part not in at:
                 return False
             at = at[part]
+        if expected and str(at) != expected:
+            return False
     return True
 
 
@@ -99,7 +104,7 @@ def complaints(arguments, before, code, out, err):
         name, keys = arguments.report.split(":")
         with open(name, encoding="utf-8") as file:
             if not has_keys(file.read(), keys):
-                yield f"the report lacks one of {keys}"
+                yield f"the report lacks one of {keys}, or it has another value"
     if code != 0 and set(os.listdir(".")) != before:
         yield f"files were left behind: {set(os.listdir('.')) - before}"
 
