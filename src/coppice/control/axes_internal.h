@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,14 +18,11 @@ class Axes {
     /// O(n log n).
     explicit Axes(const Skeleton& s)
         : arc_(s.size()), axis_(s.size(), 0), place_(s.size(), 0), rank_(s.size(), 0) {
-        const auto later = [&](NodeId a, NodeId b) {
-            return s.radius(a) != s.radius(b) ? s.radius(a) < s.radius(b) : a > b;
-        };
-        std::vector<NodeId> heap;
+        std::vector<std::uint64_t> heap;
         const auto wait_for_children = [&](NodeId n) {
             for (const NodeId c : s.children(n)) {
-                heap.push_back(c);
-                std::push_heap(heap.begin(), heap.end(), later);
+                heap.push_back(key(s.radius(c), c));
+                std::push_heap(heap.begin(), heap.end());
             }
         };
         for (const NodeId n : nodes(s)) {
@@ -32,8 +30,8 @@ class Axes {
         }
         nodes_.reserve(s.size());
         for (std::uint32_t rank = 0; !heap.empty(); ++rank) {
-            std::pop_heap(heap.begin(), heap.end(), later);
-            const NodeId n = heap.back();
+            std::pop_heap(heap.begin(), heap.end());
+            const NodeId n(~static_cast<std::uint32_t>(heap.back()));
             heap.pop_back();
             rank_[n.index()] = rank;
             wait_for_children(n);
@@ -58,6 +56,12 @@ class Axes {
     }
 
   private:
+    // The thicker, and of equals the one with the lower number, has the greater key: the bits of positive
+    // numbers are in the order of the numbers.
+    static std::uint64_t key(float radius, NodeId n) {
+        return std::uint64_t{std::bit_cast<std::uint32_t>(radius)} << 32 | ~n.index();
+    }
+
     void add_axis(const Skeleton& s, NodeId head) {
         float way = 0;
         for (NodeId n = head; n; n = s.leader(n)) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -44,7 +45,7 @@ class BoxTree {
     /// that returns a bool ends the search with false.
     template <class Visit>
     void overlaps(std::uint32_t group, const Visit& visit) const {
-        if (level_count() > 1) overlaps_below(level_count() - 1, 0, group, visit);
+        if (level_count() > 1) overlaps_below(level_count() - 1, 0, Group(*this, group), visit);
     }
 
     /// Calls visit(item) for all items whose boxes overlap the given one; touching counts. A visit that
@@ -104,26 +105,59 @@ class BoxTree {
         return true;
     }
 
-    template <class Visit>
-    bool overlaps_below(std::uint32_t l, std::uint32_t parent, std::uint32_t group,
-                        const Visit& visit) const {
-        const Box3& box = level_[1][group];
-        const auto [begin, end] = children(l, parent);
-        for (std::uint32_t i = begin; i < end; ++i) {
-            if (!level_[l][i].overlaps(box)) continue;
-            if (l == 0) {
-                const std::uint32_t last = std::min(kWidth * (group + 1), i);
-                for (std::uint32_t p = kWidth * group; p < last; ++p) {
-                    if (!level_[0][p].overlaps(level_[0][i])) continue;
-                    if constexpr (std::is_same_v<std::invoke_result_t<Visit, std::uint32_t, std::uint32_t>,
-                                                 bool>) {
-                        if (!visit(p, i)) return false;
-                    } else {
-                        visit(p, i);
-                    }
+    /// The boxes of a group by coordinate, so that one more box is tested against all of them at once.
+    struct Group {
+        Group(const BoxTree& tree, std::uint32_t group)
+            : bounds(tree.level_[1][group]), first(kWidth * group) {
+            const auto [begin, end] = tree.children(0, group);
+            for (std::uint32_t axis = 0; axis < 3; ++axis) {
+                low[axis].fill(Box3::kInfinity);
+                high[axis].fill(-Box3::kInfinity);
+                for (std::uint32_t p = begin; p < end; ++p) {
+                    low[axis][p - begin] = tree.level_[0][p].low[static_cast<int>(axis)];
+                    high[axis][p - begin] = tree.level_[0][p].high[static_cast<int>(axis)];
                 }
-            } else if ((std::uint64_t{i} + 1) << (3 * (l - 1)) > group) {
-                if (!overlaps_below(l - 1, i, group, visit)) return false;
+            }
+        }
+        /// Bit p: the box at place first + p overlaps.
+        std::uint32_t overlapping(const Box3& b) const {
+            std::array<std::uint32_t, kWidth> hit;
+            for (std::uint32_t p = 0; p < kWidth; ++p) {
+                hit[p] = std::uint32_t{low[0][p] <= b.high.x} & std::uint32_t{b.low.x <= high[0][p]} &
+                         std::uint32_t{low[1][p] <= b.high.y} & std::uint32_t{b.low.y <= high[1][p]} &
+                         std::uint32_t{low[2][p] <= b.high.z} & std::uint32_t{b.low.z <= high[2][p]};
+            }
+            std::uint32_t bits = 0;
+            for (std::uint32_t p = 0; p < kWidth; ++p) bits |= hit[p] << p;
+            return bits;
+        }
+
+        Box3 bounds;
+        std::uint32_t first;
+        std::array<std::array<float, kWidth>, 3> low, high;
+    };
+
+    template <class Visit>
+    bool overlaps_below(std::uint32_t l, std::uint32_t parent, const Group& own, const Visit& visit) const {
+        const auto [begin, end] = children(l, parent);
+        // What comes before the group has had its turn.
+        const std::uint32_t first = l == 0 ? own.first + 1 : own.first >> (3 * l);
+        for (std::uint32_t i = std::max(begin, first); i < end; ++i) {
+            if (!level_[l][i].overlaps(own.bounds)) continue;
+            if (l > 0) {
+                if (!overlaps_below(l - 1, i, own, visit)) return false;
+                continue;
+            }
+            std::uint32_t bits = own.overlapping(level_[0][i]);
+            if (i - own.first < kWidth) bits &= (1u << (i - own.first)) - 1;
+            for (; bits != 0; bits &= bits - 1) {
+                const std::uint32_t p = own.first + static_cast<std::uint32_t>(std::countr_zero(bits));
+                if constexpr (std::is_same_v<std::invoke_result_t<Visit, std::uint32_t, std::uint32_t>,
+                                             bool>) {
+                    if (!visit(p, i)) return false;
+                } else {
+                    visit(p, i);
+                }
             }
         }
         return true;
