@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "coppice/base/error.h"
+#include "coppice/base/fast_atan2.h"
 
 // Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
 // code.
@@ -59,20 +60,12 @@ HWY_INLINE Lane value_within(Lane x, Lane high, Lane value) {
     return Lane(hn::IfThenElseZero(inside, value.v));
 }
 
-/// arctan(z) / z = polynomial of degree 8 in z^2 through the Chebyshev points of [0, 1]: relative error 2e-8.
 HWY_INLINE Lane upper_angle(Lane y, Lane x) {
     const Lane size = Lane(hn::Abs(x.v));
     const Lane z = smaller(y, size) / larger(y, size);
     const Lane s = z * z;
-    Lane p(0.0027662835);
-    p = p * s + Lane(-0.0157312491);
-    p = p * s + Lane(0.0421376236);
-    p = p * s + Lane(-0.0745685483);
-    p = p * s + Lane(0.106183706);
-    p = p * s + Lane(-0.141977978);
-    p = p * s + Lane(0.19991872);
-    p = p * s + Lane(-0.333330367);
-    p = p * s + Lane(0.999999982);
+    Lane p(kArctan[0]);
+    for (std::size_t k = 1; k < kArctan.size(); ++k) p = p * s + Lane(kArctan[k]);
     p = p * z;
     const auto steep = hn::Gt(y.v, size.v);
     p = Lane(hn::IfThenElse(steep, (Lane(1.57079632679) - p).v, p.v));
