@@ -92,6 +92,7 @@ class CageBuilder {
 
     Hub make_hub(NodeId n) const {
         std::vector<Branch> branch;
+        branch.reserve(degree(n));
         for (const NodeId c : s_.children(n)) branch.push_back(branch_to_child(c));
         const auto straightest_from = [&](std::uint32_t from, std::size_t count) {
             std::uint32_t best = from == 0 ? 1 : 0;
@@ -256,16 +257,17 @@ class CageBuilder {
             total += branch_to_child(n).length;
         }
         const bool start_fixed = is_fixed(start), end_fixed = is_fixed(end);
-        float phase = 0, twist = 0;
+        float phase = 0, end_phase = 0;
         if (start_fixed) phase = ring_phase(at(head).upper, start, frame.front());
         if (end_fixed) {
-            const float end_phase = ring_phase(at(end).lower, end, frame.back());
+            end_phase = ring_phase(at(end).lower, end, frame.back());
             if (!start_fixed) phase = end_phase;
-            twist = std::remainder(end_phase - phase, kHalfPi);
         }
+        const float twist = end_fixed ? std::remainder(end_phase - phase, kHalfPi) : 0;
         if (!start_fixed) {
             fill_end(start, Frame(-frame.front().axis, frame.front().x), -phase, head);
-            at(head).upper = reversed(ring_of(start));
+            Ring& upper = at(head).upper = reversed(ring_of(start));
+            align(upper, phase - ring_phase(upper, start, frame.front()));
         }
         float way = 0;
         for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
@@ -276,22 +278,21 @@ class CageBuilder {
             at(chain[i + 1]).upper = ring_of(chain[i]);
         }
         if (end_fixed) {
-            align(at(end).lower, end, frame.back(), phase + twist);
+            align(at(end).lower, phase + twist - end_phase);
         } else {
             fill_end(end, frame.back(), phase, end);
             at(end).lower = ring_of(end);
         }
-        align(at(head).upper, start, frame.front(), phase);
     }
 
     float ring_phase(const Ring& ring, NodeId n, const Frame& frame) const {
-        return frame.quarters_azimuth([&](int k) { return out_.cage.positions[ring[k]]; }, s_.position(n));
+        return frame.quarters_azimuth([&](std::size_t k) { return out_.cage.positions[ring[k]]; },
+                                      s_.position(n));
     }
 
-    // Renumbers a ring so that its first corner lies at the given azimuth.
-    void align(Ring& ring, NodeId n, const Frame& frame, float phase) const {
-        const float off = control::wrap_angle(phase - ring_phase(ring, n, frame)) / kHalfPi;
-        const int shift = (static_cast<int>(std::lround(off)) + 4) % 4;
+    // Renumbers a ring so that its first corner lies farther on by an angle, a multiple of a quarter turn.
+    static void align(Ring& ring, float by) {
+        const int shift = (static_cast<int>(std::lround(control::wrap_angle(by) / kHalfPi)) + 4) % 4;
         std::rotate(ring.begin(), ring.begin() + shift, ring.end());
     }
 

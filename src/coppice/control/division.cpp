@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+#include <numbers>
 
 namespace coppice::control {
 namespace {
 
+constexpr float kPi = std::numbers::pi_v<float>;
 // So many sites are laid with care; more are stacked around the second site, one after the other.
 constexpr std::size_t kMostWeighed = 48;
 // Ways to open a corner that are tried in earnest.
@@ -20,11 +21,35 @@ constexpr float kStep = 0.7f;
 
 Vec3 tangent(Vec3 at, Vec3 to) { return normalized(to - at * dot(at, to)); }
 
+bool is_laid(const Division& d, std::size_t site) { return d.cell[site][0] != d.cell[site][1]; }
+
+// Where a cell wants its corners: a square about the site at their mean angle, but not less than that of the
+// site's cone. Small cells count more.
+void add_square(const Ring& cell, const Site& site, std::span<const Vec3> corner, std::span<Vec3> wanted) {
+    const Frame frame(site.direction);
+    const Frame::Quarters mean = frame.quarters_of([&](std::size_t k) { return corner[cell[k]]; }, Vec3{});
+    const auto out = frame.quarters_from(normalized(frame.x * mean.x + frame.y * mean.y, frame.x));
+    // Half an angle is that of the number (1 + cos) + i sin, and a product of such numbers adds their halves:
+    // one angle is taken instead of four.
+    constexpr float kTiny = 1e-6f;  // a corner opposite to the site has an angle, too
+    float re = 1, im = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const float c = 1 + kTiny + dot(corner[cell[k]], site.direction), s = mean.off_axis[k];
+        const float turned = re * c - im * s;
+        im = re * s + im * c;
+        re = turned;
+    }
+    const float twice = fast_atan2(im, re);
+    const float angle = std::max(0.5f * (twice < 0 ? twice + 2 * kPi : twice), site.angle);
+    const float w = 1 / (angle * angle), cosine = std::cos(angle), sine = std::sin(angle);
+    for (std::size_t k = 0; k < 4; ++k) wanted[cell[k]] += (site.direction * cosine + out[k] * sine) * w;
+}
+
 // How far the cells are from holding their cones; 0 when all do.
 float lack(const Division& d, std::span<const Site> sites) {
     float sum = 0;
     for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (d.cell[i][0] == d.cell[i][1]) continue;
+        if (!is_laid(d, i)) continue;
         for (std::size_t k = 0; k < 4; ++k) {
             const Vec3 edge = cross(d.corner[d.cell[i][k]], d.corner[d.cell[i][(k + 1) % 4]]);
             const float inside =
@@ -58,6 +83,7 @@ class Divider {
                          [&](std::uint32_t a, std::uint32_t b) { return sites[a].angle > sites[b].angle; });
         const float start = order.empty() ? 0 : frame.azimuth(sites[order[0]].direction);
         const auto out = frame.quarters(start);
+        d_.corner.reserve(sites.size() + 2);
         d_.corner.assign(out.begin(), out.end());
         d_.cell[second] = {0, 1, 2, 3};
         d_.cell[first] = {0, 3, 2, 1};
@@ -78,18 +104,18 @@ class Divider {
         const std::size_t tried = std::min(ways.size(), kTried);
         std::partial_sort(ways.begin(), ways.begin() + static_cast<std::ptrdiff_t>(tried), ways.end(),
                           [](const Opening& a, const Opening& b) { return a.cost < b.cost; });
-        Division best;
+        Division next, best;
         float least = std::numeric_limits<float>::max();
         for (std::size_t i = 0; i < tried; ++i) {
-            Division next = d_;
+            next = d_;
             open(next, ways[i], site);
             even_out(next, sites_, kPasses);
             const float missing = lack(next, sites_) + kShape * ways[i].cost;
             if (i > 0 && !(missing < least)) continue;
             least = missing;
-            best = std::move(next);
+            std::swap(best, next);
         }
-        d_ = std::move(best);
+        std::swap(d_, best);
         laid_.push_back(site);
     }
 
@@ -195,19 +221,7 @@ void even_out(Division& division, std::span<const Site> sites, int passes) {
     for (int pass = 0; pass < passes; ++pass) {
         std::fill(wanted.begin(), wanted.end(), Vec3{});
         for (std::size_t i = 0; i < sites.size(); ++i) {
-            const Ring& ring = division.cell[i];
-            if (ring[0] == ring[1]) continue;  // not laid yet
-            const Vec3 d = sites[i].direction;
-            const Frame frame(d);
-            const auto corner = [&](int k) { return division.corner[ring[static_cast<std::size_t>(k)]]; };
-            const auto out = frame.quarters(frame.quarters_azimuth(corner, Vec3{}));
-            float mean = 0;
-            for (int k = 0; k < 4; ++k) mean += 0.25f * angle_between(corner(k), d);
-            const float angle = std::max(mean, sites[i].angle);
-            const float w = 1 / (angle * angle);
-            for (int k = 0; k < 4; ++k)
-                wanted[ring[static_cast<std::size_t>(k)]] +=
-                    (d * std::cos(angle) + out[static_cast<std::size_t>(k)] * std::sin(angle)) * w;
+            if (is_laid(division, i)) add_square(division.cell[i], sites[i], division.corner, wanted);
         }
         for (std::size_t v = 0; v < wanted.size(); ++v) {
             Vec3& u = division.corner[v];

@@ -18,6 +18,8 @@ constexpr float kRoom = 1.6f;
 constexpr float kShareOfRoom = 0.7f;
 constexpr float kWidestCone = 1.2f;
 constexpr float kNarrowestCone = 0.02f;
+// Branches that meet at a wider angle than this one, by its cosine, are more or less in line.
+constexpr float kCosInLine = -std::numbers::sqrt2_v<float> / 2;
 constexpr int kEvenings = 2;
 // Of more branches than this only the first are looked at when a place among them is sought.
 constexpr std::size_t kMostNeighbours = 256;
@@ -40,6 +42,7 @@ class HubBuilder {
     Hub build() && {
         const std::vector<Site> cones = sites();
         division_.cell.resize(branch_.size());
+        division_.corner.reserve(branch_.size() + 2);
         if (lateral_.size() == 1) {
             divide_fork();
         } else if (lateral_.size() == 2 && std::min(gap_after(0), gap_after(1)) >= kLeastGap) {
@@ -48,10 +51,8 @@ class HubBuilder {
             division_ = divide_sphere(cones, stem_, leader_);
         }
         even_out(division_, cones, kEvenings);
-        Hub hub{{}, std::move(division_.cell)};
-        for (const Vec3 direction : division_.corner)
-            hub.position.push_back(direction * exit_distance(direction));
-        return hub;
+        for (Vec3& corner : division_.corner) corner *= exit_distance(corner);
+        return {std::move(division_.corner), std::move(division_.cell)};
     }
 
   private:
@@ -62,6 +63,7 @@ class HubBuilder {
     }
 
     void find_laterals() {
+        lateral_.reserve(branch_.size() - 2);
         for (std::uint32_t i = 0; i < branch_.size(); ++i) {
             if (i == stem_ || i == leader_) continue;
             lateral_.push_back({i, frame_.azimuth(branch_[i].direction)});
@@ -105,16 +107,23 @@ class HubBuilder {
         return std::min(t, kGreatestSeam * branch_[i].length);
     }
 
+    Vec3 nearest_direction(std::uint32_t i) const {
+        const Vec3 d = branch_[i].direction;
+        Vec3 nearest = -d;
+        for (std::uint32_t j = 0; j < neighbours().size(); ++j) {
+            if (j != i && dot(d, branch_[j].direction) > dot(d, nearest)) nearest = branch_[j].direction;
+        }
+        return nearest;
+    }
+
     std::vector<Site> sites() const {
         std::vector<Site> out;
+        out.reserve(branch_.size());
         for (std::uint32_t i = 0; i < branch_.size(); ++i) {
             const Branch& b = branch_[i];
-            float nearest = kPi;
-            for (std::uint32_t j = 0; j < neighbours().size(); ++j) {
-                if (j != i) nearest = std::min(nearest, angle_between(b.direction, branch_[j].direction));
-            }
-            const float cone = std::min(
-                {std::atan2(kRoom * b.radius, root_distance(i)), kShareOfRoom * nearest, kWidestCone});
+            const float room = angle_between(b.direction, nearest_direction(i));
+            const float cone =
+                std::min({fast_atan2(kRoom * b.radius, root_distance(i)), kShareOfRoom * room, kWidestCone});
             out.push_back({b.direction, std::max(cone, kNarrowestCone)});
         }
         return out;
@@ -141,13 +150,15 @@ class HubBuilder {
             return normalized(d - normal * dot(d, normal), perpendicular(normal));
         };
         const Vec3 di = flat(branch_[i].direction), dj = flat(branch_[j].direction);
-        float phi = std::atan2(dot(normal, cross(di, dj)), dot(di, dj));
+        const Vec3 across = cross(normal, di);
+        const float c = dot(di, dj), s = dot(across, dj), ratio = branch_[j].radius / branch_[i].radius;
+        if (s >= 0 && c >= kCosInLine) return normalized(di * (ratio + c) + across * s, across);
+        float phi = fast_atan2(s, c);
         if (phi < 0) phi += 2 * kPi;
-        const float equal_exit =
-            std::atan2(std::sin(phi), branch_[j].radius / branch_[i].radius + std::cos(phi));
+        const float equal_exit = fast_atan2(s, ratio + c);
         const float in_line = std::clamp((phi / kPi - 0.75f) / 0.2f, 0.0f, 1.0f);
         const float theta = in_line < 1 ? equal_exit + in_line * (phi / 2 - equal_exit) : phi / 2;
-        return di * std::cos(theta) + cross(normal, di) * std::sin(theta);
+        return di * std::cos(theta) + across * std::sin(theta);
     }
 
     // A lateral opens a corner of the stem's ring: the corner becomes its bottom, a new vertex its top, and

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/fast_atan2.h"
+
 namespace coppice {
 namespace {
 
@@ -23,8 +25,6 @@ constexpr std::size_t kMostChildren = 64;
 // behind.
 constexpr float kBundleStem = 1.0f;
 
-float angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
-
 // The point where two cylinders that leave one point part: its distance, and its angle from the first.
 struct Crotch {
     float distance;
@@ -32,9 +32,10 @@ struct Crotch {
 };
 
 Crotch crotch(Vec3 a, float radius_a, Vec3 b, float radius_b) {
-    const float phi = angle_between(a, b);
-    const float angle_a = std::atan2(std::sin(phi), radius_b / radius_a + std::cos(phi));
-    return {radius_a / std::max(std::sin(angle_a), 1e-3f), angle_a, phi - angle_a};
+    const float s = length(cross(a, b)), c = dot(a, b), along = radius_b / radius_a + c;
+    const float sine_a = s / std::max(std::sqrt(s * s + along * along), 1e-30f);
+    const float angle_a = fast_atan2(s, along);
+    return {radius_a / std::max(sine_a, 1e-3f), angle_a, fast_atan2(s, c) - angle_a};
 }
 
 class Parting {
