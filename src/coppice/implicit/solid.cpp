@@ -99,6 +99,17 @@ Vec3d area_vector(std::span<const Vec3d> corners) {
     return sum;
 }
 
+/// A circle or disc.
+Solid round_flat(const std::string& what, SolidKind kind, Vec3 center, Vec3 axis, float radius,
+                 const PrimitiveOptions& options) {
+    SolidNode node = primitive(what, kind, options);
+    check_point(what, center);
+    check_length(what, what + "_radius", radius);
+    node.map = Affine::frame(Vec3d(center), checked_direction(what, "axis", axis));
+    node.size = {radius, 0, 0};
+    return made(std::move(node));
+}
+
 }  // namespace
 
 Solid sphere(Vec3 center, const PrimitiveOptions& options) {
@@ -115,21 +126,11 @@ Solid line(Vec3 a, Vec3 b, const PrimitiveOptions& options) {
 }
 
 Solid circle(Vec3 center, Vec3 axis, float circle_radius, const PrimitiveOptions& options) {
-    SolidNode node = primitive("circle", SolidKind::circle, options);
-    check_point("circle", center);
-    check_length("circle", "circle_radius", circle_radius);
-    node.map = Affine::frame(Vec3d(center), checked_direction("circle", "axis", axis));
-    node.size = {circle_radius, 0, 0};
-    return made(std::move(node));
+    return round_flat("circle", SolidKind::circle, center, axis, circle_radius, options);
 }
 
 Solid disc(Vec3 center, Vec3 axis, float disc_radius, const PrimitiveOptions& options) {
-    SolidNode node = primitive("disc", SolidKind::disc, options);
-    check_point("disc", center);
-    check_length("disc", "disc_radius", disc_radius);
-    node.map = Affine::frame(Vec3d(center), checked_direction("disc", "axis", axis));
-    node.size = {disc_radius, 0, 0};
-    return made(std::move(node));
+    return round_flat("disc", SolidKind::disc, center, axis, disc_radius, options);
 }
 
 Solid box(const Box3& skeleton, const PrimitiveOptions& options) {
