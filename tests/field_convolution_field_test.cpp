@@ -10,6 +10,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
+#include "errors.h"
 #include "field_support.h"
 #include "zoo.h"
 
@@ -365,12 +366,8 @@ TEST(ConvolutionField, BlendsStayFiniteFromFarAwayToTheMiddleOfCrowds) {
 
 TEST(ConvolutionField, BlendsOtherThanPowersOfTwoAreRefused) {
     const Skeleton s = zoo_skeleton("one_segment");
-    try {
-        ConvolutionField(s, {.blend = 3});
-        FAIL();
-    } catch (const InvalidInput& e) {
-        EXPECT_STREQ(e.what(), "field: blend must be 1, 2, 4 or 8, but is 3");
-    }
+    EXPECT_EQ(test::error_of([&] { ConvolutionField(s, {.blend = 3}); }),
+              "field: blend must be 1, 2, 4 or 8, but is 3");
     EXPECT_THROW(ConvolutionField(s, {.blend = 0}), InvalidInput);
     EXPECT_THROW(ConvolutionField(s, {.blend = 16}), InvalidInput);
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
+#include "errors.h"
 #include "field_support.h"
 
 // The figures of the tables were computed independently, with lines of infinite kernels not truncated and by
@@ -228,12 +229,8 @@ TEST(KernelConstants, SteepSegmentsStayInTheRangeOfScalis) {
 }
 
 TEST(KernelConstants, OptionsOutOfRangeAreRefusedByName) {
-    try {
-        SegmentBuilder({.support = 0.5f});
-        FAIL();
-    } catch (const InvalidInput& e) {
-        EXPECT_STREQ(e.what(), "field: support must lie between 1.1 and 4, but is 0.5");
-    }
+    EXPECT_EQ(test::error_of([] { SegmentBuilder({.support = 0.5f}); }),
+              "field: support must lie between 1.1 and 4, but is 0.5");
     EXPECT_THROW(SegmentBuilder({.width = NAN}), InvalidInput);
     EXPECT_THROW(SegmentBuilder({.tip_extension = 5}), InvalidInput);
 }

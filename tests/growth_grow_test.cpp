@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <string>
 
 #include "coppice/base/error.h"
 #include "coppice/base/hash.h"
 #include "coppice/base/random.h"
+#include "described_options.h"
+#include "errors.h"
 #include "growth_fields.h"
 
 namespace coppice {
@@ -38,16 +39,6 @@ std::uint64_t hash_of(const GrowResult& r) {
     Hash hash;
     hash.add(s.parents()).add(s.positions()).add(std::span(r.unreached));
     return hash.add(r.iterations).add(r.stalls).add(r.dropped).value();
-}
-
-template <class Call>
-std::string error_of(const Call& call) {
-    try {
-        call();
-    } catch (const InvalidInput& e) {
-        return e.what();
-    }
-    return "";
 }
 
 TEST(Grow, WalksStraightToASingleAttractor) {
@@ -378,7 +369,7 @@ TEST(Grow, RefusesOptionsOutOfRangeByName) {
                 }
             });
             if (skip) continue;
-            const std::string error = error_of([&] { grow_at_origin({{0, 0, 1}}, options); });
+            const std::string error = test::error_of([&] { grow_at_origin({{0, 0, 1}}, options); });
             EXPECT_NE(error.find(name), std::string::npos) << name << " " << which << ": " << error;
         }
     }
@@ -387,7 +378,7 @@ TEST(Grow, RefusesOptionsOutOfRangeByName) {
 TEST(Grow, RefusesWhatDoesNotFitTogether) {
     const auto error = [](const std::vector<Vec3>& a, const std::vector<Root>& roots,
                           const GrowOptions& o = {}) {
-        return error_of([&] { grow({.attractors = a, .roots = roots}, o); });
+        return test::error_of([&] { grow({.attractors = a, .roots = roots}, o); });
     };
     const float kNan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_NE(error({}, kOrigin, {.kill_radius = 0.05f}).find("kill_radius"), std::string::npos);
@@ -402,19 +393,7 @@ TEST(Grow, RefusesWhatDoesNotFitTogether) {
 }
 
 TEST(Grow, DescribesEveryOptionOnceWithItsDefaultInRange) {
-    GrowOptions options;
-    std::set<std::string> names;
-    std::size_t size = 0;
-    visit_fields(options, [&](const Field& field, auto& value) {
-        EXPECT_TRUE(names.emplace(field.name).second) << field.name;
-        EXPECT_FALSE(field.help.empty());
-        size += sizeof(value);
-        if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>) {
-            EXPECT_GE(static_cast<double>(value), field.low) << field.name;
-            EXPECT_LE(static_cast<double>(value), field.high) << field.name;
-        }
-    });
-    EXPECT_EQ(size + 3, sizeof(GrowOptions));  // 3 bytes of padding after the bool
+    test::expect_described<GrowOptions>(3);  // bytes of padding after the bool
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/growth/grow.h"
+#include "errors.h"
 #include "growth_fields.h"
 
 namespace coppice {
@@ -100,12 +101,8 @@ TEST(Guard, RefusesOptionsOutOfRange) {
 TEST(Guard, RootsWhereItBarsGrowthAreRefused) {
     const Guard outside{FieldRef(kBall)};
     const std::vector<Root> roots{{{0, 0, 2}, {}}, {{0, 0, 0.5f}, {}}};
-    try {
-        grow({.roots = roots, .guard = &outside});
-        FAIL();
-    } catch (const InvalidInput& e) {
-        EXPECT_NE(std::string(e.what()).find("root 1"), std::string::npos);
-    }
+    const std::string error = test::error_of([&] { grow({.roots = roots, .guard = &outside}); });
+    EXPECT_NE(error.find("root 1"), std::string::npos) << error;
 }
 
 // The thesis' figure 7.7 a: two marker points on either side of a bulge draw a node into the solid.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "coppice/base/error.h"
+#include "described_options.h"
 
 namespace coppice {
 namespace {
@@ -42,16 +43,7 @@ TEST(Radii, RefuseOptionsOutOfRange) {
     EXPECT_THROW(with_pipe_radii(fork(), {.leaf_share = -0.1f}), InvalidInput);
 }
 
-TEST(Radii, DescribeEveryOption) {
-    RadiiOptions options;
-    std::size_t size = 0;
-    visit_fields(options, [&](const Field& field, auto& value) {
-        EXPECT_GE(static_cast<double>(value), field.low) << field.name;
-        EXPECT_LE(static_cast<double>(value), field.high) << field.name;
-        size += sizeof(value);
-    });
-    EXPECT_EQ(size, sizeof(RadiiOptions));
-}
+TEST(Radii, DescribeEveryOption) { test::expect_described<RadiiOptions>(); }
 
 }  // namespace
 }  // namespace coppice

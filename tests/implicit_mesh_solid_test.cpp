@@ -176,7 +176,7 @@ TEST(MeshSolid, RefusesWhatIsNoSolid) {
     const auto mesh = [](auto change) {
         Triangles m = box({0, 0, 0}, {1, 1, 1});
         change(m);
-        return refusal([&] { m.solid(); });
+        return error_of([&] { m.solid(); });
     };
     EXPECT_NE(mesh([](Triangles& m) { m.triangles.clear(); }).find("enclose nothing"), std::string::npos);
     EXPECT_NE(mesh([](Triangles& m) { m.positions[3].x = kNan; }).find("position 4"), std::string::npos);
@@ -186,7 +186,7 @@ TEST(MeshSolid, RefusesWhatIsNoSolid) {
                   for (Vec3& p : m.positions) p.z = 0;
               }).find("enclose nothing"),
               std::string::npos);
-    EXPECT_NE(refusal([] { MeshSolid({}, {}); }).find("enclose nothing"), std::string::npos);
+    EXPECT_NE(error_of([] { MeshSolid({}, {}); }).find("enclose nothing"), std::string::npos);
 }
 
 }  // namespace

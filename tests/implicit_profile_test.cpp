@@ -70,17 +70,17 @@ TEST(Profile, BatchesAreTheSame) {
 
 TEST(Profile, RefusesWhatIsNoProfile) {
     const auto profile = [](std::vector<Vec2d> points, bool closed = true) {
-        return refusal([&] { Profile(points, CurveKind::polyline, closed); });
+        return error_of([&] { Profile(points, CurveKind::polyline, closed); });
     };
     EXPECT_EQ(profile({{0, 0}, {1, 1}, {2, 2}}),
               "profile: contour 1 bounds no area; move its points off one line");
     EXPECT_NE(profile({{0, 0}, {1, 1}}).find("3 to 1000000 points"), std::string::npos);
     EXPECT_NE(profile({{0, 0}, {1, std::nan("")}, {2, 0}}).find("point 2"), std::string::npos);
     EXPECT_NE(profile({{0, 0}, {1e300, 1}, {2, 0}}).find("point 2"), std::string::npos);
-    EXPECT_NE(refusal([] { Profile(std::span<const std::vector<Vec2d>>{}); }).find("no contour"),
+    EXPECT_NE(error_of([] { Profile(std::span<const std::vector<Vec2d>>{}); }).find("no contour"),
               std::string::npos);
-    EXPECT_NE(refusal([] { circle_contour({0, 0}, -1); }).find("radius"), std::string::npos);
-    EXPECT_NE(refusal([] { circle_contour({0, 0}, 1, 2); }).find("corners"), std::string::npos);
+    EXPECT_NE(error_of([] { circle_contour({0, 0}, -1); }).find("radius"), std::string::npos);
+    EXPECT_NE(error_of([] { circle_contour({0, 0}, 1, 2); }).find("corners"), std::string::npos);
 }
 
 }  // namespace

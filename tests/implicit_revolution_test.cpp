@@ -61,23 +61,23 @@ TEST(Revolution, GradientsAgreeWithDifferences) {
 }
 
 TEST(Revolution, RefusesWhatCannotTurn) {
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Revolution(open_line({{-1, 0}, {1, 1}}));
               }).find("across the axis"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Revolution(open_line({{0, 0}, {0, 1}}));
               }).find("lies on the axis"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Revolution(open_line({{1, 0}, {1, 1}}), {.direction = {0, 0, 0}});
               }).find("direction"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Revolution(open_line({{1, 0}, {1, 1}}), {.origin = {kNan, 0, 0}});
               }).find("origin"),
               std::string::npos);
-    EXPECT_NE(refusal([] { Revolution(open_line({{1, 1}, {2, 1}})); }).find("no volume"), std::string::npos);
+    EXPECT_NE(error_of([] { Revolution(open_line({{1, 1}, {2, 1}})); }).find("no volume"), std::string::npos);
 }
 
 }  // namespace

@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/implicit/shape.h"
+#include "errors.h"
 
 namespace coppice {
+
+using test::error_of;
 
 inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kInfinite = std::numeric_limits<float>::infinity();
@@ -72,17 +74,6 @@ inline void expect_bounds_hold_the_inside(const Shape& shape) {
         EXPECT_TRUE(box.overlaps(point)) << p.x << ' ' << p.y << ' ' << p.z;
     }
     EXPECT_GT(inside, 20u);
-}
-
-/// The message of the InvalidInput that `make` throws; empty if it throws none.
-template <class Make>
-std::string refusal(const Make& make) {
-    try {
-        make();
-    } catch (const InvalidInput& e) {
-        return e.what();
-    }
-    return {};
 }
 
 /// Samples of points that are not numbers, or huge, come back, and the bits of others do not depend on them.

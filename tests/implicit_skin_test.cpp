@@ -164,17 +164,17 @@ TEST(Skin, ManySectionsStayCheap) {
 }
 
 TEST(Skin, RefusesWhatCannotBeSkinned) {
-    EXPECT_NE(refusal([] { Skin(upright(1), {}); }).find("1 to 10000 sections"), std::string::npos);
-    EXPECT_NE(refusal([] { Skin(upright(1), {{kNan, circle(1)}}); }).find("section 1"), std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] { Skin(upright(1), {}); }).find("1 to 10000 sections"), std::string::npos);
+    EXPECT_NE(error_of([] { Skin(upright(1), {{kNan, circle(1)}}); }).find("section 1"), std::string::npos);
+    EXPECT_NE(error_of([] {
                   Skin(upright(1), {{0, circle(1)}, {1.5f, circle(1)}});
               }).find("section 2"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Skin(upright(1), {{0, Profile(kSquare, CurveKind::polyline, false)}});
               }).find("open"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Skin(upright(1), {{0, circle(1)}}, {.twist = kInfinite});
               }).find("twist"),
               std::string::npos);

@@ -119,26 +119,26 @@ TEST(Sweep, BoundsHoldWhatPolylinesSweep) {
 
 TEST(Sweep, RefusesWhatCannotBeSwept) {
     const auto with_scales = [](std::vector<ScaleAt> scales) {
-        return refusal([&] { Sweep(line({{0, 0, 0}, {0, 0, 1}}), circle(1), scales); });
+        return error_of([&] { Sweep(line({{0, 0, 0}, {0, 0, 1}}), circle(1), scales); });
     };
     EXPECT_NE(with_scales({{0, 0}}).find("above 0"), std::string::npos);
     EXPECT_NE(with_scales({{0, kNan}}).find("above 0"), std::string::npos);
     EXPECT_NE(with_scales({{0, 1e6f}}).find("at most 1000"), std::string::npos);
     EXPECT_NE(with_scales({{0.5f, 1}, {0.5f, 2}}).find("rise"), std::string::npos);
     EXPECT_NE(with_scales({{-1, 1}}).find("rise"), std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Sweep(line({{0, 0, 0}, {0, 0, 1}}), Profile(kSquare, CurveKind::polyline, false));
               }).find("open"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Sweep(line({{0, 0, 0}, {0, 0, 1}, {0, 0, 0.5f}}), circle(1));
               }).find("turns back"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Sweep(line({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, true), circle(0.1), {}, {.twist = 1});
               }).find("whole number of turns"),
               std::string::npos);
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   Sweep(line({{0, 0, 0}, {0, 0, 1}}), circle(1), {}, {.roll = kNan});
               }).find("roll"),
               std::string::npos);

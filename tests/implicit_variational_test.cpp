@@ -99,7 +99,7 @@ TEST(Variational, RefusesWhatItCannotSolve) {
     const auto with = [&](auto change) {
         Sample other = s;
         change(other);
-        return refusal([&] { Variational(other.points, other.normals); });
+        return error_of([&] { Variational(other.points, other.normals); });
     };
     EXPECT_NE(with([](Sample& x) { x.points.resize(3); }).find("needs 4 to 5000 points, but has 3"),
               std::string::npos);
@@ -119,7 +119,7 @@ TEST(Variational, RefusesWhatItCannotSolve) {
                   for (Vec3& p : x.points) p = {1, 1, 1};
               }).find("coincide"),
               std::string::npos);
-    EXPECT_NE(refusal([&] { Variational(s.points, s.normals, {.offset = 0}); }).find("offset"),
+    EXPECT_NE(error_of([&] { Variational(s.points, s.normals, {.offset = 0}); }).find("offset"),
               std::string::npos);
 }
 

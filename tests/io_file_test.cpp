@@ -7,26 +7,16 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "coppice/base/error.h"
+#include "errors.h"
+#include "temporary_folder.h"
 
 namespace coppice {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// An empty folder of this test's own, removed afterwards.
-class FileTest : public testing::Test {
+class FileTest : public test::FolderTest {
   protected:
-    void SetUp() override {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::path(testing::TempDir()) /
-                  ("coppice_file_" + std::string(info->name()) + std::to_string(::getpid()));
-        fs::create_directories(folder_);
-    }
-    void TearDown() override {
-        fs::permissions(folder_, fs::perms::owner_all);
-        fs::remove_all(folder_);
-    }
     std::size_t entries() const {
         return static_cast<std::size_t>(
             std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
@@ -34,18 +24,11 @@ class FileTest : public testing::Test {
     static void put(const fs::path& path, std::string_view text) {
         std::ofstream(path, std::ios::binary) << text;
     }
-
-    fs::path folder_;
 };
 
 template <class Action>
 std::string error_of(const Action& action) {
-    try {
-        action();
-    } catch (const IoError& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::error_of<IoError>(action);
 }
 
 TEST_F(FileTest, ReadsWhatIsThere) {

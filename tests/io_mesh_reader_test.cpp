@@ -1,7 +1,6 @@
 #include "coppice/io/mesh_reader.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
 #include <bit>
@@ -12,6 +11,8 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
+#include "errors.h"
+#include "temporary_folder.h"
 
 namespace coppice {
 namespace {
@@ -34,12 +35,7 @@ void append(std::string& bytes, T value, bool big_endian = false) {
 }
 
 std::string error_of(std::string_view bytes, MeshFormat format) {
-    try {
-        parse_mesh(bytes, format, "f");
-    } catch (const Error& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::error_of<Error>([&] { parse_mesh(bytes, format, "f"); });
 }
 
 /// A GLB file from its JSON and its buffer.
@@ -342,29 +338,18 @@ TEST(MeshReader, FilesCutAtAnyByte) {
     }
 }
 
-class ReadMeshFile : public testing::Test {
+class ReadMeshFile : public test::FolderTest {
   protected:
-    fs::path put(const std::string& name, std::string_view bytes) {
-        const fs::path path = fs::path(testing::TempDir()) / ("coppice_" + std::to_string(::getpid()) + name);
-        std::ofstream(path, std::ios::binary) << bytes;
-        made_.push_back(path);
-        return path;
+    fs::path put(const std::string& name, std::string_view bytes) const {
+        std::ofstream(folder_ / name, std::ios::binary) << bytes;
+        return folder_ / name;
     }
-    void TearDown() override {
-        for (const auto& path : made_) fs::remove(path);
-    }
-    std::string error_of_file(const std::string& name, std::string_view bytes) {
+    std::string error_of_file(const std::string& name, std::string_view bytes) const {
         const fs::path path = put(name, bytes);
-        try {
-            read_mesh(path);
-        } catch (const Error& e) {
-            const std::string text = e.what();
-            EXPECT_TRUE(text.starts_with(path.string() + ":")) << text;
-            return text.substr(std::min(text.size(), path.string().size()));
-        }
-        return "no error";
+        const std::string text = test::error_of<Error>([&] { read_mesh(path); });
+        EXPECT_TRUE(text.starts_with(path.string() + ":")) << text;
+        return text.substr(std::min(text.size(), path.string().size()));
     }
-    std::vector<fs::path> made_;
 };
 
 TEST_F(ReadMeshFile, TheContentGoesBeforeTheName) {

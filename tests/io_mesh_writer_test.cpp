@@ -1,7 +1,6 @@
 #include "coppice/io/mesh_writer.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -11,6 +10,8 @@
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh_reader.h"
+#include "errors.h"
+#include "temporary_folder.h"
 
 namespace coppice {
 namespace {
@@ -56,16 +57,8 @@ double volume(const PolygonMesh& mesh) {
     return six / 6;
 }
 
-class MeshWriter : public testing::Test {
+class MeshWriter : public test::FolderTest {
   protected:
-    void SetUp() override {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::path(testing::TempDir()) /
-                  ("coppice_writer_" + std::string(info->name()) + std::to_string(::getpid()));
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     template <class Mesh>
     std::string written(const std::string& name, const Mesh& mesh, const MeshWriteOptions& options = {},
                         const Context& ctx = {}) {
@@ -79,16 +72,10 @@ class MeshWriter : public testing::Test {
     }
     template <class Mesh>
     std::string error_of(const std::string& name, const Mesh& mesh, const MeshWriteOptions& options = {}) {
-        try {
-            write_mesh(folder_ / name, mesh, options);
-        } catch (const Error& e) {
-            EXPECT_TRUE(fs::is_empty(folder_)) << "something was left behind";
-            return e.what();
-        }
-        return "no error";
+        const std::string error = test::error_of<Error>([&] { write_mesh(folder_ / name, mesh, options); });
+        EXPECT_TRUE(fs::is_empty(folder_)) << "something was left behind";
+        return error;
     }
-
-    fs::path folder_;
 };
 
 TEST_F(MeshWriter, QuadsComeBackFromObjAndPlyBitForBit) {

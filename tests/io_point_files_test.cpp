@@ -1,15 +1,15 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <limits>
 #include <string>
 
-#include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/io/file.h"
 #include "coppice/io/point_reader.h"
 #include "coppice/io/point_writer.h"
+#include "errors.h"
+#include "temporary_folder.h"
 
 namespace coppice {
 namespace {
@@ -28,25 +28,10 @@ PointSet many(std::size_t n) {
 }
 
 std::string error_of(std::string_view bytes) {
-    try {
-        parse_points(bytes, "p.xyz");
-    } catch (const InvalidInput& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::error_of([&] { parse_points(bytes, "p.xyz"); });
 }
 
-class PointFiles : public testing::Test {
-  protected:
-    void SetUp() override {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::path(testing::TempDir()) /
-                  ("coppice_points_" + std::string(info->name()) + std::to_string(::getpid()));
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-    fs::path folder_;
-};
+class PointFiles : public test::FolderTest {};
 
 TEST_F(PointFiles, ComeBackBitForBit) {
     const PointSet set = many(20000);  // three runs of the writer

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-using points_support::refusal;
+using points_support::error_of;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -79,21 +79,21 @@ TEST(DensityCurve, KnowsTheRangeOfValuesThatHaveADensity) {
 
 TEST(DensityCurve, RefusesWhatIsNoDensity) {
     for (const float width : {0.0f, -1.0f, kNan, kInfinity}) {
-        EXPECT_NE(refusal([&] { DensityCurve(PointDensity::inside_boundary, 1, width); }).find("width"),
+        EXPECT_NE(error_of([&] { DensityCurve(PointDensity::inside_boundary, 1, width); }).find("width"),
                   std::string::npos);
     }
-    EXPECT_NE(refusal([] { DensityCurve(PointDensity::inside_boundary, 1, 1e-12f); }).find("too small"),
+    EXPECT_NE(error_of([] { DensityCurve(PointDensity::inside_boundary, 1, 1e-12f); }).find("too small"),
               std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve(PointDensity::proportional, 1, 1, kNan); }).find("power"),
+    EXPECT_NE(error_of([] { DensityCurve(PointDensity::proportional, 1, 1, kNan); }).find("power"),
               std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve(PointDensity::inverse, 0); }).find("above 0"), std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve(PointDensity::uniform, kNan); }).find("level"), std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve({{0, 1}}); }).find("two knots"), std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve({{1, 1}, {0, 1}}); }).find("must not fall"), std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve({{0, 0}, {1, 0}}); }).find("0 everywhere"), std::string::npos);
-    EXPECT_NE(refusal([] { DensityCurve({{0, 1}, {0, 1}}); }).find("0 everywhere"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve(PointDensity::inverse, 0); }).find("above 0"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve(PointDensity::uniform, kNan); }).find("level"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve({{0, 1}}); }).find("two knots"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve({{1, 1}, {0, 1}}); }).find("must not fall"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve({{0, 0}, {1, 0}}); }).find("0 everywhere"), std::string::npos);
+    EXPECT_NE(error_of([] { DensityCurve({{0, 1}, {0, 1}}); }).find("0 everywhere"), std::string::npos);
     for (const float d : {-1.0f, kNan, 1e7f}) {
-        EXPECT_NE(refusal([&] { DensityCurve({{0, 1}, {1, d}}); }).find("knot 2"), std::string::npos);
+        EXPECT_NE(error_of([&] { DensityCurve({{0, 1}, {1, d}}); }).find("knot 2"), std::string::npos);
     }
 }
 

@@ -57,7 +57,7 @@ TEST(Thinned, AChoiceDependsOnTheSeedAloneAndTheOriginCounts) {
 
 TEST(Thinned, RefusesSharesThatAreNone) {
     for (const float percent : {-1.0f, 101.0f, std::nanf("")}) {
-        EXPECT_NE(refusal([&] { thinned({}, FieldRef(kBall), {.percent = percent}); }).find("percent"),
+        EXPECT_NE(error_of([&] { thinned({}, FieldRef(kBall), {.percent = percent}); }).find("percent"),
                   std::string::npos);
     }
 }

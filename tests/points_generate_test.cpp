@@ -119,7 +119,7 @@ TEST(Generate, ACountOfZeroFillsWithTheGivenDistance) {
 
 TEST(Generate, RefusesInOneSentence) {
     const auto said = [](const GenerateOptions& o) {
-        return refusal([&] { generate(kField, ball_box(), o); });
+        return error_of([&] { generate(kField, ball_box(), o); });
     };
     const float nan = std::nanf("");
     EXPECT_NE(said({.count = -1}).find("count"), std::string::npos);
@@ -139,7 +139,7 @@ TEST(Generate, RefusesInOneSentence) {
         EXPECT_NE(said({.pattern = pattern, .count = 100000000, .max_memory = 100}).find("max_memory"),
                   std::string::npos);
     }
-    EXPECT_NE(refusal([] {
+    EXPECT_NE(error_of([] {
                   generate(kField, {{9, 9, 9}, {10, 10, 10}});
               }).find("density is 0"),
               std::string::npos);

@@ -154,7 +154,7 @@ TEST(Lane, GivesTheSameBitsForAnyNumberOfThreadsAndOthersForOtherSeeds) {
 
 TEST(Lane, RefusesInOneSentence) {
     const auto said = [](const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options) {
-        return refusal([&] { lane(region, kernel, options); });
+        return error_of([&] { lane(region, kernel, options); });
     };
     const RadialKernel disk = RadialKernel::disk(0.1f);
     EXPECT_NE(said(ball(), disk, {.count = -1}).find("count must lie between"), std::string::npos);

@@ -93,7 +93,7 @@ TEST(NearMesh, GivesTheSameBitsForAnyNumberOfThreads) {
 
 TEST(NearMesh, RefusesInOneSentence) {
     const auto said = [](const TriMesh& mesh, const NearMeshOptions& o) {
-        return refusal([&] { near_mesh(mesh, o); });
+        return error_of([&] { near_mesh(mesh, o); });
     };
     EXPECT_NE(said({}, {}).find("no triangle with an area"), std::string::npos);
     EXPECT_NE(said(sheet(), {.count = 0}).find("count"), std::string::npos);

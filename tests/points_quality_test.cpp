@@ -110,10 +110,10 @@ TEST(Quality, ThePictureShowsBothCurves) {
 
 TEST(Quality, RefusesInOneSentence) {
     PointSet set = independent(10);
-    EXPECT_NE(refusal([&] { quality(set, {.bins = 0}); }).find("bins"), std::string::npos);
-    EXPECT_NE(refusal([&] { quality(set, {.range = std::nanf("")}); }).find("range"), std::string::npos);
+    EXPECT_NE(error_of([&] { quality(set, {.bins = 0}); }).find("bins"), std::string::npos);
+    EXPECT_NE(error_of([&] { quality(set, {.range = std::nanf("")}); }).find("range"), std::string::npos);
     set.positions[3].z = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_NE(refusal([&] { quality(set); }).find("not finite"), std::string::npos);
+    EXPECT_NE(error_of([&] { quality(set); }).find("not finite"), std::string::npos);
 }
 
 }  // namespace

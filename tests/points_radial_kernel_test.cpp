@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-using points_support::refusal;
+using points_support::error_of;
 
 TEST(RadialKernel, DiskAndClusterAreWhatTheySay) {
     EXPECT_EQ(RadialKernel().at(0), 1);
@@ -31,10 +31,10 @@ TEST(RadialKernel, DiskAndClusterAreWhatTheySay) {
 TEST(RadialKernel, RefusesWhatIsNoKernel) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const float d : {-1.0f, nan, std::numeric_limits<float>::infinity()}) {
-        EXPECT_NE(refusal([&] { RadialKernel::disk(d); }).find("knot 1"), std::string::npos);
+        EXPECT_NE(error_of([&] { RadialKernel::disk(d); }).find("knot 1"), std::string::npos);
     }
-    EXPECT_NE(refusal([&] { RadialKernel::clustered(1, 2, nan); }).find("factor"), std::string::npos);
-    EXPECT_NE(refusal([] { RadialKernel::clustered(2, 1, 3); }).find("must not fall"), std::string::npos);
+    EXPECT_NE(error_of([&] { RadialKernel::clustered(1, 2, nan); }).find("factor"), std::string::npos);
+    EXPECT_NE(error_of([] { RadialKernel::clustered(2, 1, 3); }).find("must not fall"), std::string::npos);
 }
 
 }  // namespace

@@ -6,11 +6,13 @@
 #include <span>
 #include <string>
 
-#include "coppice/base/error.h"
 #include "coppice/points/point_region.h"
 #include "coppice/points/point_set.h"
+#include "errors.h"
 
 namespace coppice::points_support {
+
+using test::error_of;
 
 /// A ball of radius 1: the value falls from 2 in the middle to 0 at distance 2, and is 1 at the surface.
 struct Ball {
@@ -43,17 +45,6 @@ inline double least_distance(const PointSet& set) {
         }
     }
     return least;
-}
-
-/// The sentence that a call is refused with.
-template <class Call>
-std::string refusal(const Call& call) {
-    try {
-        call();
-    } catch (const InvalidInput& e) {
-        return e.what();
-    }
-    return "not refused";
 }
 
 /// Pearson's statistic; expected counts are at least 5.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "errors.h"
+
 namespace coppice {
 namespace {
 
@@ -43,12 +45,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 }
 
 std::string message_of(const char* text) {
-    try {
-        from_json<Sample>(Json::parse(text), "file.json");
-    } catch (const InvalidInput& e) {
-        return e.what();
-    }
-    return "no error";
+    return test::error_of([&] { from_json<Sample>(Json::parse(text), "file.json"); });
 }
 
 TEST(RecipeJson, OptionsComeBackTheSame) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "coppice/scene/scene.h"
+#include "errors.h"
 
 namespace coppice {
 namespace {
@@ -57,12 +58,7 @@ TEST(SceneCommands, TheExamplesRunOneAfterTheOther) {
 }
 
 std::string refusal(Scene& scene, const std::string& line) {
-    try {
-        scene.run(line);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "done";
+    return test::error_of<Error>([&] { scene.run(line); });
 }
 
 TEST(SceneCommands, RefusalsNameTheWordAndTheNearestSpelling) {
@@ -124,7 +120,7 @@ TEST(SceneCommands, OddNumbersAreTakenOrRefusedInWords) {
             for (const std::string value : {"nan", "1e400", "-1"}) {
                 const std::string said = refusal(scene, line + " " + a.name + "=" + value);
                 if (value != "-1") {
-                    EXPECT_NE(said, "done") << c.name << " " << a.name;
+                    EXPECT_NE(said, "no error") << c.name << " " << a.name;
                 }
                 EXPECT_EQ(said.find('\n'), std::string::npos);
             }

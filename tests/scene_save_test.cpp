@@ -8,6 +8,8 @@
 #include "coppice/io/file.h"
 #include "coppice/io/skeleton_reader.h"
 #include "coppice/scene/scene.h"
+#include "errors.h"
+#include "temporary_folder.h"
 
 namespace coppice {
 namespace {
@@ -29,24 +31,12 @@ std::uint64_t hash_of(const Scene& scene) {
     return hash.value();
 }
 
-class SceneSave : public ::testing::Test {
+class SceneSave : public test::FolderTest {
   protected:
-    SceneSave() { std::filesystem::create_directories(folder_); }
-    ~SceneSave() override { std::filesystem::remove_all(folder_); }
-
     std::string file(const std::string& name) const { return (folder_ / name).string(); }
     static std::string refusal(Scene& scene, const std::string& line) {
-        try {
-            scene.run(line);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "done";
+        return test::error_of<Error>([&] { scene.run(line); });
     }
-
-    std::filesystem::path folder_ =
-        std::filesystem::temp_directory_path() /
-        ("coppice scene " + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
 };
 
 TEST_F(SceneSave, ARecipeGivesTheSameBits) {
@@ -86,7 +76,7 @@ TEST_F(SceneSave, TheEndingPicksTheKind) {
     const std::string both = refusal(scene, "save tree " + quoted_word(file("tree.ply")));
     EXPECT_NE(both.find("add kind= and one of skeleton, mesh"), std::string::npos) << both;
     EXPECT_FALSE(std::filesystem::exists(file("tree.ply")));
-    EXPECT_EQ(refusal(scene, "save tree kind=mesh " + quoted_word(file("tree.ply"))), "done");
+    EXPECT_EQ(refusal(scene, "save tree kind=mesh " + quoted_word(file("tree.ply"))), "no error");
     const std::string solid = refusal(scene, "save part " + quoted_word(file("part.obj")));
     EXPECT_NE(solid.find("write the mesh that polygonize makes"), std::string::npos) << solid;
 }
@@ -110,7 +100,7 @@ TEST_F(SceneSave, NothingIsWrittenWhereThatIsNotWanted) {
     dry.run("render s kind=solid " + quoted_word(file("a.png")));
     dry.run("save recipe " + quoted_word(file("a.coppice")));
     EXPECT_TRUE(std::filesystem::is_empty(folder_));
-    EXPECT_NE(refusal(dry, "save s a.xyz"), "done");
+    EXPECT_NE(refusal(dry, "save s a.xyz"), "no error");
     EXPECT_THROW(closed.run("save s a.obj"), IoError);
     EXPECT_THROW(closed.run("loadmesh m a.obj"), IoError);
     EXPECT_THROW(Scene().run_text("sphere s\npolygonize s\nsave s gone/a.obj", "x"), IoError);

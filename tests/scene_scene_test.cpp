@@ -3,17 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "coppice/implicit/solid_field.h"
+#include "errors.h"
 
 namespace coppice {
 namespace {
 
 std::string refusal(Scene& scene, const std::string& text) {
-    try {
-        scene.run_text(text, "f.coppice");
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "done";
+    return test::error_of<Error>([&] { scene.run_text(text, "f.coppice"); });
 }
 
 const Solid& solid_of_scene(const Scene& scene, const std::string& name) {
@@ -66,7 +62,7 @@ TEST(Scene, AFailingLineLeavesEverythingAsItWas) {
           "polygonize a cell=1e-6", "set seed -1", "undo 50", "grow t a root=nan,0,0", "delete a b c",
           "delete a", "bend a 170 to=0,0,0.1", "twist a 1 axis=0,0,0", "save recipe x.txt", "sphere \"",
           "copy a z"}) {
-        EXPECT_NE(refusal(scene, line), "done") << line;
+        EXPECT_NE(refusal(scene, line), "no error") << line;
         EXPECT_EQ(scene.state().objects, before.objects) << line;
         EXPECT_EQ(scene.state().history, before.history) << line;
         EXPECT_EQ(scene.state().seed, 3) << line;
@@ -142,13 +138,13 @@ TEST(Scene, NestingAndNumbersAreBounded) {
     Scene scene;
     std::string deep = "sphere s\n";
     for (int i = 0; i < 300; ++i) deep += "twist s 1\n";
-    EXPECT_NE(refusal(scene, deep), "done");
+    EXPECT_NE(refusal(scene, deep), "no error");
     Scene wide;
     std::string parts = "sphere s0\n";
     for (int i = 0; i < 30; ++i)
         parts +=
             "union s" + std::to_string(i) + " s" + std::to_string(i) + " s" + std::to_string(i + 1) + "\n";
-    EXPECT_NE(refusal(wide, parts), "done");
+    EXPECT_NE(refusal(wide, parts), "no error");
     Scene many;
     std::string names;
     for (int i = 0; i <= 10'000; ++i) names += "path p" + std::to_string(i) + " 0,0,0 1,0,0\n";
@@ -204,7 +200,7 @@ TEST(Scene, ADensityOfOnesOwnAndACachedField) {
     }
     scene.run("pointset gen s uniform count=300 cached=true");
     EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
-    EXPECT_NE(refusal(scene, "pointset gen s density=inverse cached=true"), "done");
+    EXPECT_NE(refusal(scene, "pointset gen s density=inverse cached=true"), "no error");
 }
 
 }  // namespace

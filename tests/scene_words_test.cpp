@@ -3,17 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "coppice/base/error.h"
+#include "errors.h"
 
 namespace coppice {
 namespace {
 
 std::string message_of(const std::string& text) {
-    try {
-        scene_lines(text, "a.coppice");
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "nothing";
+    return test::error_of([&] { scene_lines(text, "a.coppice"); });
 }
 
 TEST(SceneLines, LeavesOutBlanksAndCommentsAndCountsThem) {

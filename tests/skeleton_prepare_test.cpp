@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
 #include <string>
 #include <type_traits>
 
 #include "coppice/base/error.h"
 #include "coppice/skeleton/measure.h"
+#include "described_options.h"
 #include "zoo.h"
 
 namespace coppice {
@@ -60,21 +60,7 @@ TEST(Prepare, RefusesOptionsOutOfTheirRange) {
     EXPECT_THROW(prepare(zoo_skeleton("fork_60"), {.max_children = 1}), InvalidInput);
 }
 
-TEST(Prepare, DescribesEveryOptionOnceWithItsDefaultInRange) {
-    PrepareOptions options;
-    std::set<std::string> names;
-    std::size_t size = 0;
-    visit_fields(options, [&](const Field& field, auto& value) {
-        EXPECT_TRUE(names.emplace(field.name).second) << field.name;
-        EXPECT_FALSE(field.help.empty());
-        size += sizeof(value);
-        if constexpr (!std::is_enum_v<std::remove_cvref_t<decltype(value)>>) {
-            EXPECT_GE(static_cast<double>(value), field.low) << field.name;
-            EXPECT_LE(static_cast<double>(value), field.high) << field.name;
-        }
-    });
-    EXPECT_EQ(size, sizeof(PrepareOptions));
-}
+TEST(Prepare, DescribesEveryOptionOnceWithItsDefaultInRange) { test::expect_described<PrepareOptions>(); }
 
 }  // namespace
 }  // namespace coppice

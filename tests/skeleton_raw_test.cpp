@@ -8,6 +8,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/skeleton/prepare.h"
+#include "errors.h"
 
 namespace coppice {
 namespace {
@@ -19,12 +20,7 @@ constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
 
 template <class Records>
 std::string refusal(const Records& records) {
-    try {
-        repair(records, "tree.txt");
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "accepted";
+    return test::error_of([&] { repair(records, "tree.txt"); });
 }
 
 TEST(RepairNodes, LeavesAValidTreeAlone) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "coppice/base/error.h"
+#include "errors.h"
 #include "subdivision_cages.h"
 
 namespace coppice {
@@ -17,12 +18,7 @@ CageTopology topology(const Cage& cage, unsigned threads = 1) {
 }
 
 std::string error_of(const std::vector<Quad>& quads, std::uint32_t vertices) {
-    try {
-        build_cage_topology(quads, vertices);
-    } catch (const InvalidInput& e) {
-        return e.what();
-    }
-    return "";
+    return test::error_of([&] { build_cage_topology(quads, vertices); });
 }
 
 TEST(CageTopology, ACubeHasTwelveEdgesAndFansOfThree) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "coppice/base/error.h"
+#include "described_options.h"
 #include "subdivision_cages.h"
 #include "subdivision_fields.h"
 
@@ -343,16 +344,7 @@ TEST(Project, RefusesWrongSizesAndOptions) {
 }
 
 TEST(ProjectOptions, EveryMemberIsVisitedOnceWithItsDefaultInRange) {
-    ProjectOptions options;
-    std::size_t bytes = 0;
-    visit_fields(options, [&](const Field& field, auto& value) {
-        bytes += sizeof(value);
-        if constexpr (!std::is_enum_v<std::remove_reference_t<decltype(value)>>) {
-            EXPECT_GE(static_cast<double>(value), field.low * (1 - 1e-6)) << field.name;
-            EXPECT_LE(static_cast<double>(value), field.high) << field.name;
-        }
-    });
-    EXPECT_EQ(bytes, sizeof(ProjectOptions));
+    test::expect_described<ProjectOptions>();
 }
 
 }  // namespace

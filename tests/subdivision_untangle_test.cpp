@@ -11,6 +11,7 @@
 #include "coppice/base/error.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/subdivision/project.h"
+#include "described_options.h"
 #include "subdivision_cages.h"
 #include "subdivision_fields.h"
 
@@ -300,14 +301,7 @@ TEST(Untangle, RefusesWrongSizesAndOptions) {
 }
 
 TEST(UntangleOptions, EveryMemberIsVisitedOnceWithItsDefaultInRange) {
-    UntangleOptions options;
-    std::size_t bytes = 0;
-    visit_fields(options, [&](const Field& field, auto& value) {
-        bytes += sizeof(value);
-        EXPECT_GE(static_cast<double>(value), field.low) << field.name;
-        EXPECT_LE(static_cast<double>(value), field.high) << field.name;
-    });
-    EXPECT_EQ(bytes, sizeof(UntangleOptions));
+    test::expect_described<UntangleOptions>();
 }
 
 }  // namespace

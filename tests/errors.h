@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "coppice/base/error.h"
+
+namespace coppice::test {
+
+/// The sentence of the error of type E that `call` throws; "no error" when it throws none.
+template <class E = InvalidInput, class Call>
+std::string error_of(Call&& call) {
+    try {
+        call();
+    } catch (const E& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+}  // namespace coppice::test
