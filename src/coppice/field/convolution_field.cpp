@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <numeric>
 
 #include "coppice/base/error.h"
@@ -58,9 +59,11 @@ auto list_of(Lists& lists, std::size_t region) {
         .subspan(lists.first[region], lists.first[region + 1] - lists.first[region]);
 }
 
-int checked_blend(int blend) {
-    if (blend > 0 && std::has_single_bit(static_cast<unsigned>(blend))) return blend;
-    throw InvalidInput(fmt::format("field: blend must be 1, 2, 4 or 8, but is {}", blend));
+int checked_blend(const FieldOptions& options) {
+    const int blend = options.blend;
+    if (blend <= 0 || !std::has_single_bit(static_cast<unsigned>(blend)))
+        throw InvalidInput(fmt::format("field: blend must be 1, 2, 4 or 8, but is {}", blend));
+    return options.weights == Weights::global ? 1 : blend;
 }
 
 }  // namespace
@@ -71,7 +74,7 @@ ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions&
       segments_(skeleton.size()),
       supports_(skeleton.size()),
       axes_(find_axes(skeleton)),
-      blend_(checked_blend(options.blend)),
+      blend_(checked_blend(options)),
       contact_(options.contact) {
     const std::vector<Vec3> direction = fallback_directions(skeleton);
     parallel_for(ctx, skeleton.size(), kGrain, [&](std::size_t i) {
@@ -86,6 +89,14 @@ ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions&
         }
         supports_[i] = support_of(segments_[i], builder_.reach());
     });
+}
+
+void ConvolutionField::scale_weights(std::span<const float> factors) {
+    COPPICE_ASSERT(factors.size() == segments_.size());
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+        COPPICE_ASSERT(factors[i] >= 0 && std::isfinite(factors[i]));
+        segments_[i].weight *= factors[i];
+    }
 }
 
 void ConvolutionField::set_regions(std::span<const FieldRegion> regions, const Context& ctx) {

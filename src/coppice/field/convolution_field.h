@@ -20,7 +20,8 @@ namespace coppice {
 ///
 /// An axis is a chain of segments that follow the leader: a lateral starts a new one. Segments of one axis
 /// add up; axes are combined by a norm, F = (sum of F_axis^n)^(1/n) with n = options.blend [Ricci1973], which
-/// keeps a lateral's radius near its trunk. A single axis has its plain sum, and so has everything for n = 1.
+/// keeps a lateral's radius near its trunk. A single axis has its plain sum, and so has everything for n = 1
+/// and where options.weights is global.
 ///
 /// Radii are met in the middle of branches; nodes swell, the outer side of bends sinks, and surfaces that
 /// pass close by blend (figures: docs/decisions/0002-field.md). The line goes on beyond tips and roots, so
@@ -36,6 +37,10 @@ class ConvolutionField {
     /// The skeleton must outlive the field. Throws InvalidInput naming an option out of range. O(n).
     ConvolutionField(const Skeleton& skeleton, const FieldOptions& options, const Context& ctx = {});
     ConvolutionField(Skeleton&&, const FieldOptions&, const Context& = {}) = delete;
+
+    /// Multiplies what every segment contributes, by lower node: see global_weights. Factors must be >= 0 and
+    /// finite, one per node.
+    void scale_weights(std::span<const float> factors);
 
     /// Finds the segments that matter in each region (see find_candidates); replaces former regions.
     void set_regions(std::span<const FieldRegion> regions, const Context& ctx = {});

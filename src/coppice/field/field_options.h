@@ -19,6 +19,17 @@ struct EnumNames<Kernel> {
     static constexpr std::array<std::string_view, 3> names{"quartic", "cauchy", "scalis"};
 };
 
+/// How much each segment counts.
+enum class Weights {
+    local,  ///< each as if it were alone and endless: in closed form, exact in the middle of branches
+    global  ///< those that fit points on the given surface best, all together (see global_weights)
+};
+
+template <>
+struct EnumNames<Weights> {
+    static constexpr std::array<std::string_view, 2> names{"local", "global"};
+};
+
 struct FieldOptions {
     Kernel kernel = Kernel::quartic;
     float support = 1.5f;  ///< [radii] quartic: distance at which a segment's influence ends; 2 is Zhu2015's
@@ -33,6 +44,8 @@ struct FieldOptions {
     float contact =
         1.6f;  ///< branches that would pass through each other stop where the other's value times this is
                ///< above theirs; greater leaves a wider gap; 0 = off: they blend where they hang together
+    Weights weights = Weights::local;  ///< global takes blend for 1
+    int constraint_density = 12;       ///< points per segment, on average, that global weights are fitted to
 };
 
 template <class Self, class Visitor>
@@ -61,6 +74,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"contact", "how strongly branches that would cross push each other back; 0 = not at all",
                 Unit::none, 0, 10},
           o.contact);
+    visit(Field{"weights",
+                "how much each segment counts: local = as if it were alone; global = as fits points "
+                "on the given surface best, by the plain sum of all segments (blend is taken for 1)"},
+          o.weights);
+    visit(Field{"constraint_density", "points per segment, on average, that global weights are fitted to",
+                Unit::none, 4, 256},
+          o.constraint_density);
 }
 
 }  // namespace coppice
