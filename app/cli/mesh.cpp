@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "coppice/io/mesh_writer.h"
+#include "coppice/io/point_reader.h"
 #include "coppice/recipe/mesh_skeleton.h"
 #include "files.h"
 #include "options.h"
@@ -10,7 +11,7 @@ namespace coppice::cli {
 namespace {
 
 struct MeshFlags {
-    std::filesystem::path skeleton, cage;
+    std::filesystem::path skeleton, cage, constraints;
     std::vector<std::filesystem::path> outputs;
     MeshOptions mesh;
     ReadSkeletonOptions read;
@@ -21,6 +22,9 @@ void check_flags(const MeshFlags& flags) {
         throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
     }
     for (const auto& output : flags.outputs) check_mesh_output(output);
+    if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
+        throw UsageError("--constraints are for global weights; add --weights global");
+    }
     if (flags.cage.empty()) return;
     if (flags.mesh.method != MeshMethod::quads) throw UsageError("--cage needs --method quads");
     check_mesh_output(flags.cage);
@@ -63,11 +67,27 @@ std::string count_triangles(Run& run, const MeshResult& result) {
     return fmt::format("{} triangles", grouped(result.triangles.triangles.size()));
 }
 
+void report_weights(Json& counts, const GlobalWeights& weights) {
+    counts["constraints"] = weights.constraints;
+    counts["weights_zero"] = weights.zero;
+    counts["weights_unseen"] = weights.unseen;
+    counts["weights_converged"] = weights.converged;
+    counts["weights_pivots"] = weights.pivots;
+    counts["weights_sweeps"] = weights.sweeps;
+    counts["residual_rms"] = weights.global.rms;
+    counts["residual_max"] = weights.global.greatest;
+    counts["residual_rms_of_local_weights"] = weights.local.rms;
+    counts["residual_max_of_local_weights"] = weights.local.greatest;
+}
+
 ExitCode mesh(Run& run, const MeshFlags& flags) {
     check_flags(flags);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
-    const MeshResult result =
-        run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(file.skeleton, flags.mesh, ctx); });
+    PointSet constraints;
+    if (!flags.constraints.empty()) constraints = read_points(flags.constraints);
+    const MeshResult result = run.stage("mesh", [&](const Context& ctx) {
+        return mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx);
+    });
     const bool quads = flags.mesh.method == MeshMethod::quads;
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     run.stage("write", [&](const Context& ctx) {
@@ -76,6 +96,7 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
         }
         if (!flags.cage.empty()) write_cage(flags.cage, result.cage.cage, ctx);
     });
+    if (result.weights) report_weights(run.counts(), *result.weights);
     const std::string figures = quads ? count_quads(run, result) : count_triangles(run, result);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()), figures));
@@ -85,8 +106,8 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
 }  // namespace
 
 Command mesh_command(CLI::App& app) {
-    auto [command, flags] =
-        new_command<MeshFlags>(app, "mesh", "Turn a skeleton with radii into one closed surface of quads or triangles");
+    auto [command, flags] = new_command<MeshFlags>(
+        app, "mesh", "Turn a skeleton with radii into one closed surface of quads or triangles");
     command.app
         ->add_option("skeleton", flags->skeleton,
                      "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)")
@@ -100,6 +121,10 @@ Command mesh_command(CLI::App& app) {
     command.app
         ->add_option("--cage", flags->cage, "also write the control cage, for subdivision elsewhere (.usda)")
         ->type_name("FILE");
+    command.app
+        ->add_option("--constraints", flags->constraints,
+                     "points of the surface that global weights are fitted to (.xyz, .ply)")
+        ->type_name("POINTS");
     add_options(*command.app, flags->mesh, "Surface");
     add_options(*command.app, flags->read, "Reading the skeleton", "input");
     command.run = [flags = flags](Run& run) { return mesh(run, *flags); };

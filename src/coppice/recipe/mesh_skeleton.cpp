@@ -4,18 +4,11 @@
 #include "coppice/base/parallel.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
+#include "coppice/recipe/surface_field_internal.h"
 #include "coppice/recipe/tetra_skeleton_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
 
 namespace coppice {
-
-// Where the end of a tree is cut flat, the field goes on far enough to be full there.
-FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
-    constexpr float kBeyondCut = 1.5f;
-    if (control.base == BaseShape::round) field.root_extension = -1;
-    if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;
-    return field;
-}
 
 namespace {
 
@@ -48,8 +41,8 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-void mesh_by_quads(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages,
-                   MeshResult& out) {
+void mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                   const Context& ctx, Stages& stages, MeshResult& out) {
     const GraftResult grafted =
         stages.run("graft", 0.08f, [&] { return graft_branches(prepared, options.graft, ctx); });
     out.grafted = grafted.report;
@@ -59,10 +52,12 @@ void mesh_by_quads(const Skeleton& prepared, const MeshOptions& options, const C
     const auto tube = composed(grafted.tube, parted.tube);
     out.cage = stages.run("cage", 0.15f,
                           [&] { return build_control_mesh(parted.skeleton, source, options.control, ctx); });
-    const ConvolutionField field = stages.run("field", 0.25f, [&] {
-        ConvolutionField f(grafted.skeleton, with_ends(options.field, options.control), ctx);
-        f.set_regions(field_regions(out.cage, grafted.skeleton), {parted.skeleton, tube}, ctx);
-        return f;
+    ConvolutionField field = stages.run("weights", 0.2f, [&] {
+        return surface_field(grafted.skeleton, options, constraints, out.weights, ctx);
+    });
+    stages.run("field", 0.25f, [&] {
+        field.set_regions(field_regions(out.cage, grafted.skeleton), {parted.skeleton, tube}, ctx);
+        return true;
     });
     const QuadMesh& cage = out.cage.cage;
     const PatchRefinement patches = stages.run("topology", 0.3f, [&] {
@@ -89,6 +84,11 @@ void mesh_by_quads(const Skeleton& prepared, const MeshOptions& options, const C
 }  // namespace
 
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
+    return mesh_skeleton(skeleton, PointSet{}, options, ctx);
+}
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                         const Context& ctx) {
     check_fields(options, "mesh");
     check_fields(options.control, "control");
     MeshResult out;
@@ -97,7 +97,7 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
     const bool quads = options.method == MeshMethod::quads;
-    (quads ? mesh_by_quads : mesh_by_tetrahedra)(prepared.skeleton, options, ctx, stages, out);
+    (quads ? mesh_by_quads : mesh_by_tetrahedra)(prepared.skeleton, constraints, options, ctx, stages, out);
     return out;
 }
 

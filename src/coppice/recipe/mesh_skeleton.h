@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,8 +12,10 @@
 #include "coppice/control/part.h"
 
 #include "coppice/field/field_options.h"
+#include "coppice/field/global_weights.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/points/point_set.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/subdivision/project.h"
@@ -94,6 +97,7 @@ struct MeshResult {
     ControlMesh cage;
     PrepareReport prepared;
     GraftReport grafted;
+    std::optional<GlobalWeights> weights;  ///< where options.field.weights asked for it
     PartReport parted;
     ProjectReport projected;
     UntangleReport untangled;
@@ -115,5 +119,10 @@ struct MeshResult {
 ///
 /// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
+
+/// The same with global weights that are fitted to these points of the surface; chosen ones where there are
+/// none. Unused for local weights.
+MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                         const Context& ctx = {});
 
 }  // namespace coppice

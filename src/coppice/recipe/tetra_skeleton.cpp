@@ -2,8 +2,8 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
-#include "coppice/field/convolution_field.h"
 #include "coppice/recipe/cut_field_internal.h"
+#include "coppice/recipe/surface_field_internal.h"
 #include "coppice/recipe/tetra_skeleton_internal.h"
 
 namespace coppice {
@@ -38,8 +38,8 @@ std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
 
 }  // namespace
 
-void mesh_by_tetrahedra(const Skeleton& prepared, const MeshOptions& options, const Context& ctx,
-                        Stages& stages, MeshResult& out) {
+void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                        const Context& ctx, Stages& stages, MeshResult& out) {
     check_fields(options.tetra, "tetra");
     if (options.control.base == BaseShape::open) {
         throw InvalidInput("mesh: tetrahedra make closed surfaces only; choose base flat or round");
@@ -48,9 +48,8 @@ void mesh_by_tetrahedra(const Skeleton& prepared, const MeshOptions& options, co
                                        static_cast<float>(1 << options.tetra.tetra_levels)};
     const MarchOptions marching{options.tetra.tetra_levels, options.tetra.snap, options.tetra.refinements};
     Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(segments_of(prepared), sizes, ctx); });
-    ConvolutionField field = stages.run("field", 0.25f, [&] {
-        return ConvolutionField(prepared, with_ends(options.field, options.control), ctx);
-    });
+    ConvolutionField field = stages.run(
+        "weights", 0.25f, [&] { return surface_field(prepared, options, constraints, out.weights, ctx); });
     for (bool again = true; again;) {
         const TetraMesh& mesh = lattice.mesh();
         const std::vector<Box3> boxes = stages.run("regions", 0.4f, [&] {

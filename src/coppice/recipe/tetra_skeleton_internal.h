@@ -6,10 +6,7 @@
 namespace coppice {
 
 /// The surface of the field of a prepared skeleton by tetrahedra: fills in triangles, tetra and the stages.
-void mesh_by_tetrahedra(const Skeleton& prepared, const MeshOptions& options, const Context& ctx,
-                        Stages& stages, MeshResult& out);
-
-/// The field that a surface with the given ends is made of.
-FieldOptions with_ends(FieldOptions field, const ControlOptions& control);
+void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                        const Context& ctx, Stages& stages, MeshResult& out);
 
 }  // namespace coppice
