@@ -1,0 +1,32 @@
+// coppice_weights_bench: local against global weights, and what the solver takes; prints Markdown.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "weights_bench.h"
+
+int main(int argc, char** argv) {
+    using namespace coppice;
+    std::vector<std::string> scenes;
+    unsigned threads = 2;
+    int repeat = 5;
+    bool surfaces_only = false;
+    CLI::App app("Measures local and global weights");
+    app.add_option("scenes", scenes, "made-up trees or skeleton files; none: chain, Y and tree300");
+    app.add_option("--threads", threads, "threads to use; 0 takes all")->capture_default_str();
+    app.add_option("--repeat", repeat, "timed runs")->check(CLI::PositiveNumber)->capture_default_str();
+    app.add_flag("--surfaces-only", surfaces_only, "leave out the times of the solver");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        const Context ctx{.threads = threads, .stop = {}, .progress = {}};
+        fmt::print("{}", bench::weights_markdown(bench::bench_weights(scenes, repeat, ctx)));
+        if (!surfaces_only) fmt::print("\n{}", bench::nnls_markdown(bench::bench_nnls(repeat, ctx)));
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "coppice_weights_bench: {}\n", error.what());
+        return 1;
+    }
+    return 0;
+}
