@@ -122,6 +122,62 @@ TEST(Polygonize, SkippingBlocksChangesNothing) {
     }
 }
 
+/// A ball that knows nothing beyond the box of the region it is asked about, nor within regions far from it.
+struct BallInRegions {
+    static constexpr float kRadius = 0.3f, kReach = 0.5f;
+    std::vector<Box3> boxes;
+
+    float level() const { return 0; }
+    void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const bool known =
+                boxes.empty() || boxes.at(region).inflated(1e-5f).overlaps({points[i], points[i]});
+            out[i] = {known ? kRadius - length(points[i]) : 1, {}};
+        }
+    }
+};
+
+TEST(Polygonize, RegionsGiveWhatTheWholeBoxGives) {
+    const Box3 box{{-0.8f, -0.9f, -1}, {1.1f, 0.7f, 1}};
+    const PolygonizeOptions options{.cell = 0.03f};
+    BallInRegions field;
+    const TriangleSurface all = polygonize(FieldRef(field), box, options);
+    const float r = BallInRegions::kReach;
+    // Two boxes that overlap: no block twice.
+    const std::array near{Box3{{-r, -r, -r}, {0.1f, r, r}}, Box3{{-0.1f, -r, -r}, {r, r, r}}};
+    const PolygonizeRegions regions = regions_touching(box, near, options);
+    ASSERT_EQ(regions.block.size(), regions.box.size());
+    EXPECT_TRUE(std::is_sorted(regions.block.begin(), regions.block.end(), std::less_equal<>()));
+    // Blocks are 0.24 m wide, so that the ball's box of 1 m touches at least 4 and at most 6 a side, of 8 or
+    // so.
+    EXPECT_GE(regions.block.size(), 4u * 4 * 4);
+    EXPECT_LE(regions.block.size(), 6u * 6 * 6);
+    for (const Box3& b : regions.box) EXPECT_TRUE(b.inflated(1e-4f).overlaps({{-r, -r, -r}, {r, r, r}}));
+    field.boxes = regions.box;
+    for (const unsigned threads : {1u, 2u, 7u}) {
+        const TriangleSurface some = polygonize(FieldRef(field), box, regions, options, {.threads = threads});
+        EXPECT_EQ(some.triangles, all.triangles);
+        EXPECT_EQ(some.positions, all.positions);
+    }
+}
+
+TEST(Polygonize, RegionsOfNothingAndBeyondTheBox) {
+    const BallInRegions field;
+    const Box3 box{{-1, -1, -1}, {1, 1, 1}};
+    const PolygonizeRegions none = regions_touching(box, {});
+    EXPECT_TRUE(none.block.empty());
+    EXPECT_TRUE(polygonize(FieldRef(field), box, none).triangles.empty());
+    const std::array away{Box3{{3, 3, 3}, {4, 4, 4}}, Box3{{-4, -4, -4}, {-3, -3, -3}}, Box3{}};
+    EXPECT_TRUE(regions_touching(box, away).block.empty());
+    const std::array beyond{Box3{{-9, -9, -9}, {9, 9, 9}}};
+    const PolygonizeRegions all = regions_touching(box, beyond);
+    // 66 cells a side with the margin: 9 blocks.
+    EXPECT_EQ(all.block.size(), 9u * 9 * 9);
+    EXPECT_EQ(all.block.back(), 9u * 9 * 9 - 1);
+    EXPECT_THROW(polygonize(FieldRef(field), box, all, {.cell = 1}), InvalidInput);
+    EXPECT_THROW(regions_touching(box, beyond, {.cell = 1e-5f}), InvalidInput);
+}
+
 /// Pure noise: every node of its own mind.
 struct Noise {
     float level() const { return 0.6f; }

@@ -8,10 +8,10 @@
 
 namespace coppice {
 
-ValueFunction values_of(FieldRef field) {
-    return [field](std::span<const Vec3> points, std::span<float> out) {
+ValueFunction values_of(FieldRef field, std::uint32_t region) {
+    return [field, region](std::span<const Vec3> points, std::span<float> out) {
         std::vector<FieldSample> samples(points.size());
-        field.sample(0, points, samples);
+        field.sample(region, points, samples);
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = samples[i].value;
     };
 }
@@ -20,6 +20,23 @@ Box3 BlockLattice::box(std::size_t block) const {
     const auto [x, y, z] = place(block);
     return {node(kCells * x, kCells * y, kCells * z),
             node(kCells * (x + 1), kCells * (y + 1), kCells * (z + 1))};
+}
+
+std::array<std::array<std::uint32_t, 3>, 2> BlockLattice::blocks_touching(const Box3& box) const {
+    constexpr double kHair = 1e-3;  // [cells] more than rounding moves a node
+    std::array<std::array<std::uint32_t, 3>, 2> range{};
+    if (box.empty()) return range;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const int axis = static_cast<int>(i);
+        const auto place = [&](double x, double hair) {
+            const double cells = (x - origin[axis]) / cell + hair;
+            return std::clamp(std::floor(cells / kCells), -1.0, double(blocks[i]));
+        };
+        range[0][i] = static_cast<std::uint32_t>(std::max(place(box.low[axis], -kHair), 0.0));
+        range[1][i] = static_cast<std::uint32_t>(
+            std::min(place(box.high[axis], kHair) + 1, static_cast<double>(blocks[i])));
+    }
+    return range;
 }
 
 void BlockLattice::nodes_of(std::size_t block, std::span<Vec3> out) const {

@@ -16,7 +16,7 @@ namespace coppice {
 
 /// Values of a field, nothing else.
 using ValueFunction = std::function<void(std::span<const Vec3>, std::span<float>)>;
-ValueFunction values_of(FieldRef field);
+ValueFunction values_of(FieldRef field, std::uint32_t region = 0);
 
 /// Cubic cells in blocks of 8 x 8 x 8; blocks are numbered x fastest.
 struct BlockLattice {
@@ -42,6 +42,9 @@ struct BlockLattice {
         return Vec3(origin + Vec3d{double(x), double(y), double(z)} * cell);
     }
     Box3 box(std::size_t block) const;
+    /// Along each axis, the first block that touches the box and the one behind the last; touching counts,
+    /// and a hair more.
+    std::array<std::array<std::uint32_t, 3>, 2> blocks_touching(const Box3& box) const;
     /// Its corners of cells, x fastest.
     void nodes_of(std::size_t block, std::span<Vec3> out) const;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -14,6 +15,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kMostBlocks = 2000000;
+constexpr std::size_t kMostSparseBlocks = 64000000;  // of which most are not sampled
 constexpr std::uint32_t kCells = BlockLattice::kCells;
 constexpr std::uint32_t kNodes = BlockLattice::kNodes;
 constexpr std::size_t kBlockNodes = BlockLattice::kBlockNodes;
@@ -61,14 +63,18 @@ struct BlockSurface {
     std::uint32_t owned = 0;
 };
 
+/// Values of a field in a region of it.
+using RegionValues = std::function<void(std::uint32_t, std::span<const Vec3>, std::span<float>)>;
+
 class BlockCutter {
   public:
-    BlockCutter(const BlockLattice& lattice, const ValueFunction& field, float level, const Box3& box)
+    BlockCutter(const BlockLattice& lattice, const RegionValues& field, float level, const Box3& box)
         : lattice_(lattice), field_(field), level_(level), box_(box) {}
 
-    BlockSurface cut(std::size_t block, int refinements) {
+    BlockSurface cut(std::size_t block, std::uint32_t region, int refinements) {
         BlockSurface out;
         out.block = block;
+        region_ = region;
         sample_nodes(block);
         find_edges(out);
         if (out.keys.empty()) return out;
@@ -93,7 +99,7 @@ class BlockCutter {
 
     void sample_nodes(std::size_t block) {
         lattice_.nodes_of(block, nodes_);
-        field_(nodes_, values_);
+        field_(region_, nodes_, values_);
         for (std::size_t i = 0; i < kBlockNodes; ++i) {
             const Vec3 p = nodes_[i];
             const bool in_box = p.x >= box_.low.x && p.y >= box_.low.y && p.z >= box_.low.z &&
@@ -140,7 +146,7 @@ class BlockCutter {
                 out.positions[i] = lerp(nodes_[node], nodes_[node + step_to(out.keys[i] % 8)], share[i]);
             }
             if (round == refinements) break;
-            field_(out.positions, value);
+            field_(region_, out.positions, value);
             for (std::size_t i = 0; i < count; ++i) narrow(brackets[i], share[i], value[i]);
         }
     }
@@ -201,9 +207,10 @@ class BlockCutter {
     }
 
     const BlockLattice& lattice_;
-    const ValueFunction& field_;
+    const RegionValues& field_;
     float level_;
     Box3 box_;
+    std::uint32_t region_ = 0;
     std::array<Vec3, kBlockNodes> nodes_;
     std::array<float, kBlockNodes> values_;
     std::array<std::uint32_t, 8 * kBlockNodes> vertex_;
@@ -302,9 +309,9 @@ class Joiner {
     std::vector<std::uint32_t> index_;
 };
 
-/// Cuts the given blocks and joins what they hold.
+/// Cuts the given blocks, each as the region of its place, and joins what they hold.
 TriangleSurface cut_blocks(const BlockLattice& lattice, std::span<const std::size_t> candidates,
-                           const ValueFunction& field, float level, const Box3& box, int refinements,
+                           const RegionValues& field, float level, const Box3& box, int refinements,
                            const Context& ctx) {
     constexpr std::size_t kGrain = 8;
     std::vector<std::vector<BlockSurface>> found((candidates.size() + kGrain - 1) / kGrain);
@@ -312,7 +319,7 @@ TriangleSurface cut_blocks(const BlockLattice& lattice, std::span<const std::siz
         const auto cutter = std::make_unique<BlockCutter>(lattice, field, level, box);
         for (std::size_t i = r.begin; i < r.end; ++i) {
             if (ctx.stop.stop_requested()) return;
-            BlockSurface surface = cutter->cut(candidates[i], refinements);
+            BlockSurface surface = cutter->cut(candidates[i], static_cast<std::uint32_t>(i), refinements);
             if (!surface.keys.empty()) found[r.begin / kGrain].push_back(std::move(surface));
         }
     });
@@ -332,7 +339,45 @@ TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOpti
     const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostBlocks);
     std::vector<std::size_t> all(lattice.block_count());
     std::iota(all.begin(), all.end(), std::size_t{0});
-    return cut_blocks(lattice, all, values_of(field), field.level(), box, options.refinements, ctx);
+    const RegionValues values = [&, of = values_of(field)](std::uint32_t, auto points, auto out) {
+        of(points, out);
+    };
+    return cut_blocks(lattice, all, values, field.level(), box, options.refinements, ctx);
+}
+
+PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
+                                   const PolygonizeOptions& options, const Context& ctx) {
+    check_fields(options, "polygonize");
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
+    std::vector<std::uint8_t> touched(lattice.block_count(), 0);
+    for (const Box3& b : near) {
+        const auto [low, high] = lattice.blocks_touching(b);
+        for (std::uint32_t z = low[2]; z < high[2]; ++z) {
+            for (std::uint32_t y = low[1]; y < high[1]; ++y) {
+                for (std::uint32_t x = low[0]; x < high[0]; ++x) touched[lattice.block_at(x, y, z)] = 1;
+            }
+        }
+    }
+    PolygonizeRegions out;
+    for (std::size_t b = 0; b < touched.size(); ++b) {
+        if (touched[b] != 0) out.block.push_back(b);
+    }
+    out.box.resize(out.block.size());
+    parallel_for(ctx, out.box.size(), 1024, [&](std::size_t i) { out.box[i] = lattice.box(out.block[i]); });
+    return out;
+}
+
+TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
+                           const PolygonizeOptions& options, const Context& ctx) {
+    check_fields(options, "polygonize");
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
+    if (!regions.block.empty() && regions.block.back() >= lattice.block_count()) {
+        throw InvalidInput("polygonize: the regions must be those of the same box and cell");
+    }
+    const RegionValues values = [&](std::uint32_t region, auto points, auto out) {
+        values_of(field, region)(points, out);
+    };
+    return cut_blocks(lattice, regions.block, values, field.level(), box, options.refinements, ctx);
 }
 
 TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& options, const Context& ctx) {
@@ -343,7 +388,7 @@ TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& opt
     for (std::size_t b = 0; b < ranges.size(); ++b) {
         if (ranges[b].low <= field.level() && ranges[b].high >= field.level()) near.push_back(b);
     }
-    const ValueFunction values = [&](std::span<const Vec3> p, std::span<float> out) { field.values(p, out); };
+    const RegionValues values = [&](std::uint32_t, auto points, auto out) { field.values(points, out); };
     const Box3 everywhere{-Vec3{Box3::kInfinity, Box3::kInfinity, Box3::kInfinity},
                           {Box3::kInfinity, Box3::kInfinity, Box3::kInfinity}};
     return cut_blocks(lattice, near, values, field.level(), everywhere, options.refinements, ctx);

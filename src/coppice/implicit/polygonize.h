@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "coppice/base/box.h"
@@ -46,6 +48,23 @@ struct TriangleSurface {
 /// than 2,000,000 blocks of 512 cells.
 TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options = {},
                            const Context& ctx = {});
+
+/// Some of the blocks of 8 x 8 x 8 cells that a box is cut into: the regions of a field that has a list of
+/// what matters in each.
+struct PolygonizeRegions {
+    std::vector<std::size_t> block;  ///< ascending: numbers of blocks, x fastest
+    std::vector<Box3> box;           ///< of each
+};
+
+/// The blocks that touch one of the `near` boxes. O(blocks in all + blocks touched). InvalidInput for more
+/// than 64,000,000 blocks in all, and as below.
+PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
+                                   const PolygonizeOptions& options = {}, const Context& ctx = {});
+
+/// The same as above, with the same options, where no block but those of `regions` holds anything of the
+/// solid: the others are not sampled. Block i is sampled as region i of the field.
+TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
+                           const PolygonizeOptions& options = {}, const Context& ctx = {});
 
 /// The same for a solid, in the box of its surface. Blocks whose range of values excludes the level are not
 /// sampled: O((side / cell)^2) in the main.
