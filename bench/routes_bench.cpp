@@ -1,0 +1,272 @@
+#include "routes_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "clock.h"
+#include "coppice/io/file.h"
+#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/render/png.h"
+#include "coppice/render/render.h"
+#include "coppice/skeleton/random_tree.h"
+#include "machine.h"
+
+namespace coppice::bench {
+namespace {
+
+constexpr int kFewestRuns = 2;
+
+/// What one run of a route makes.
+struct Made {
+    double seconds = 0;
+    std::uint64_t peak_bytes = 0;
+    PolygonMesh mesh;  ///< only if wanted: made outside the seconds
+    std::uint64_t faces = 0, tetrahedra = 0, sampled = 0;
+    std::vector<std::pair<std::string, double>> stages;
+};
+using Make = std::function<Made(bool want_mesh)>;
+
+MeshOptions round_options(MeshMethod method) {
+    MeshOptions options;
+    options.method = method;
+    options.control.base = BaseShape::round;
+    return options;
+}
+
+MeshOptions tetra_options(double edge) {
+    MeshOptions options = round_options(MeshMethod::tetrahedra);
+    options.tetra.edge = static_cast<float>(edge);
+    return options;
+}
+
+Make by_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
+    return [&skeleton, options, &ctx](bool want_mesh) {
+        const Clock clock;
+        const MeshResult result = mesh_skeleton(skeleton, options, ctx);
+        Made made{.seconds = clock.seconds(), .peak_bytes = peak_resident_bytes()};
+        const bool quads = options.method == MeshMethod::quads;
+        made.faces = quads ? result.mesh.quads.size() : result.triangles.triangles.size();
+        made.tetrahedra = result.tetra.tetra;
+        made.sampled = result.tetra.vertices;
+        made.stages = result.stages;
+        if (want_mesh) made.mesh = quads ? to_polygons(result.mesh) : to_polygons(result.triangles);
+        return made;
+    };
+}
+
+Make by_grid(const Skeleton& skeleton, const Grid& grid, const Context& ctx) {
+    return [&skeleton, grid, &ctx](bool want_mesh) {
+        const Clock clock;
+        const GridResult result = mesh_by_grid(skeleton, grid, tetra_options(TetraOptions{}.edge), ctx);
+        Made made{.seconds = clock.seconds(), .peak_bytes = peak_resident_bytes()};
+        made.faces = result.surface.triangles.size();
+        made.sampled = grid.corners();
+        made.stages = result.stages;
+        if (want_mesh) made.mesh = to_polygons(result.surface, skeleton.origin());
+        return made;
+    };
+}
+
+void draw(const PolygonMesh& mesh, const std::filesystem::path& file, const Context& ctx) {
+    constexpr int kSize = 640;
+    constexpr int kSamples = 16;
+    AtomicFile out(file);
+    out.write(encode_png(render({.mesh = &mesh, .skeleton = nullptr, .deviation = {}},
+                                {.width = kSize, .height = kSize, .samples = kSamples}, ctx)));
+    out.commit();
+}
+
+/// An untimed run, which tells memory and figures, then the timed ones.
+class Bench {
+  public:
+    Bench(const Scene& scene, const RoutesOptions& options, const Context& ctx)
+        : scene_(scene), options_(options), ctx_(ctx) {
+        out_.scene = scene.name;
+        out_.segments = scene.skeleton.size() - scene.skeleton.tree_count();
+    }
+
+    RouteResult& measure(const std::string& name, double size, const Make& make) {
+        RouteResult route;
+        route.name = name;
+        route.size = size;
+        look_at(make, route);
+        time(make, route);
+        out_.routes.push_back(std::move(route));
+        return out_.routes.back();
+    }
+
+    RouteResult& measure_grid(const std::string& name, const Grid& grid) {
+        return measure(name, grid.cell, by_grid(scene_.skeleton, grid, ctx_));
+    }
+
+    void add_brute_force(RouteResult& route, const Grid& grid) {
+        route.brute = time_brute_force(scene_.skeleton, grid, tetra_options(TetraOptions{}.edge),
+                                       options_.brute_seconds, ctx_);
+    }
+
+    RoutesResult take() { return std::move(out_); }
+
+  private:
+    void look_at(const Make& make, RouteResult& route) {
+        reset_peak();
+        const std::size_t before = resident_bytes();
+        const Made made = make(true);
+        route.peak_bytes = made.peak_bytes > before ? made.peak_bytes - before : 0;
+        route.tetrahedra = made.tetrahedra;
+        route.sampled = made.sampled;
+        route.figures = figures_of(made.mesh, scene_.skeleton, ctx_);
+        if (!options_.pictures.empty()) {
+            draw(made.mesh, options_.pictures / fmt::format("{}_{}.png", scene_.name, file_name(route.name)),
+                 ctx_);
+        }
+    }
+
+    void time(const Make& make, RouteResult& route) {
+        Measures measures(route.measures);
+        const Clock budget;
+        for (int run = 0; run < std::max(options_.repeat, 1); ++run) {
+            if (run >= kFewestRuns && budget.seconds() > options_.seconds) break;
+            const Made made = make(false);
+            measures.add("all", made.seconds);
+            std::vector<Measure> parts;
+            // A stage that is gone through several times counts as one.
+            Measures sums(parts);
+            for (const auto& [stage, part] : made.stages) sums.add(stage, part);
+            for (const Measure& m : parts) {
+                double sum = 0;
+                for (const double s : m.samples) sum += s;
+                measures.add(m.name, sum);
+            }
+        }
+    }
+
+    static std::string file_name(std::string name) {
+        std::replace_if(
+            name.begin(), name.end(), [](char c) { return c == ' ' || c == ','; }, '_');
+        return name;
+    }
+
+    const Scene& scene_;
+    const RoutesOptions& options_;
+    const Context& ctx_;
+    RoutesResult out_;
+};
+
+/// The size, of edges or cells, at which there are about `target` faces: their number falls with its square.
+/// The nearest of a few trials.
+double size_for(double target, double size, const std::function<std::uint64_t(double)>& count) {
+    constexpr int kTrials = 6;
+    constexpr double kNear = 0.01, kMostStep = 4;
+    double best = size, best_error = std::numeric_limits<double>::infinity();
+    for (int trial = 0; trial < kTrials && best_error > kNear; ++trial) {
+        const double ratio = static_cast<double>(std::max<std::uint64_t>(count(size), 1)) / target;
+        if (std::abs(std::log(ratio)) < best_error) {
+            best_error = std::abs(std::log(ratio));
+            best = size;
+        }
+        size *= std::clamp(std::sqrt(ratio), 1 / kMostStep, kMostStep);
+    }
+    return best;
+}
+
+/// The cell at which a grid has about as many triangles.
+double cell_for(std::uint64_t triangles, const Scene& scene, const Context& ctx) {
+    const Vec3 size = scene.skeleton.bounds().size();
+    constexpr double kFirst = 200;  // cells along the longest side
+    return size_for(static_cast<double>(triangles), std::max({size.x, size.y, size.z}) / kFirst,
+                    [&](double cell) {
+                        const Grid grid = box_about(scene.skeleton, static_cast<float>(cell));
+                        return by_grid(scene.skeleton, grid, ctx)(false).faces;
+                    });
+}
+
+double edge_for(std::uint64_t triangles, const Skeleton& skeleton, const Context& ctx) {
+    return size_for(static_cast<double>(triangles), TetraOptions{}.edge, [&](double edge) {
+        return by_skeleton(skeleton, tetra_options(edge), ctx)(false).faces;
+    });
+}
+
+void measure_equal_grid(Bench& bench, const Scene& scene, std::uint64_t triangles, bool brute,
+                        const Context& ctx) {
+    const Grid grid = box_about(scene.skeleton, static_cast<float>(cell_for(triangles, scene, ctx)));
+    RouteResult& route = bench.measure_grid("grid, as many triangles", grid);
+    if (brute) bench.add_brute_force(route, grid);
+}
+
+}  // namespace
+
+double RouteResult::stage(const std::string& stage_name) const {
+    const auto it = std::find_if(measures.begin(), measures.end(),
+                                 [&](const Measure& m) { return m.name == stage_name; });
+    return it == measures.end() ? 0 : it->median();
+}
+
+const RouteResult* RoutesResult::find(const std::string& name) const {
+    const auto it =
+        std::find_if(routes.begin(), routes.end(), [&](const RouteResult& r) { return r.name == name; });
+    return it == routes.end() ? nullptr : &*it;
+}
+
+RoutesResult compare_routes(const Scene& scene, const RoutesOptions& options, const Context& ctx) {
+    Bench bench(scene, options, ctx);
+    const Skeleton& skeleton = scene.skeleton;
+    const std::uint64_t quads =
+        bench.measure("quads", 0, by_skeleton(skeleton, round_options(MeshMethod::quads), ctx))
+            .figures.faces();
+    const double edge = TetraOptions{}.edge;
+    const std::uint64_t triangles =
+        bench.measure("tetrahedra", edge, by_skeleton(skeleton, tetra_options(edge), ctx)).figures.faces();
+    const double as_quads = edge_for(2 * quads, skeleton, ctx);
+    bench.measure("tetrahedra, as fine as quads", as_quads,
+                  by_skeleton(skeleton, tetra_options(as_quads), ctx));
+    measure_equal_grid(bench, scene, triangles, false, ctx);
+    return bench.take();
+}
+
+RoutesResult compare_paper(const PaperTree& tree, const RoutesOptions& options, const Context& ctx) {
+    constexpr std::uint64_t kSeed = 1;
+    const std::uint32_t shrink = options.shrink;
+    const Scene scene{tree.name, random_tree(tree.segments / (shrink * shrink), kSeed)};
+    Bench bench(scene, options, ctx);
+    const double edge = edge_for(tree.tetrahedra.triangles / (shrink * shrink), scene.skeleton, ctx);
+    const std::uint64_t triangles =
+        bench.measure("tetrahedra", edge, by_skeleton(scene.skeleton, tetra_options(edge), ctx))
+            .figures.faces();
+    for (const PrintedGrid& printed : tree.grids) {
+        const Grid grid = cube_about(scene.skeleton, printed.resolution / shrink);
+        RouteResult& route =
+            bench.measure_grid(fmt::format("grid {0} x {0} x {0}", printed.resolution), grid);
+        bench.add_brute_force(route, grid);
+    }
+    measure_equal_grid(bench, scene, triangles, !tree.grids.empty(), ctx);
+    if (!tree.quads.empty()) {
+        bench.measure("quads", 0, by_skeleton(scene.skeleton, round_options(MeshMethod::quads), ctx));
+    }
+    return bench.take();
+}
+
+RoutesResult compare_twigs(const Scene& scene, const RoutesOptions& options, const Context& ctx) {
+    constexpr double kFirst = 3, kStep = 1.25, kLast = 0.2;  // [radii of the thinnest twig]
+    Bench bench(scene, options, ctx);
+    const Skeleton& skeleton = scene.skeleton;
+    const double edge = TetraOptions{}.edge;
+    bench.measure("tetrahedra", edge, by_skeleton(skeleton, tetra_options(edge), ctx));
+    const auto radii = skeleton.radii();
+    const double thinnest = *std::min_element(radii.begin(), radii.end());
+    for (double cells = kFirst; cells > kLast; cells /= kStep) {
+        const Grid grid = box_about(skeleton, static_cast<float>(cells * thinnest));
+        const Made made = by_grid(skeleton, grid, ctx)(true);
+        const SurfaceTree surface(made.mesh, ctx);
+        const CoverageReport found = coverage(surface, CapsuleTree(skeleton, made.mesh.origin, ctx), ctx);
+        if (found.missing + found.pinched > 0) continue;
+        bench.add_brute_force(bench.measure_grid("grid that shows all twigs", grid), grid);
+        break;
+    }
+    return bench.take();
+}
+
+}  // namespace coppice::bench
