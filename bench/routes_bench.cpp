@@ -156,11 +156,12 @@ class Bench {
     RoutesResult out_;
 };
 
-/// The size, of edges or cells, at which there are about `target` faces: their number falls with its square.
-/// The nearest of a few trials.
+/// The size, of edges or cells, at which there are about `target` faces: their number falls with its square,
+/// but in steps where cells can only halve. The nearest of a few trials.
 double size_for(double target, double size, const std::function<std::uint64_t(double)>& count) {
-    constexpr int kTrials = 6;
+    constexpr int kTrials = 8;
     constexpr double kNear = 0.01, kMostStep = 4;
+    double too_small = 0, too_large = std::numeric_limits<double>::infinity();
     double best = size, best_error = std::numeric_limits<double>::infinity();
     for (int trial = 0; trial < kTrials && best_error > kNear; ++trial) {
         const double ratio = static_cast<double>(std::max<std::uint64_t>(count(size), 1)) / target;
@@ -168,7 +169,9 @@ double size_for(double target, double size, const std::function<std::uint64_t(do
             best_error = std::abs(std::log(ratio));
             best = size;
         }
+        (ratio > 1 ? too_small : too_large) = size;
         size *= std::clamp(std::sqrt(ratio), 1 / kMostStep, kMostStep);
+        if (size <= too_small || size >= too_large) size = std::sqrt(too_small * too_large);
     }
     return best;
 }
