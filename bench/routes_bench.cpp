@@ -120,7 +120,7 @@ class Bench {
         route.sampled = made.sampled;
         route.figures = figures_of(made.mesh, scene_.skeleton, ctx_);
         if (!options_.pictures.empty()) {
-            draw(made.mesh, options_.pictures / fmt::format("{}_{}.png", scene_.name, file_name(route.name)),
+            draw(made.mesh, options_.pictures / file_name(fmt::format("{} {}.png", scene_.name, route.name)),
                  ctx_);
         }
     }
@@ -145,8 +145,8 @@ class Bench {
     }
 
     static std::string file_name(std::string name) {
-        std::replace_if(
-            name.begin(), name.end(), [](char c) { return c == ' ' || c == ','; }, '_');
+        std::erase(name, ',');
+        std::replace(name.begin(), name.end(), ' ', '_');
         return name;
     }
 
