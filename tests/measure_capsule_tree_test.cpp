@@ -57,6 +57,25 @@ TEST(CapsuleTree, SegmentsWithoutLengthAreBalls) {
     EXPECT_DOUBLE_EQ(tree.nearest({3, 0, 0}).rho, 3);
 }
 
+TEST(CapsuleTree, AxisDistanceDoesNotMindRadii) {
+    const CapsuleTree tree(fork(), {});
+    EXPECT_DOUBLE_EQ(tree.axis_distance({0, 3, 2}), 3);
+    EXPECT_DOUBLE_EQ(tree.axis_distance({4, 1, 4.5}), std::hypot(1, 0.5));
+    EXPECT_DOUBLE_EQ(tree.axis_distance({0, 0, 9}), 1);
+    EXPECT_TRUE(std::isinf(CapsuleTree(Skeleton({kRoot}, {{0, 0, 0}}, {1}), {}).axis_distance({0, 0, 0})));
+}
+
+TEST(CapsuleTree, VisitsWhatLiesNearAndNothingElse) {
+    const CapsuleTree tree(fork(), {});
+    std::vector<std::uint32_t> seen;
+    const double limit = 1;
+    tree.visit_near({2, 0, 5}, limit, [&](std::uint32_t i, double d2) {
+        seen.push_back(i);
+        EXPECT_DOUBLE_EQ(d2, 1);
+    });
+    EXPECT_EQ(seen, std::vector<std::uint32_t>{2});  // the lateral; the leader is two metres away
+}
+
 TEST(CapsuleTree, AgreesWithTryingAll) {
     const CounterRandom random(5, 0);
     std::vector<NodeId> parent;

@@ -30,6 +30,7 @@ struct Command {
 
 Command mesh_command(CLI::App& app);
 Command check_command(CLI::App& app);
+Command compare_command(CLI::App& app);
 Command info_command(CLI::App& app);
 Command convert_command(CLI::App& app);
 Command render_command(CLI::App& app);

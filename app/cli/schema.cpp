@@ -3,6 +3,7 @@
 #include "command.h"
 #include "coppice/io/skeleton_reader.h"
 #include "coppice/io/skeleton_writer.h"
+#include "coppice/measure/skeleton_match.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/recipe/json.h"
 #include "coppice/recipe/mesh_skeleton.h"
@@ -17,6 +18,7 @@ struct SchemaFlags {};
 ExitCode schema(Run& run) {
     const Json all{{"mesh", schema_of<MeshOptions>()},
                    {"check", schema_of<CheckOptions>()},
+                   {"compare", schema_of<CompareOptions>()},
                    {"render", schema_of<RenderOptions>()},
                    {"read_skeleton", schema_of<ReadSkeletonOptions>()},
                    {"write_skeleton", schema_of<WriteSkeletonOptions>()},

@@ -44,6 +44,10 @@ double Capsule::rho_squared(Vec3d p) const {
     return length_squared(p - point(t)) / (r * r);
 }
 
+double Capsule::distance_squared(Vec3d p) const {
+    return length_squared(p - point(std::clamp(parameter(p), 0.0, 1.0)));
+}
+
 CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
     : capsules_(capsules_of(skeleton, origin)), boxes_(axis_boxes(capsules_), ctx) {
     auto& levels = inverse_radius_squared_;
@@ -88,6 +92,12 @@ bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
                       limit = -1;
                   });
     return found;
+}
+
+double CapsuleTree::axis_distance(Vec3d p) const {
+    double least = std::numeric_limits<double>::infinity();
+    visit_near(p, least, [&](std::uint32_t, double d2) { least = d2; });
+    return std::sqrt(least);
 }
 
 SegmentGap gap(const Capsule& a, const Capsule& b) {

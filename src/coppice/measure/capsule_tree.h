@@ -26,6 +26,7 @@ struct Capsule {
     double radius(double t) const { return radius_a + radius_step * t; }
     /// The square of rho: the distance from p to the segment over the radius at the foot.
     double rho_squared(Vec3d p) const;
+    double distance_squared(Vec3d p) const;  ///< from p to the segment
 };
 
 /// The segments of a skeleton, found by rho: the distance from a point to the segment over the segment's
@@ -52,6 +53,22 @@ class CapsuleTree {
 
     /// Whether a capsule other than `except` has rho below `rho`.
     bool any_within(Vec3d p, double rho, std::uint32_t except) const;
+
+    /// The distance from p to the nearest axis; infinite where there is none. O(log n).
+    double axis_distance(Vec3d p) const;
+
+    /// Calls visit(capsule, distance squared) for the capsules whose axis lies within the root of
+    /// `limit_squared` of p, mostly from near to far; visit may lower the limit.
+    template <class Visit>
+    void visit_near(Vec3d p, const double& limit_squared, const Visit& visit) const {
+        const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
+            return distance_squared(boxes_.level(l)[i], p);
+        };
+        boxes_.search(to_box, limit_squared, [&](std::uint32_t i) {
+            const double d2 = capsules_[i].distance_squared(p);
+            if (d2 <= limit_squared) visit(i, d2);
+        });
+    }
 
   private:
     double bound(std::uint32_t level, std::uint32_t i, Vec3d p) const {

@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "command.h"
+#include "coppice/measure/skeleton_match.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+struct CompareFlags {
+    std::filesystem::path reference, found;
+    bool json = false;
+    CompareOptions compare;
+    ReadSkeletonOptions read_reference, read_found;
+};
+
+/// Throws InvalidInput for skeletons that have nothing in common but a size that is wrong by a power of ten
+/// or more: figures of 0 would not say what the mend is.
+void check_units(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found,
+                 const CompareFlags& flags) {
+    if (match.covered_percent > 0 || match.true_percent > 0) return;
+    const double ratio = double{found.bounds().diagonal()} / reference.bounds().diagonal();
+    const double power = std::round(std::log10(ratio));
+    if (std::fabs(power) < 1 || std::fabs(std::log10(ratio) - power) > 0.2) return;
+    throw InvalidInput(
+        fmt::format("'{}' is {:.3g} times as large as '{}' and nowhere near it; if their units differ, read "
+                    "it with --b-scale {:g}",
+                    flags.found.string(), ratio, flags.reference.string(), std::pow(10, -power)));
+}
+
+ExitCode compare_files(Run& run, const CompareFlags& flags) {
+    if (flags.reference.empty() || flags.found.empty())
+        throw UsageError("name the reference and the skeleton to judge: coppice compare A B");
+    const SkeletonFile a = load_skeleton(run, flags.reference, flags.read_reference);
+    const SkeletonFile b = load_skeleton(run, flags.found, flags.read_found);
+    const SkeletonMatch match = run.stage(
+        "compare", [&](const Context& ctx) { return compare(a.skeleton, b.skeleton, flags.compare, ctx); });
+    check_units(match, a.skeleton, b.skeleton, flags);
+    const Json figures = figures_json(match);
+    fmt::print("{}", flags.json ? figures.dump(2) + "\n" : figures_text(figures));
+    run.counts()["figures"] = figures;
+    run.finish(fmt::format("{}: {:.1f} % of {} found", flags.found.string(), match.covered_percent,
+                           flags.reference.string()));
+    return kDone;
+}
+
+}  // namespace
+
+Command compare_command(CLI::App& app) {
+    auto [command, flags] = new_command<CompareFlags>(
+        app, "compare", "Hold a skeleton against a reference: length, volume, axes, tips, junctions, radii");
+    command.app->add_option("a", flags->reference, "the reference")->type_name("A");
+    command.app->add_option("b", flags->found, "the skeleton to judge")->type_name("B");
+    command.app->add_flag("--json", flags->json, "print JSON instead of a table");
+    add_options(*command.app, flags->compare, "Comparison");
+    add_options(*command.app, flags->read_reference, "Reading A");
+    add_options(*command.app, flags->read_found, "Reading B", "b");
+    command.run = [flags = flags](Run& run) { return compare_files(run, *flags); };
+    return command;
+}
+
+}  // namespace coppice::cli

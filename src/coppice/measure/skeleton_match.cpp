@@ -1,0 +1,270 @@
+#include "coppice/measure/skeleton_match.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/match_points_internal.h"
+#include "coppice/skeleton/measure.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 64;
+constexpr std::size_t kBlock = 1 << 14;   // [segments] between two looks at the stop token
+constexpr double kMostSamples = 1 << 22;  // per skeleton, besides one for each segment
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+/// The parts of the work, for progress.
+constexpr float kReferenceShare = 0.45f, kFoundShare = 0.9f;
+
+/// Runs body(i) for all i; looks at the stop token and reports between blocks.
+template <class Body>
+void for_blocks(const Context& ctx, std::size_t count, float from, float to, const Body& body) {
+    for (std::size_t begin = 0; begin < count; begin += kBlock) {
+        ctx.throw_if_cancelled();
+        const std::size_t size = std::min(kBlock, count - begin);
+        parallel_for(ctx, size, kGrain, [&](std::size_t i) { body(begin + i); });
+        ctx.report(from + (to - from) * static_cast<float>(begin + size) / static_cast<float>(count));
+    }
+}
+
+/// Points at even distances along every segment, none where a segment has no length.
+class Samples {
+  public:
+    Samples(const CapsuleTree& axes, double step) : first_(axes.size() + 1) {
+        const auto wanted = [&](std::uint32_t i) {
+            const Capsule& c = axes.capsule(i);
+            return length(c.axis) / (step * c.radius(0.5));
+        };
+        double all = 0;
+        for (std::uint32_t i = 0; i < axes.size(); ++i) all += wanted(i);
+        const double coarser = std::min(1.0, kMostSamples / std::max(all, 1.0));
+        for (std::uint32_t i = 0; i < axes.size(); ++i)
+            first_[i + 1] = first_[i] + static_cast<std::uint32_t>(std::ceil(coarser * wanted(i)));
+    }
+
+    std::uint32_t size() const { return first_.back(); }
+    std::uint32_t first(std::size_t segment) const { return first_[segment]; }
+
+    /// Calls visit(sample, parameter on the segment).
+    template <class Visit>
+    void for_each(std::size_t segment, const Visit& visit) const {
+        const std::uint32_t count = first_[segment + 1] - first_[segment];
+        for (std::uint32_t k = 0; k < count; ++k) visit(first_[segment] + k, (k + 0.5) / count);
+    }
+    double share(std::size_t segment) const {  ///< of the segment's length, for each of its samples
+        return 1.0 / (first_[segment + 1] - first_[segment]);
+    }
+
+  private:
+    std::vector<std::uint32_t> first_;
+};
+
+/// The radius found beside a point of the reference; none when it is not covered.
+std::optional<double> radius_beside(const CapsuleTree& found, const Capsule& reference, double t,
+                                    double within) {
+    const Vec3d p = reference.point(t), direction = normalized(reference.axis);
+    const double r = reference.radius(t);
+    double limit = within * r * within * r, least = kFar;
+    std::uint32_t best = CapsuleTree::kNone;
+    found.visit_near(p, limit, [&](std::uint32_t i, double d2) {
+        const Capsule& c = found.capsule(i);
+        const double along = dot(c.axis, direction);
+        const double turn = 1 - std::min(1.0, along * along * c.inverse_length_squared);
+        const double cost = d2 + r * r * turn;
+        if (cost >= least) return;
+        least = cost;
+        limit = std::min(limit, cost);
+        best = i;
+    });
+    if (best == CapsuleTree::kNone) return {};
+    const Capsule& c = found.capsule(best);
+    return c.radius(std::clamp(c.parameter(p), 0.0, 1.0));
+}
+
+double percent(double part, double all) { return all > 0 ? std::min(100.0, 100 * part / all) : 0; }
+
+double total_length(const CapsuleTree& axes) {
+    double sum = 0;
+    for (std::uint32_t i = 0; i < axes.size(); ++i) sum += length(axes.capsule(i).axis);
+    return sum;
+}
+
+void judge_reference(const CapsuleTree& reference, const CapsuleTree& found, const CompareOptions& options,
+                     const Context& ctx, SkeletonMatch& out) {
+    const Samples samples(reference, options.step);
+    std::vector<double> error(samples.size(), kUnknown), covered(reference.size());
+    for_blocks(ctx, reference.size(), 0, kReferenceShare, [&](std::size_t i) {
+        const Capsule& c = reference.capsule(static_cast<std::uint32_t>(i));
+        std::uint32_t hits = 0;
+        samples.for_each(i, [&](std::uint32_t sample, double t) {
+            const auto radius = radius_beside(found, c, t, options.within);
+            if (!radius) return;
+            ++hits;
+            error[sample] = *radius / c.radius(t) - 1;
+        });
+        if (hits > 0) covered[i] = length(c.axis) * hits * samples.share(i);
+    });
+    double sum = 0;
+    for (const double l : covered) sum += l;
+    out.covered_percent = percent(sum, total_length(reference));
+    std::erase_if(error, [](double e) { return std::isnan(e); });
+    out.radius_bias = statistics(error).mean;
+    for (double& e : error) e = std::fabs(e);
+    out.radius_error = statistics(std::move(error));
+}
+
+void judge_found(const CapsuleTree& reference, const CapsuleTree& found, const CompareOptions& options,
+                 const Context& ctx, SkeletonMatch& out) {
+    if (reference.size() == 0) return;
+    const Samples samples(found, options.step);
+    struct Part {
+        double inside = 0, rho = 0;  // [m] length inside, [m radius] integral of rho
+    };
+    std::vector<Part> parts(found.size());
+    for_blocks(ctx, found.size(), kReferenceShare, kFoundShare, [&](std::size_t i) {
+        const Capsule& c = found.capsule(static_cast<std::uint32_t>(i));
+        std::uint32_t hint = CapsuleTree::kNone;
+        samples.for_each(i, [&](std::uint32_t, double t) {
+            const CapsuleTree::Nearest nearest = reference.nearest(c.point(t), hint);
+            const double l = length(c.axis) * samples.share(i);
+            hint = nearest.capsule;
+            parts[i].rho += l * nearest.rho;
+            if (nearest.rho <= options.within) parts[i].inside += l;
+        });
+    });
+    Part sum;
+    for (const Part& p : parts) {
+        sum.inside += p.inside;
+        sum.rho += p.rho;
+    }
+    const double all = total_length(found);
+    out.true_percent = percent(sum.inside, all);
+    out.off_axis = all > 0 ? sum.rho / all : 0;
+}
+
+/// A skeleton in the frame of the reference.
+struct Placed {
+    const Skeleton& skeleton;
+    Vec3d shift;
+    Vec3d position(NodeId n) const { return Vec3d(skeleton.position(n)) + shift; }
+};
+
+/// Fills `metres` and `radii` with distance(p, node) of every node: {in metres, in radii}.
+template <class Distance>
+void measure_nodes(const Placed& nodes, const Context& ctx, const Distance& distance, Statistics& metres,
+                   Statistics& radii) {
+    std::vector<double> m(nodes.skeleton.size()), r(nodes.skeleton.size());
+    parallel_for(ctx, m.size(), kGrain, [&](std::size_t i) {
+        const NodeId n(static_cast<std::uint32_t>(i));
+        std::tie(m[i], r[i]) = distance(nodes.position(n), n);
+    });
+    metres = statistics(std::move(m));
+    radii = statistics(std::move(r));
+}
+
+struct Points {
+    std::vector<Vec3d> position;
+    std::vector<double> radius;
+
+    void add(const Placed& placed, NodeId n) {
+        position.push_back(placed.position(n));
+        radius.push_back(placed.skeleton.radius(n));
+    }
+    std::vector<double> reach(double radii) const {
+        std::vector<double> reach = radius;
+        for (double& r : reach) r *= radii;
+        return reach;
+    }
+};
+
+/// What is matched node by node. Roots that are ends come last, behind the tips.
+struct Landmarks {
+    Points ends, junctions;
+    std::size_t tips = 0;
+
+    explicit Landmarks(const Placed& placed) {
+        const Skeleton& s = placed.skeleton;
+        Points roots;
+        for (const NodeId n : nodes(s)) {
+            const std::size_t children = s.children(n).size(), all = children + (s.is_root(n) ? 0 : 1);
+            if (all >= 3) junctions.add(placed, n);
+            if (all == 1) (children == 0 ? ends : roots).add(placed, n);
+        }
+        tips = ends.position.size();
+        ends.position.insert(ends.position.end(), roots.position.begin(), roots.position.end());
+        ends.radius.insert(ends.radius.end(), roots.radius.begin(), roots.radius.end());
+    }
+};
+
+/// Pairs points of which the first `counted_a` and `counted_b` count; the others only take partners away.
+NodeMatches match_nodes(const Points& a, std::size_t counted_a, double reach, const Points& b,
+                        std::size_t counted_b, const Context& ctx) {
+    const auto partner = measure_internal::match_points(a.position, a.reach(reach), b.position, ctx);
+    NodeMatches m{.reference = counted_a};
+    std::uint64_t taken = 0;  // of the counted ones of b
+    for (std::size_t i = 0; i < partner.size(); ++i) {
+        if (partner[i] == measure_internal::kNoMatch) continue;
+        if (i < counted_a) ++m.matched;
+        if (partner[i] < counted_b) ++taken;
+    }
+    m.found = m.matched + counted_b - taken;
+    return m;
+}
+
+void judge_landmarks(const Placed& reference, const Placed& found, const CapsuleTree& axes,
+                     const CompareOptions& options, const Context& ctx, SkeletonMatch& out) {
+    const Landmarks a(reference), b(found);
+    out.tips = match_nodes(a.ends, a.tips, options.tip_reach, b.ends, b.tips, ctx);
+    out.junctions = match_nodes(a.junctions, a.junctions.position.size(), options.fork_reach, b.junctions,
+                                b.junctions.position.size(), ctx);
+    const std::vector<double> reach = a.ends.reach(options.tip_reach);
+    std::vector<char> reached(a.tips);
+    parallel_for(ctx, a.tips, kGrain, [&](std::size_t i) {
+        reached[i] = axes.axis_distance(a.ends.position[i]) <= reach[i] ? 1 : 0;
+    });
+    const auto count = static_cast<double>(std::count(reached.begin(), reached.end(), 1));
+    out.tips_reached = percent(count, static_cast<double>(a.tips));
+}
+
+}  // namespace
+
+SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const CompareOptions& options,
+                      const Context& ctx) {
+    check_fields(options, "compare");
+    const Vec3d origin = reference.origin();
+    const Placed a{reference, {}}, b{found, found.origin() - origin};
+    const CapsuleTree axes_a(reference, origin, ctx), axes_b(found, origin, ctx);
+    const SkeletonMeasures of_a = measure(reference), of_b = measure(found);
+
+    SkeletonMatch out;
+    out.length = {of_a.length, of_b.length};
+    out.volume = {of_a.volume, of_b.volume};
+    judge_reference(axes_a, axes_b, options, ctx, out);
+    judge_found(axes_a, axes_b, options, ctx, out);
+    if (axes_b.size() > 0) {
+        const auto to_found = [&](Vec3d p, NodeId n) {
+            const double d = axes_b.axis_distance(p);
+            return std::pair{d, d / reference.radius(n)};
+        };
+        measure_nodes(a, ctx, to_found, out.reference_nodes_m, out.reference_nodes_r);
+    }
+    if (axes_a.size() > 0) {
+        const auto to_reference = [&](Vec3d p, NodeId) {
+            return std::pair{axes_a.axis_distance(p), axes_a.nearest(p).rho};
+        };
+        measure_nodes(b, ctx, to_reference, out.found_nodes_m, out.found_nodes_r);
+    }
+    judge_landmarks(a, b, axes_b, options, ctx, out);
+    ctx.report(1);
+    return out;
+}
+
+}  // namespace coppice
