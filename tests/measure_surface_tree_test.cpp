@@ -60,6 +60,40 @@ TEST(SurfaceTree, NearestOfManyIsTheNearestOfAll) {
     }
 }
 
+TEST(SurfaceTree, SignedDistanceIsNegativeInside) {
+    const PolygonMesh m = cube();
+    const SurfaceTree tree(m);
+    EXPECT_DOUBLE_EQ(tree.signed_distance({0.5, 0.5, 0.5}), -0.5);
+    EXPECT_DOUBLE_EQ(tree.signed_distance({0.5, 0.5, 3}), 2);
+    EXPECT_DOUBLE_EQ(tree.signed_distance({2, 2, 0.3}), std::sqrt(2.0)) << "an edge";
+    EXPECT_DOUBLE_EQ(tree.signed_distance({-1, -1, -1}), std::sqrt(3.0)) << "a corner";
+    EXPECT_DOUBLE_EQ(tree.signed_distance({0.25, 0.5, 0}), 0);
+    EXPECT_TRUE(std::isinf(SurfaceTree(PolygonMesh{}).signed_distance({0, 0, 0})));
+    const PolygonMesh ring = torus(20, 50, 1, 3);
+    const SurfaceTree round(ring);
+    const CounterRandom random(9, 0);
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+        const Vec3d p{random.uniform(3 * i, -5, 5), random.uniform(3 * i + 1, -5, 5),
+                      random.uniform(3 * i + 2, -2, 2)};
+        const double true_distance = std::hypot(std::hypot(p.x, p.y) - 3, p.z) - 1;
+        EXPECT_NEAR(round.signed_distance(p), true_distance, 0.03);
+        EXPECT_EQ(std::fabs(round.signed_distance(p)), round.distance(p));
+    }
+}
+
+TEST(SurfaceTree, SharpEdgesHaveTheRightSide) {
+    // A wedge of 10 degrees: beyond its edge a point lies behind the plane of neither or of one of its sides.
+    const float h = std::tan(0.0873f);
+    const PolygonMesh wedge =
+        polygons({{0, 0, 0}, {0, 1, 0}, {-1, 0, h}, {-1, 1, h}, {-1, 0, -h}, {-1, 1, -h}},
+                 {{0, 1, 3, 2}, {1, 0, 4, 5}, {2, 3, 5, 4}, {0, 2, 4}, {1, 5, 3}});
+    const SurfaceTree tree(wedge);
+    for (const double z : {-1.0, -0.1, 0.0, 0.1, 1.0}) {
+        EXPECT_NEAR(tree.signed_distance({0.05, 0.5, z * 0.05}), std::hypot(0.05, z * 0.05), 1e-9) << z;
+    }
+    EXPECT_LT(tree.signed_distance({-0.5, 0.5, 0}), 0);
+}
+
 TEST(SurfaceTree, LeavesOutTrianglesWithoutAreaAndCutsLargeFaces) {
     const PolygonMesh line = polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}});
     EXPECT_EQ(SurfaceTree(line).boxes().size(), 0u);

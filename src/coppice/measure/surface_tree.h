@@ -34,6 +34,11 @@ class SurfaceTree {
     /// The distance from a point to the surface; infinite when that is empty. O(log n) near the surface.
     double distance(Vec3d p) const;
 
+    /// The same, negative behind the nearest face: inside of a closed surface of faces that run
+    /// counter-clockwise seen from outside. Where several faces are equally near, on an edge or a corner, the
+    /// one that p lies most squarely before decides. O(log n).
+    double signed_distance(Vec3d p) const;
+
   private:
     struct Parts;
     SurfaceTree(const PolygonMesh& mesh, Parts&& parts, const Context& ctx);
