@@ -34,6 +34,7 @@ Command compare_command(CLI::App& app);
 Command info_command(CLI::App& app);
 Command convert_command(CLI::App& app);
 Command render_command(CLI::App& app);
+Command scan_command(CLI::App& app);
 Command run_command(CLI::App& app);
 Command grow_command(CLI::App& app);
 Command shell_command(CLI::App& app);

@@ -8,6 +8,7 @@
 #include "coppice/recipe/json.h"
 #include "coppice/recipe/mesh_skeleton.h"
 #include "coppice/render/render.h"
+#include "coppice/render/scan.h"
 #include "coppice/scene/reference.h"
 
 namespace coppice::cli {
@@ -20,6 +21,7 @@ ExitCode schema(Run& run) {
                    {"check", schema_of<CheckOptions>()},
                    {"compare", schema_of<CompareOptions>()},
                    {"render", schema_of<RenderOptions>()},
+                   {"scan", schema_of<ScanOptions>()},
                    {"read_skeleton", schema_of<ReadSkeletonOptions>()},
                    {"write_skeleton", schema_of<WriteSkeletonOptions>()},
                    {"scene", scene_schema()}};

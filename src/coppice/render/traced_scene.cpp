@@ -1,10 +1,7 @@
 #include "coppice/render/traced_scene_internal.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
-#include <new>
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
@@ -24,22 +21,6 @@ struct Box3d {
         }
     }
 };
-
-void throw_embree_error(RTCDevice device, const Context& ctx) {
-    const RTCError code = rtcGetDeviceError(device);
-    if (code == RTC_ERROR_NONE) return;
-    ctx.throw_if_cancelled();
-    if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-    throw Unsupported(
-        fmt::format("the ray tracer cannot take this scene (Embree error {})", static_cast<int>(code)));
-}
-
-template <class T>
-std::span<T> new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t count) {
-    void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
-    if (data == nullptr) throw std::bad_alloc();
-    return {static_cast<T*>(data), count};
-}
 
 struct Ball {
     Vec3 center;
@@ -66,15 +47,14 @@ void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::v
     if (balls.empty()) return;
     RTCGeometry geometry = rtcNewGeometry(device, type);
     std::ranges::copy(
-        balls, new_buffer<Ball>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, balls.size()).begin());
+        balls,
+        new_embree_buffer<Ball>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, balls.size()).begin());
     if (type == RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE) {
-        const auto first =
-            new_buffer<std::uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, balls.size() / 2);
+        const auto first = new_embree_buffer<std::uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT,
+                                                            balls.size() / 2);
         for (std::size_t i = 0; i < first.size(); ++i) first[i] = static_cast<std::uint32_t>(2 * i);
     }
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
+    attach_geometry(scene, geometry);
 }
 
 }  // namespace
@@ -83,9 +63,7 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
     : deviation_(scene.deviation) {
     const float skeleton_width = scene.mesh != nullptr ? options.axis_width : 1;
     place(scene, skeleton_width);
-    const auto config = fmt::format("threads={}", ctx.threads);
-    device_.reset(rtcNewDevice(config.c_str()));
-    if (!device_) throw Unsupported("the ray tracer does not run on this processor (Embree needs SSE2)");
+    device_ = new_embree_device(ctx);
     solid_is_mesh_ = scene.mesh != nullptr;
     if (scene.mesh != nullptr) {
         add_faces(*scene.mesh);
@@ -172,14 +150,13 @@ EmbreeScene TracedScene::build_mesh(const Context& ctx) {
     EmbreeScene scene(rtcNewScene(device_.get()));
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD);
     const auto positions =
-        new_buffer<Vec3>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
-    const auto quads = new_buffer<Quad>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, quads_.size());
+        new_embree_buffer<Vec3>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
+    const auto quads =
+        new_embree_buffer<Quad>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, quads_.size());
     parallel_for(ctx, positions.size(), kGrain, [&](std::size_t i) { positions[i] = positions_[i]; });
     parallel_for(ctx, quads.size(), kGrain, [&](std::size_t i) { quads[i] = quads_[i]; });
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene.get(), geometry);
-    rtcReleaseGeometry(geometry);
-    commit(scene.get(), ctx);
+    attach_geometry(scene.get(), geometry);
+    commit_scene(device_.get(), scene.get(), ctx);
     return scene;
 }
 
@@ -199,18 +176,8 @@ EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Conte
     EmbreeScene scene(rtcNewScene(device_.get()));
     attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE, tubes.cones);
     attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT, tubes.balls);
-    commit(scene.get(), ctx);
+    commit_scene(device_.get(), scene.get(), ctx);
     return scene;
-}
-
-void TracedScene::commit(RTCScene scene, const Context& ctx) {
-    const auto go_on = [](void* context, double) {
-        return !static_cast<const Context*>(context)->stop.stop_requested();
-    };
-    rtcSetSceneProgressMonitorFunction(scene, go_on, const_cast<Context*>(&ctx));
-    rtcCommitScene(scene);
-    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
-    throw_embree_error(device_.get(), ctx);
 }
 
 std::optional<Hit> TracedScene::trace(Vec3 origin, Vec3 direction) const {
@@ -222,15 +189,7 @@ std::optional<Hit> TracedScene::trace_axis(Vec3 origin, Vec3 direction) const {
 }
 
 std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 direction) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit r{};
-    r.ray.org_x = origin.x, r.ray.org_y = origin.y, r.ray.org_z = origin.z;
-    r.ray.dir_x = direction.x, r.ray.dir_y = direction.y, r.ray.dir_z = direction.z;
-    r.ray.tfar = std::numeric_limits<float>::infinity();
-    r.ray.mask = ~0u;
-    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &context, &r);
+    const RTCRayHit r = cast_ray(scene, origin, direction);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
     Hit hit;

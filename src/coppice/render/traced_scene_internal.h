@@ -1,26 +1,16 @@
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/render/camera_internal.h"
+#include "coppice/render/embree_internal.h"
 #include "coppice/render/render.h"
 
 namespace coppice {
-
-template <class T, void (*release)(T)>
-struct Release {
-    using pointer = T;
-    void operator()(T object) const { release(object); }
-};
-using EmbreeDevice = std::unique_ptr<RTCDevice, Release<RTCDevice, rtcReleaseDevice>>;
-using EmbreeScene = std::unique_ptr<RTCScene, Release<RTCScene, rtcReleaseScene>>;
 
 /// Where a ray met the object.
 struct Hit {
@@ -60,7 +50,6 @@ class TracedScene {
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
     EmbreeScene build_mesh(const Context& ctx);
     EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
-    void commit(RTCScene scene, const Context& ctx);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
     Vec3 local(Vec3 p, Vec3d origin) const { return Vec3((Vec3d(p) + (origin - center_)) * scale_); }
 
