@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "coppice/render/scale_bar_internal.h"
+
 namespace coppice {
 namespace {
 
@@ -200,6 +202,68 @@ TEST(Render, DeviationComesWithAScaleBar) {
     }
     EXPECT_TRUE(red);
     EXPECT_TRUE(blue);
+}
+
+TEST(Render, DistanceFromAnotherMeshIsMeasuredWhereItIsSeen) {
+    // The faces are large: what their corners know says nothing of their middles.
+    const PolygonMesh drawn = cube(1);
+    RenderOptions o = small();
+    o.color = RenderColor::distance;
+    o.distance_range = 0.1f;
+    const auto middle = [&](const PolygonMesh& other) {
+        const SurfaceTree surface(other);
+        return render({.mesh = &drawn, .distance_to = &surface}, o).at(20, 32);
+    };
+    EXPECT_GT(middle(cube(0.9f))[0], middle(cube(0.9f))[2] + 40) << "outside of a smaller one";
+    EXPECT_GT(middle(cube(1.1f))[2], middle(cube(1.1f))[0] + 40) << "inside of a larger one";
+    EXPECT_NEAR(middle(cube(1))[0], middle(cube(1))[2], 30);
+    EXPECT_EQ(middle(cube(0.5f)), middle(cube(0.9f))) << "the colours end at the range";
+    // A slab that holds the middle of the face seen, and none of the corners.
+    PolygonMesh slab = cube(1.05f);
+    for (Vec3& p : slab.positions) p.z *= 0.2f;
+    EXPECT_GT(middle(slab)[2], middle(slab)[0] + 20);
+    const SurfaceTree surface(drawn);
+    EXPECT_THROW(render({.distance_to = &surface}, o), InvalidInput);
+    EXPECT_THROW(render({.mesh = &drawn}, o), InvalidInput);
+    const PolygonMesh nothing;
+    const SurfaceTree empty(nothing);
+    EXPECT_THROW(render({.mesh = &drawn, .distance_to = &empty}, o), InvalidInput);
+}
+
+TEST(Render, DistancesMindTheOrigins) {
+    const PolygonMesh drawn = cube(1, {100, 0, 0}), other = cube(1.1f, {100, 0, 0});
+    const SurfaceTree surface(other);
+    RenderOptions o = small();
+    o.color = RenderColor::distance;
+    o.distance_range = 0.1f;
+    const auto p = render({.mesh = &drawn, .distance_to = &surface}, o).at(20, 32);
+    EXPECT_GT(p[2], p[0] + 40);
+}
+
+TEST(Render, TheRangeOfDistancesFollowsMostVertices) {
+    // All corners are 0.1 outside per axis of the smaller cube: sqrt(3) / 10 away. Faces lie 0.1 away.
+    const PolygonMesh drawn = cube(1), other = cube(0.9f);
+    const SurfaceTree surface(other);
+    RenderOptions o = small();
+    o.color = RenderColor::distance;
+    const Image chosen = render({.mesh = &drawn, .distance_to = &surface}, o);
+    o.distance_range = 0.1f * std::sqrt(3.0f);
+    const Image given = render({.mesh = &drawn, .distance_to = &surface}, o);
+    EXPECT_NEAR(chosen.at(20, 32)[0], given.at(20, 32)[0], 1);
+    EXPECT_NEAR(chosen.at(20, 32)[2], given.at(20, 32)[2], 1);
+    o.distance_range = 0.1f;
+    EXPECT_LT(render({.mesh = &drawn, .distance_to = &surface}, o).at(20, 32)[2], given.at(20, 32)[2]);
+}
+
+TEST(Render, LengthsOfTheScaleHaveThreeDigits) {
+    EXPECT_EQ(length_text(1.254e-3), "1.25 mm");
+    EXPECT_EQ(length_text(0.0999), "99.9 mm");
+    EXPECT_EQ(length_text(0.09997), "100 mm");
+    EXPECT_EQ(length_text(0.9996), "1.00 m");
+    EXPECT_EQ(length_text(9.996), "10.0 m");
+    EXPECT_EQ(length_text(3.2e-7), "320 nm");
+    EXPECT_EQ(length_text(1e6), "1000 km");
+    EXPECT_EQ(length_text(1e-9), "1.00 nm");
 }
 
 TEST(Render, TheGroundReceivesAShadow) {

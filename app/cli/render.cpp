@@ -6,6 +6,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/io/file.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/render/png.h"
 #include "files.h"
@@ -15,7 +16,7 @@ namespace coppice::cli {
 namespace {
 
 struct RenderFlags {
-    std::filesystem::path input, second, output;
+    std::filesystem::path input, second, output, distance_to;
     RenderOptions render;
     ReadSkeletonOptions read;
 };
@@ -23,6 +24,8 @@ struct RenderFlags {
 struct Inputs {
     std::optional<PolygonMesh> mesh;
     std::optional<SkeletonFile> skeleton;
+    std::optional<PolygonMesh> other;
+    std::optional<SurfaceTree> surface;  ///< of the other mesh
 };
 
 Inputs load(Run& run, const RenderFlags& flags) {
@@ -66,12 +69,32 @@ void check_flags(const RenderFlags& flags) {
             fmt::format("'{}' is no name of a picture; use the ending .png", flags.output.string()));
     }
     check_output_folder(flags.output);
+    if (flags.render.color == RenderColor::distance && flags.distance_to.empty())
+        throw UsageError(
+            "--color distance needs another mesh: coppice render MESH --distance-to OTHER -o PNG");
+}
+
+/// The mesh that the drawn one is measured from; the surface refers to it.
+void load_other(Run& run, const RenderFlags& flags, Inputs& in) {
+    if (!in.mesh)
+        throw UsageError(
+            "--distance-to needs a mesh to draw: coppice render MESH --distance-to OTHER -o PNG");
+    in.other = load_mesh(run, flags.distance_to);
+    in.surface = run.stage("index", [&](const Context& ctx) {
+        validate(*in.other);
+        return SurfaceTree(*in.other, ctx);
+    });
 }
 
 ExitCode render_file(Run& run, const RenderFlags& flags) {
     check_flags(flags);
-    const Inputs in = load(run, flags);
-    const bool by_deviation = flags.render.color == RenderColor::deviation;
+    Inputs in = load(run, flags);
+    RenderOptions options = flags.render;
+    if (!flags.distance_to.empty()) {
+        load_other(run, flags, in);
+        options.color = RenderColor::distance;
+    }
+    const bool by_deviation = options.color == RenderColor::deviation;
     if (by_deviation && !(in.mesh && in.skeleton)) {
         throw UsageError(
             "--color deviation needs a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
@@ -83,9 +106,9 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     }
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
                             .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
-                            .deviation = deviation};
-    const Image image =
-        run.stage("render", [&](const Context& ctx) { return render(scene, flags.render, ctx); });
+                            .deviation = deviation,
+                            .distance_to = in.surface ? &*in.surface : nullptr};
+    const Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
     run.stage("write", [&](const Context&) {
         AtomicFile file(flags.output);
         file.write(encode_png(image));
@@ -105,6 +128,10 @@ Command render_command(CLI::App& app) {
     command.app->add_option("second", flags->second, "the skeleton of the mesh, or the mesh")
         ->type_name("IN2");
     command.app->add_option("-o,--output", flags->output, "picture to write")->type_name("PNG");
+    command.app
+        ->add_option("--distance-to", flags->distance_to,
+                     "colour by the distance from this mesh: inside blue, outside red")
+        ->type_name("MESH");
     add_options(*command.app, flags->render, "Picture");
     add_options(*command.app, flags->read, "Reading a skeleton");
     command.run = [flags = flags](Run& run) { return render_file(run, *flags); };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
@@ -17,6 +18,8 @@ constexpr long long kMostPixels = 128'000'000;
 constexpr int kTile = 16;           // [pixels] a square of them is traced together, for the caches
 constexpr int kRowsPerReport = 64;  // between two reports of progress
 constexpr float kBuildShare = 0.3f;
+constexpr double kUsual = 0.98;       // of the vertices lie within the range of the colours
+constexpr float kLeastRange = 1e-9f;  // [m]
 
 void check(const RenderScene& scene, const RenderOptions& options) {
     check_fields(options, "render");
@@ -36,6 +39,10 @@ void check(const RenderScene& scene, const RenderOptions& options) {
             }
         }
     }
+    if (options.color == RenderColor::distance &&
+        (scene.mesh == nullptr || scene.distance_to == nullptr || scene.distance_to->boxes().size() == 0)) {
+        throw InvalidInput("render: colour by distance needs a mesh and another one with faces");
+    }
     if (options.color != RenderColor::deviation) return;
     if (scene.mesh == nullptr || scene.deviation.size() != scene.mesh->positions.size()) {
         throw InvalidInput(
@@ -48,6 +55,26 @@ Image::Pixel encode(const Light& light) {
     const auto byte = [](float x) { return static_cast<std::uint8_t>(std::lround(255 * x)); };
     const Vec3 c = light.color / light.alpha;
     return {byte(to_srgb(c.x)), byte(to_srgb(c.y)), byte(to_srgb(c.z)), byte(std::min(1.0f, light.alpha))};
+}
+
+/// What most vertices keep below, so that a few far away do not pale the rest.
+float distance_range(const RenderScene& scene, const RenderOptions& options, const Context& ctx) {
+    if (options.color != RenderColor::distance || options.distance_range > 0) return options.distance_range;
+    constexpr std::size_t kGrain = 256;
+    std::vector<std::uint32_t> used = scene.mesh->corners;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    std::vector<double> distance(used.size());
+    const Vec3d shift = scene.mesh->origin - scene.distance_to->mesh().origin;
+    parallel_for(ctx, used.size(), kGrain, [&](std::size_t i) {
+        if (ctx.stop.stop_requested()) return;
+        distance[i] = scene.distance_to->distance(Vec3d(scene.mesh->positions[used[i]]) + shift);
+    });
+    ctx.throw_if_cancelled();
+    const auto at =
+        distance.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(used.size() - 1));
+    std::nth_element(distance.begin(), at, distance.end());
+    return static_cast<float>(std::max(*at, double{kLeastRange}));
 }
 
 /// Looks at the stop token in each row, because many samples make a tile long.
@@ -66,13 +93,14 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     ctx.throw_if_cancelled();
     ctx.report(0);
     RenderScene shown = scene;
-    if (options.color == RenderColor::deviation)
-        shown.skeleton = nullptr;  // it would cover what is to be seen
+    if (options.color != RenderColor::plain) shown.skeleton = nullptr;  // it would cover what is to be seen
+    RenderOptions chosen = options;
+    chosen.distance_range = distance_range(scene, options, ctx);
     const TracedScene traced(shown, options, ctx);
     ctx.throw_if_cancelled();
     ctx.report(kBuildShare);
     const Camera camera(traced.frame_points(), options);
-    const Shading shading(traced, camera, options);
+    const Shading shading(traced, camera, chosen);
     Image image(options.width, options.height);
     const int columns = (options.width + kTile - 1) / kTile;
     for (int top = 0; top < options.height; top += kRowsPerReport) {
@@ -87,7 +115,9 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
         ctx.report(kBuildShare +
                    (1 - kBuildShare) * static_cast<float>(end) / static_cast<float>(options.height));
     }
-    if (options.color == RenderColor::deviation) draw_scale_bar(image, options.deviation_range);
+    if (options.color == RenderColor::deviation)
+        draw_scale_bar(image, fmt::format("{:.3g}%", 100 * options.deviation_range));
+    if (options.color == RenderColor::distance) draw_scale_bar(image, length_text(chosen.distance_range));
     return image;
 }
 

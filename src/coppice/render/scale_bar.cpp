@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::string_view kLetters = "0123456789.+-%";
+constexpr std::string_view kLetters = "0123456789.+-% mkun";
 constexpr int kGlyphWidth = 5, kGlyphHeight = 7;
 // One row of five dots per entry, most significant bit left.
 constexpr std::array<std::array<std::uint8_t, kGlyphHeight>, kLetters.size()> kGlyphs{{
@@ -30,6 +30,11 @@ constexpr std::array<std::array<std::uint8_t, kGlyphHeight>, kLetters.size()> kG
     {0b00000, 0b00100, 0b00100, 0b11111, 0b00100, 0b00100, 0b00000},
     {0b00000, 0b00000, 0b00000, 0b11111, 0b00000, 0b00000, 0b00000},
     {0b11001, 0b11001, 0b00010, 0b00100, 0b01000, 0b10011, 0b10011},
+    {0b00000, 0b00000, 0b00000, 0b00000, 0b00000, 0b00000, 0b00000},
+    {0b00000, 0b00000, 0b11010, 0b10101, 0b10101, 0b10101, 0b10101},
+    {0b10000, 0b10000, 0b10010, 0b10100, 0b11000, 0b10100, 0b10010},
+    {0b00000, 0b00000, 0b10001, 0b10001, 0b10001, 0b10011, 0b01101},
+    {0b00000, 0b00000, 0b10110, 0b11001, 0b10001, 0b10001, 0b10001},
 }};
 
 constexpr Image::Pixel kInk{40, 42, 46, 255};
@@ -61,9 +66,22 @@ Image::Pixel encoded(Vec3 linear) {
 
 }  // namespace
 
-void draw_scale_bar(Image& image, float range) {
+std::string length_text(double length) {
+    struct Scale {
+        double metres;
+        std::string_view name;
+    };
+    static constexpr std::array<Scale, 5> kScales{
+        {{1e3, "km"}, {1, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-9, "nm"}}};
+    const auto* scale = kScales.begin();
+    // What would round up to 1000 belongs to the next unit.
+    while (scale + 1 != kScales.end() && length < 0.9995 * scale->metres) ++scale;
+    const double number = length / scale->metres;
+    return fmt::format("{:.{}f} {}", number, number < 9.995 ? 2 : number < 99.95 ? 1 : 0, scale->name);
+}
+
+void draw_scale_bar(Image& image, std::string_view number) {
     const int dot = std::max(1, std::min(image.width, image.height) / 400);
-    const std::string number = fmt::format("{:.3g}%", 100 * range);
     const int text_width = static_cast<int>(number.size() + 1) * (kGlyphWidth + 1) * dot;
     const int bar_width = 10 * dot, bar_height = image.height / 3, gap = 4 * dot;
     const int left = image.width - text_width - gap - bar_width - 2 * gap,
@@ -76,9 +94,9 @@ void draw_scale_bar(Image& image, float range) {
         fill(image, left, top + y, bar_width, 1, encoded(deviation_color(t)));
     }
     const int text_left = left + bar_width + gap, rise = kGlyphHeight * dot / 2;
-    draw_text(image, "+" + number, text_left, top - rise, dot);
+    draw_text(image, fmt::format("+{}", number), text_left, top - rise, dot);
     draw_text(image, "0", text_left, top + bar_height / 2 - rise, dot);
-    draw_text(image, "-" + number, text_left, top + bar_height - rise, dot);
+    draw_text(image, fmt::format("-{}", number), text_left, top + bar_height - rise, dot);
 }
 
 }  // namespace coppice

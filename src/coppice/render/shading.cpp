@@ -147,6 +147,9 @@ Vec3 Shading::albedo(const Hit& hit) const {
     if (options_.color == RenderColor::deviation && hit.on_mesh) {
         return deviation_color(scene_.deviation(hit) / options_.deviation_range);
     }
+    if (options_.color == RenderColor::distance && hit.on_mesh) {
+        return deviation_color(static_cast<float>(scene_.distance_to_other(hit) / options_.distance_range));
+    }
     return kClay;
 }
 

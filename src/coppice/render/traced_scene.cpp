@@ -60,7 +60,7 @@ void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::v
 }  // namespace
 
 TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx)
-    : deviation_(scene.deviation) {
+    : deviation_(scene.deviation), distance_to_(scene.distance_to) {
     const float skeleton_width = scene.mesh != nullptr ? options.axis_width : 1;
     place(scene, skeleton_width);
     device_ = new_embree_device(ctx);
@@ -180,6 +180,15 @@ EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Conte
     return scene;
 }
 
+/// Bilinear faces are two triangles with the diagonal from corner 1 to corner 3.
+template <class T>
+T TracedScene::blend(const Hit& hit, std::span<const T> of) const {
+    const Quad& q = quads_[hit.face];
+    const float u = hit.u, v = hit.v;
+    if (u + v <= 1) return of[q[0]] * (1 - u - v) + of[q[1]] * u + of[q[3]] * v;
+    return of[q[2]] * (u + v - 1) + of[q[3]] * (1 - u) + of[q[1]] * (1 - v);
+}
+
 std::optional<Hit> TracedScene::trace(Vec3 origin, Vec3 direction) const {
     return trace(solid_.get(), origin, direction);
 }
@@ -202,11 +211,7 @@ std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 directio
     if (dot(hit.geometric_normal, direction) > 0) hit.geometric_normal = -hit.geometric_normal;
     hit.normal = hit.geometric_normal;
     if (hit.on_mesh && !normals_.empty()) {
-        const Quad& q = quads_[hit.face];
-        const float u = hit.u, v = hit.v;
-        const Vec3 n =
-            u + v <= 1 ? normals_[q[0]] * (1 - u - v) + normals_[q[1]] * u + normals_[q[3]] * v
-                       : normals_[q[2]] * (u + v - 1) + normals_[q[3]] * (1 - u) + normals_[q[1]] * (1 - v);
+        const Vec3 n = blend(hit, std::span<const Vec3>(normals_));
         const Vec3 smooth = normalized(n, hit.geometric_normal);
         hit.normal = dot(smooth, hit.geometric_normal) < 0 ? -smooth : smooth;
     }
@@ -225,11 +230,12 @@ bool TracedScene::occluded(Vec3 origin, Vec3 direction, float far) const {
     return r.tfar < 0;
 }
 
-float TracedScene::deviation(const Hit& hit) const {
-    const Quad& q = quads_[hit.face];
-    const float u = hit.u, v = hit.v;
-    if (u + v <= 1) return deviation_[q[0]] * (1 - u - v) + deviation_[q[1]] * u + deviation_[q[3]] * v;
-    return deviation_[q[2]] * (u + v - 1) + deviation_[q[3]] * (1 - u) + deviation_[q[1]] * (1 - v);
+float TracedScene::deviation(const Hit& hit) const { return blend(hit, deviation_); }
+
+double TracedScene::distance_to_other(const Hit& hit) const {
+    // Truer than hit.position, whose rounding grows with the distance of the camera.
+    const Vec3d p(blend(hit, std::span<const Vec3>(positions_)));
+    return distance_to_->signed_distance(p / scale_ + (center_ - distance_to_->mesh().origin));
 }
 
 }  // namespace coppice

@@ -42,6 +42,7 @@ class TracedScene {
     }  ///< corner k to k + 1
     Vec3 position(std::uint32_t vertex) const { return positions_[vertex]; }
     float deviation(const Hit& hit) const;  ///< NaN where unknown
+    double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
 
   private:
     void place(const RenderScene& scene, float skeleton_width);
@@ -51,6 +52,8 @@ class TracedScene {
     EmbreeScene build_mesh(const Context& ctx);
     EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
+    template <class T>
+    T blend(const Hit& hit, std::span<const T> of_vertices) const;
     Vec3 local(Vec3 p, Vec3d origin) const { return Vec3((Vec3d(p) + (origin - center_)) * scale_); }
 
     Vec3d center_;
@@ -62,6 +65,7 @@ class TracedScene {
     std::vector<Quad> quads_;    ///< triangles repeat their last corner; larger faces are fans
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_;
+    const SurfaceTree* distance_to_ = nullptr;
     bool solid_is_mesh_ = false;
     EmbreeDevice device_;
     EmbreeScene solid_, axis_;
