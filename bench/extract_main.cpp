@@ -1,0 +1,83 @@
+// coppice_extract_bench: makes meshes and clouds of known skeletons, has a program find the skeletons again,
+// and prints how well it did as Markdown; see docs/user/comparing.md.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "coppice/io/file.h"
+#include "coppice/io/skeleton_writer.h"
+#include "extract_bench.h"
+#include "machine.h"
+
+namespace {
+
+using namespace coppice;
+namespace fs = std::filesystem;
+
+struct Flags {
+    std::vector<std::string> scenes = bench::default_truth_scenes();
+    std::string command;
+    fs::path folder, markdown;
+    unsigned threads = 2;
+};
+
+void add_flags(CLI::App& app, Flags& flags) {
+    app.add_option(
+        "scenes", flags.scenes,
+        "TREE:KIND; TREE is tree300, tree3k, tree30k or a skeleton file, KIND one of mesh, coarse, "
+        "noise, holes, decimated, cloud, scan");
+    app.add_option(
+        "--command", flags.command,
+        "what finds a skeleton, with {in} and {out} for the files; without it inputs and truths are "
+        "written and nothing is measured");
+    app.add_option("--folder", flags.folder, "where inputs, truths and what was found are left")->required();
+    app.add_option("--threads", flags.threads, "threads for making and comparing; 0 takes all")
+        ->capture_default_str();
+    app.add_option("--markdown", flags.markdown, "write the table to this file as well");
+}
+
+void run(const Flags& flags) {
+    fs::create_directories(flags.folder);
+    const Context ctx{.threads = flags.threads, .stop = {}, .progress = {}};
+    std::vector<bench::TruthResult> results;
+    for (const std::string& name : flags.scenes) {
+        fmt::print(stderr, "{} ...\n", name);
+        const bench::TruthScene scene = bench::make_truth_scene(name, ctx);
+        if (flags.command.empty()) {
+            fs::path truth = bench::write_input(scene, flags.folder, ctx);
+            write_skeleton(truth.replace_extension(".truth.swc"), scene.truth);
+            continue;
+        }
+        const auto extract = bench::program_extractor(flags.command, flags.folder, ctx);
+        results.push_back(bench::bench_extraction(scene, extract, ctx));
+    }
+    if (flags.command.empty()) return;
+    const unsigned threads = flags.threads == 0 ? std::thread::hardware_concurrency() : flags.threads;
+    const std::string table = bench::extract_markdown(results, threads, bench::machine_description());
+    fmt::print("{}", table);
+    if (flags.markdown.empty()) return;
+    AtomicFile file(flags.markdown);
+    file.write(table);
+    file.commit();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Flags flags;
+    CLI::App app("Measures how well skeletons are found in meshes and clouds made of them");
+    add_flags(app, flags);
+    CLI11_PARSE(app, argc, argv);
+    try {
+        run(flags);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "coppice_extract_bench: {}\n", error.what());
+        return 1;
+    }
+    return 0;
+}
