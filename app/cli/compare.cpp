@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "command.h"
@@ -18,18 +19,19 @@ struct CompareFlags {
     ReadSkeletonOptions read_reference, read_found;
 };
 
-/// Throws InvalidInput for skeletons that have nothing in common but a size that is wrong by a power of ten
-/// or more: figures of 0 would not say what the mend is.
+/// Throws InvalidInput for skeletons that hardly match and whose sizes differ by a power of ten from 100 on,
+/// as centimetres and metres do: figures near 0 would not say what the mend is.
 void check_units(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found,
                  const CompareFlags& flags) {
-    if (match.covered_percent > 0 || match.true_percent > 0) return;
+    constexpr double kHardly = 5, kAbout = 0.04;  // per cent, and a tenth in decimal logarithms
+    if (std::min(match.covered_percent, match.true_percent) > kHardly) return;
     const double ratio = double{found.bounds().diagonal()} / reference.bounds().diagonal();
     const double power = std::round(std::log10(ratio));
-    if (std::fabs(power) < 1 || std::fabs(std::log10(ratio) - power) > 0.2) return;
-    throw InvalidInput(
-        fmt::format("'{}' is {:.3g} times as large as '{}' and nowhere near it; if their units differ, read "
-                    "it with --b-scale {:g}",
-                    flags.found.string(), ratio, flags.reference.string(), std::pow(10, -power)));
+    if (std::fabs(power) < 2 || std::fabs(std::log10(ratio) - power) > kAbout) return;
+    throw InvalidInput(fmt::format(
+        "'{}' is about {:g} times as large as '{}' and hardly matches it; if their units differ, "
+        "read it with --b-scale {:g}",
+        flags.found.string(), std::pow(10, power), flags.reference.string(), std::pow(10, -power)));
 }
 
 ExitCode compare_files(Run& run, const CompareFlags& flags) {
