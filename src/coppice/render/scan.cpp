@@ -25,6 +25,7 @@ constexpr double kCoarseBeams = 1e5;       // of the first scan, all positions t
 constexpr double kFewHits = 30;            // enough to tell what will never do
 constexpr double kEnoughHits = 2000;       // for an estimate within a few per cent
 constexpr double kMostBeams = 1e7, kMostBeamsPerPoint = 1000;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kFarthest = 1e15f;  // [m] beyond it squares of floats overflow
 constexpr float kCoarseShare = 0.2f;
 
@@ -52,27 +53,44 @@ Box3 checked_bounds(const PolygonMesh& mesh) {
     return box;
 }
 
-/// Directions as a scanner turns: azimuth from the direction to the middle, and elevation. [rad]
+/// The directions that hold all of the surface: azimuth from the direction to the middle, and elevation.
+/// [rad]
 struct Window {
-    double left = kPi, right = -kPi, low = kPi / 2, high = -kPi / 2;
-
-    void add(double azimuth, double elevation) {
-        left = std::min(left, azimuth), right = std::max(right, azimuth);
-        low = std::min(low, elevation), high = std::max(high, elevation);
-    }
-    void add(const Window& w) {
-        left = std::min(left, w.left), right = std::max(right, w.right);
-        low = std::min(low, w.low), high = std::max(high, w.high);
-    }
+    double left, right, low, high;
     double width() const { return std::max(0.0, right - left); }
     double height() const { return std::max(0.0, high - low); }
+};
+
+/// The same while it is gathered, in numbers that rise with the angles and cost no trigonometry: azimuths on
+/// the square |x| + |y| = 1, from -2 to 2 all around, and slopes.
+struct Extent {
+    double left = 2, right = -2, low = kInfinity, high = -kInfinity;
+
+    /// Relative to the scanner, which looks along x.
+    void add(Vec3d p) {
+        const double side = p.y / (std::abs(p.x) + std::abs(p.y));
+        const double azimuth = p.x >= 0 ? side : std::copysign(2.0, p.y) - side;
+        const double slope = p.z / std::sqrt(p.x * p.x + p.y * p.y);
+        left = std::min(left, azimuth), right = std::max(right, azimuth);
+        low = std::min(low, slope), high = std::max(high, slope);
+    }
+    void add(const Extent& e) {
+        left = std::min(left, e.left), right = std::max(right, e.right);
+        low = std::min(low, e.low), high = std::max(high, e.high);
+    }
+    static double angle(double azimuth) {
+        const double side = std::abs(azimuth) <= 1 ? azimuth : std::copysign(2.0, azimuth) - azimuth;
+        const double ahead = 1 - std::abs(side);
+        return std::atan2(std::copysign(side, azimuth), std::abs(azimuth) <= 1 ? ahead : -ahead);
+    }
+    Window window() const { return {angle(left), angle(right), std::atan(low), std::atan(high)}; }
 };
 
 /// A place of the scanner, relative to the middle of the box; x points at the middle.
 struct Station {
     Vec3d place;
     Vec3d ahead, aside;
-    Window window;
+    Window window{};
 
     Station(double azimuth, double distance, double height)
         : place{distance * std::cos(azimuth), distance * std::sin(azimuth), height},
@@ -90,27 +108,23 @@ struct Station {
     }
 };
 
-void add_point(Window& window, Vec3d p) {
-    window.add(std::atan2(p.y, p.x), std::atan2(p.z, std::hypot(p.x, p.y)));
-}
-
-/// Where on an edge its elevation is extreme, besides its ends; outside of (0, 1) if nowhere. The zero of the
+/// Where on an edge its slope is extreme, besides its ends; outside of (0, 1) if nowhere. The zero of the
 /// derivative of z over the horizontal distance, whose square terms cancel.
-double extreme_elevation(Vec3d a, Vec3d b) {
+double extreme_slope(Vec3d a, Vec3d b) {
     const Vec3d d = b - a;
     const double aa = a.x * a.x + a.y * a.y, ad = a.x * d.x + a.y * d.y, dd = d.x * d.x + d.y * d.y;
     const double below = d.z * ad - a.z * dd;
     return below != 0 ? (a.z * ad - d.z * aa) / below : -1;
 }
 
-void add_edge(Window& window, Vec3d a, Vec3d b) {
-    add_point(window, a);
-    const double t = extreme_elevation(a, b);
-    if (t > 0 && t < 1) add_point(window, lerp(a, b, t));
+void add_edge(Extent& extent, Vec3d a, Vec3d b) {
+    extent.add(a);
+    const double t = extreme_slope(a, b);
+    if (t > 0 && t < 1) extent.add(lerp(a, b, t));
     // An edge behind the scanner joins the left end of the picture to the right one.
-    if (std::abs(std::atan2(a.y, a.x) - std::atan2(b.y, b.x)) > kPi) {
-        window.left = -kPi;
-        window.right = kPi;
+    if (a.y * b.y < 0 && (a.x * b.y - b.x * a.y) * (b.y - a.y) < 0) {
+        extent.left = -2;
+        extent.right = 2;
     }
 }
 
@@ -137,20 +151,20 @@ class Target {
 
     Window window(const Station& station, const Context& ctx) const {
         const auto of_range = [&](IndexRange range) {
-            Window w;
+            Extent e;
             for (std::size_t t = range.begin; t < range.end; ++t) {
                 for (std::size_t k = 0; k < 3; ++k) {
                     const Triangle& c = mesh_.triangles[t];
-                    add_edge(w, station.turned(at(c[k])), station.turned(at(c[(k + 1) % 3])));
+                    add_edge(e, station.turned(at(c[k])), station.turned(at(c[(k + 1) % 3])));
                 }
             }
-            return w;
+            return e;
         };
-        const auto join = [](Window a, const Window& b) {
+        const auto join = [](Extent a, const Extent& b) {
             a.add(b);
             return a;
         };
-        return parallel_reduce(ctx, mesh_.triangles.size(), kGrain, Window{}, of_range, join);
+        return parallel_reduce(ctx, mesh_.triangles.size(), kGrain, Extent{}, of_range, join).window();
     }
 
     /// The first point that a beam meets, on the triangle in double precision; false when it meets nothing.

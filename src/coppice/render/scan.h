@@ -59,10 +59,10 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// as many beams as asked for meet the surface. Points come position by position, row by row; their origin is
 /// that of the mesh.
 ///
-/// The same bits for any number of threads. O(faces log faces + beams log faces); memory about 60 bytes per
-/// face and 30 per point. Throws InvalidInput: options out of range, no face with an area, positions that are
-/// not finite, or so little to be seen of the surface that more than 10 million beams and a thousand for each
-/// point would be needed; Cancelled.
+/// The same bits for any number of threads. O(faces log faces + beams log faces); memory about 150 bytes per
+/// triangle and 30 per point. Throws InvalidInput: options out of range, no face with an area, positions that
+/// are not finite, or so little to be seen of the surface that more than 10 million beams and a thousand for
+/// each point would be needed; Cancelled.
 PointSet scan(const PolygonMesh& mesh, const ScanOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -41,7 +41,7 @@ class TracedScene {
         return (edges_[face] >> k & 1) != 0;
     }  ///< corner k to k + 1
     Vec3 position(std::uint32_t vertex) const { return positions_[vertex]; }
-    float deviation(const Hit& hit) const;  ///< NaN where unknown
+    float deviation(const Hit& hit) const;           ///< NaN where unknown
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
 
   private:
