@@ -131,6 +131,19 @@ TEST(MeshReader, ObjVerticesMayFollowTheFaces) {
     EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}}));
 }
 
+TEST(MeshReader, ObjGroupsAreNamedByObjectGroupAndMaterial) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    const auto plain = parse_mesh(vertices + "f 1 2 3\n", MeshFormat::obj, "f");
+    EXPECT_TRUE(plain.group_names.empty());
+    EXPECT_TRUE(plain.group.empty());
+    const auto named = parse_mesh(
+        vertices +
+            "f 1 2 3\no tree\nusemtl dark bark\nf 1 2 3\nusemtl leaf\nf 1 2 3\nusemtl dark bark\nf 1 2 3\n",
+        MeshFormat::obj, "f");
+    EXPECT_EQ(named.group_names, (std::vector<std::string>{"", "tree", "tree/dark bark", "tree/leaf"}));
+    EXPECT_EQ(named.group, (std::vector<std::uint32_t>{0, 2, 3, 2}));
+}
+
 TEST(MeshReader, ObjErrorsNameTheLine) {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     const auto error = [](const std::string& text) { return error_of(text, MeshFormat::obj); };
@@ -237,6 +250,18 @@ TEST(MeshReader, GlbTurnsUpright) {
     EXPECT_EQ(mesh.positions[1], Vec3(1, 0, 0));
     EXPECT_EQ(mesh.positions[2], Vec3(0, 0, 2));  // Y up became Z up
     EXPECT_EQ(faces_of(mesh), (Faces{{0, 1, 2}}));
+}
+
+TEST(MeshReader, GlbGroupsAreNamedByMeshAndMaterial) {
+    EXPECT_TRUE(parse_mesh(triangle_glb(R"([{"mesh":0}])"), MeshFormat::glb, "f").group_names.empty());
+    // Of two entries of one name the last counts.
+    const std::string named = triangle_glb(
+        R"([{"mesh":0}])",
+        R"(,"meshes":[{"name":"tree","primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
+           "materials":[{"name":"bark"}])");
+    const auto mesh = parse_mesh(named, MeshFormat::glb, "f");
+    EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"tree/bark"}));
+    EXPECT_EQ(mesh.group, (std::vector<std::uint32_t>{0}));
 }
 
 TEST(MeshReader, GlbTransformsAreApplied) {

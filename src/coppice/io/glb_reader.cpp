@@ -268,8 +268,23 @@ class GlbParser {
             const auto [it, is_new] =
                 placed.try_emplace(*position, static_cast<std::uint32_t>(mesh_.vertex_count()));
             if (is_new) add_positions(positions, transform);
+            mesh_.begin_group(group_name(item("meshes", index), primitive));
             add_triangles(primitive, index, it->second, positions.count, transform.determinant() < 0);
         }
+    }
+
+    /// The names of the mesh and of the material, as far as there are any.
+    std::string group_name(const json& mesh, const json& primitive) const {
+        std::string whole;
+        const auto add = [&](const json& object) {
+            const json* name = find(object, "name");
+            if (name == nullptr || !name->is_string()) return;
+            if (!whole.empty()) whole += '/';
+            whole += name->get<std::string>();
+        };
+        add(mesh);
+        if (const auto material = find_index(primitive, "material")) add(item("materials", *material));
+        return whole;
     }
 
     void add_positions(const Elements& positions, const Affine& transform) {

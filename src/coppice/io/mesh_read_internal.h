@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,7 +30,12 @@ class MeshBuilder {
 
     /// False when a coordinate is not finite or beyond 1e30, where floats end.
     [[nodiscard]] bool add_vertex(Vec3d p);
-    void add_face(std::span<const std::uint32_t> corners) { mesh_.add_face(corners); }
+    void add_face(std::span<const std::uint32_t> corners) {
+        mesh_.add_face(corners);
+        if (!mesh_.group_names.empty()) mesh_.group.push_back(group_);
+    }
+    /// Faces from here on belong to the group of this name; those before the first call to one without.
+    void begin_group(const std::string& name);
     /// As `add_vertex` and `add_face`, with numbers in the message instead of lines.
     void add_numbered_vertex(Vec3d p);
     void add_numbered_face(std::span<const double> corners);
@@ -45,6 +51,8 @@ class MeshBuilder {
     std::vector<Vec3d> vertices_;
     std::vector<std::uint32_t> corners_;
     PolygonMesh mesh_;
+    std::uint32_t group_ = 0;
+    std::map<std::string, std::uint32_t> group_of_name_;
 };
 
 PolygonMesh parse_obj(std::string_view text, const std::string& source);

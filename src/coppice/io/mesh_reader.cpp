@@ -46,6 +46,18 @@ bool MeshBuilder::add_vertex(Vec3d p) {
     return true;
 }
 
+void MeshBuilder::begin_group(const std::string& name) {
+    const auto index_of = [&](const std::string& n) {
+        const auto [it, is_new] =
+            group_of_name_.try_emplace(n, static_cast<std::uint32_t>(mesh_.group_names.size()));
+        if (is_new) mesh_.group_names.push_back(n);
+        return it->second;
+    };
+    if (mesh_.group_names.empty() && name.empty()) return;
+    if (mesh_.group_names.empty() && face_count() > 0) mesh_.group.assign(face_count(), index_of(""));
+    group_ = index_of(name);
+}
+
 void MeshBuilder::add_numbered_vertex(Vec3d p) {
     if (!add_vertex(p)) {
         throw InvalidInput(

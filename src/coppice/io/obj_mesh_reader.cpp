@@ -55,7 +55,23 @@ class ObjParser {
             parse_vertex(line);
         } else if (word == "f") {
             parse_face(line);
+        } else if (word == "o" || word == "g" || word == "usemtl") {
+            begin_group(word == "o" ? object_ : word == "g" ? group_ : material_, line);
         }
+    }
+
+    /// A group is named by what of object, group and material the file tells.
+    void begin_group(std::string& part, std::string_view name) {
+        while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
+        while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+        part = name;
+        std::string whole;
+        for (const std::string* p : {&object_, &group_, &material_}) {
+            if (p->empty()) continue;
+            if (!whole.empty()) whole += '/';
+            whole += *p;
+        }
+        mesh_.begin_group(whole);
     }
 
     void parse_vertex(std::string_view line) {
@@ -105,6 +121,7 @@ class ObjParser {
     LineReader lines_;
     MeshBuilder mesh_;
     std::string joined_;
+    std::string object_, group_, material_;
     std::vector<std::uint32_t> corners_;
     std::uint64_t largest_ = 0;
     std::uint32_t largest_line_ = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "coppice/base/box.h"
@@ -34,6 +35,8 @@ struct PolygonMesh {
     std::vector<std::uint32_t> corners;   ///< corner vertices of all faces, one after the other
     std::vector<std::uint32_t> first{0};  ///< face f has corners first[f] .. first[f + 1]
     Vec3d origin;
+    std::vector<std::string> group_names;  ///< of the groups or materials that the file tells apart
+    std::vector<std::uint32_t> group;      ///< per face an index into group_names; empty when it tells none
 
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }
     std::span<const std::uint32_t> face(std::uint32_t f) const {
