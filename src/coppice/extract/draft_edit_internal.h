@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "coppice/extract/capsule_fit.h"
+#include "coppice/extract/draft_tree.h"
+
+namespace coppice::extract_detail {
+
+/// Closes each way round from a tip to the node it touches, and cuts it where it is thinnest. With `keep` the
+/// cut end is led on to the node it was cut from, so that nothing of the axis is missing. Sorts the tree;
+/// returns the new index of every old node.
+std::vector<std::uint32_t> cut_loops(DraftTree& tree,
+                                     std::vector<std::pair<std::uint32_t, std::uint32_t>> loops, bool keep);
+
+/// Takes away terminal branches that rise above the surface of what they leave by less than `least` of its
+/// radius; their samples go to the node where they left. Returns their number. O(nodes).
+std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least);
+
+/// Takes away nodes at which a branch turns back on itself: forks that have slid past them. Their samples go
+/// to the node below. Returns their number. O(nodes).
+std::uint32_t unfold(DraftTree& tree, FitSamples& samples);
+
+/// Moves every end along its axis to where its samples end, less its radius; where they end in a flat face,
+/// into that face, whose samples are then left out. Returns the number of ends moved by more than a tenth of
+/// their radius. O(samples + nodes).
+std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples);
+
+/// Attaches trees whose end lies within `reach` radii of the axis of another tree's segment, nearest first.
+/// Returns their number. Nodes may come before their parents afterwards.
+std::uint32_t join_trees(DraftTree& tree, double reach, const Context& ctx);
+
+/// Makes the end of every tree that is lowest along axis `up` its root; of the tree nearest to `wanted` the
+/// end nearest to that. Nodes may come before their parents afterwards.
+void choose_roots(DraftTree& tree, int up, std::optional<Vec3d> wanted);
+
+}  // namespace coppice::extract_detail

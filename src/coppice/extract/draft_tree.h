@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/vec.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+/// A forest of nodes that is still being shaped. Parents precede their children, except where a function says
+/// that it does not need that. Its surface is that of a `Skeleton`: cones with rounded ends, and of the
+/// segments that leave a node only the thickest starts with the node's radius.
+struct DraftTree {
+    static constexpr std::uint32_t kNoParent = 0xffffffffu;
+    std::vector<std::uint32_t> parent;  ///< kNoParent for a root
+    std::vector<Vec3d> position;        ///< [m]
+    std::vector<double> radius;         ///< [m] > 0
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }
+    std::uint32_t add(std::uint32_t above, Vec3d p, double r) {
+        parent.push_back(above);
+        position.push_back(p);
+        radius.push_back(r);
+        return size() - 1;
+    }
+};
+
+/// Children of every node, in order of index, and the child that starts with the node's radius. Works in any
+/// order of nodes. O(n).
+class DraftLinks {
+  public:
+    explicit DraftLinks(const DraftTree& tree);
+    /// Chooses the leaders anew, after radii have changed.
+    void update_leaders(const DraftTree& tree);
+
+    std::span<const std::uint32_t> children(std::uint32_t n) const {
+        return std::span(child_).subspan(first_[n], first_[n + 1] - first_[n]);
+    }
+    std::uint32_t leader(std::uint32_t n) const { return leader_[n]; }  ///< kNoParent for a tip
+    bool is_tip(std::uint32_t n) const { return first_[n] == first_[n + 1]; }
+
+  private:
+    std::vector<std::uint32_t> first_, child_, leader_;
+};
+
+/// Makes `end` the root of its tree, by turning the way from it to the root round. The order of nodes is left
+/// alone: see `sort_parents_first`.
+void root_at(DraftTree& tree, std::uint32_t end);
+
+/// Puts parents before children, roots in order of index and each tree as one run. Nodes with `gone` set are
+/// left out; they must not have children that stay. Returns the new index of every old node, or kNoParent.
+std::vector<std::uint32_t> sort_parents_first(DraftTree& tree, std::span<const char> gone = {});
+
+Skeleton to_skeleton(const DraftTree& tree, Vec3d origin);
+DraftTree to_draft(const Skeleton& skeleton);
+
+}  // namespace coppice
