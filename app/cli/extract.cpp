@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "command.h"
+#include "coppice/extract/from_mesh.h"
+#include "coppice/io/mesh_writer.h"
+#include "coppice/io/skeleton_writer.h"
+#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/skeleton/measure.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+struct ExtractFlags {
+    std::filesystem::path input, output, mesh_output;
+    std::string root;
+    FromMeshOptions from_mesh;
+    WriteSkeletonOptions write;
+    MeshOptions mesh;
+};
+
+/// "1,2.5,-3"
+Vec3d parse_place(const std::string& text, const std::string& flag) {
+    Vec3d p;
+    const char* at = text.data();
+    const char* const end = text.data() + text.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto [next, error] = std::from_chars(at, end, p[axis]);
+        const bool separated = axis == 2 ? next == end : next != end && *next == ',';
+        if (error != std::errc() || !separated || !std::isfinite(p[axis]))
+            throw UsageError(fmt::format("{} takes three numbers such as 1,2.5,0, not '{}'", flag, text));
+        at = next + 1;
+    }
+    return p;
+}
+
+void check_flags(ExtractFlags& flags) {
+    if (flags.input.empty() || flags.output.empty())
+        throw UsageError("name both files: coppice extract FILE -o SKELETON");
+    if (flags.write.format == SkeletonFormat::automatic &&
+        kind_of_output(flags.output, FileKind::skeleton) != FileKind::skeleton) {
+        throw UsageError(
+            fmt::format("'{}' is the name of a mesh; name the skeleton, and the mesh with --then-mesh",
+                        flags.output.string()));
+    }
+    check_output_folder(flags.output);
+    if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
+    if (!flags.root.empty()) flags.from_mesh.root = parse_place(flags.root, "--root");
+}
+
+/// Length and number of branches by order: a root's axis has order 0; where a branch forks, its thickest
+/// child goes on with it and the others are one order higher.
+Json branch_orders(const Skeleton& s) {
+    std::vector<std::uint32_t> order(s.size(), 0);
+    std::vector<double> length;
+    std::vector<std::uint64_t> branches;
+    for (const NodeId n : nodes(s)) {
+        const bool begins = s.is_root(n) || s.leader(s.parent(n)) != n;
+        if (!s.is_root(n)) order[n.index()] = order[s.parent(n).index()] + (begins ? 1 : 0);
+        const std::uint32_t o = order[n.index()];
+        if (o >= length.size()) {
+            length.resize(o + 1, 0);
+            branches.resize(o + 1, 0);
+        }
+        branches[o] += begins ? 1 : 0;
+        if (!s.is_root(n)) length[o] += distance(Vec3d(s.position(n)), Vec3d(s.position(s.parent(n))));
+    }
+    Json out = Json::array();
+    for (std::size_t o = 0; o < length.size(); ++o)
+        out.push_back({{"order", o}, {"branches", branches[o]}, {"length_m", length[o]}});
+    return out;
+}
+
+void fill_report(Run& run, const FromMeshResult& result) {
+    const SkeletonMeasures m = measure(result.skeleton);
+    run.counts().update(figures_json(result.report));
+    run.counts().update({{"nodes", m.nodes},
+                         {"tips", m.tips},
+                         {"branch_nodes", m.branch_nodes},
+                         {"length_m", m.length},
+                         {"volume_m3", m.volume},
+                         {"orders", branch_orders(result.skeleton)}});
+    run.repairs() = figures_json(result.repairs);
+}
+
+ExitCode extract(Run& run, ExtractFlags& flags) {
+    check_flags(flags);
+    if (kind_of_input(flags.input) != FileKind::mesh)
+        throw UsageError(fmt::format("'{}' is a skeleton already; a mesh is needed", flags.input.string()));
+    const PolygonMesh mesh = load_mesh(run, flags.input);
+    const FromMeshResult result = run.stage("extract", [&](const Context& ctx) {
+        try {
+            return extract_from_mesh(mesh, flags.from_mesh, ctx);
+        } catch (const InvalidInput& error) {
+            throw InvalidInput(fmt::format("{}: {}", flags.input.string(), error.what()));
+        }
+    });
+    for (const auto& [name, seconds] : result.stages)
+        run.add_stage(fmt::format("extract: {}", name), seconds);
+    run.stage("write", [&](const Context&) { write_skeleton(flags.output, result.skeleton, flags.write); });
+    fill_report(run, result);
+    std::string surface;
+    if (!flags.mesh_output.empty()) {
+        const MeshResult made = run.stage(
+            "mesh", [&](const Context& ctx) { return mesh_skeleton(result.skeleton, flags.mesh, ctx); });
+        run.stage("write mesh",
+                  [&](const Context& ctx) { write_mesh(flags.mesh_output, made.mesh, {}, ctx); });
+        run.counts()["quads"] = made.mesh.quads.size();
+        surface = fmt::format("; {}: {} quads", flags.mesh_output.string(), grouped(made.mesh.quads.size()));
+    }
+    run.finish(fmt::format("{}: {} nodes in {} trees, {} loops cut{}", flags.output.string(),
+                           grouped(result.skeleton.size()), grouped(result.report.trees),
+                           grouped(result.report.loops), surface));
+    return kDone;
+}
+
+}  // namespace
+
+Command extract_command(CLI::App& app) {
+    auto [command, flags] =
+        new_command<ExtractFlags>(app, "extract", "Read a skeleton with radii off the mesh of a tree");
+    command.app->add_option("input", flags->input, "mesh to read (.ply, .obj, .off, .stl, .glb)")
+        ->type_name("FILE");
+    command.app->add_option("-o,--output", flags->output, "skeleton to write; its ending tells the format")
+        ->type_name("SKELETON");
+    command.app
+        ->add_option("--then-mesh", flags->mesh_output,
+                     "also turn the skeleton into a surface, and write that")
+        ->type_name("MESH");
+    command.app
+        ->add_option("--wood", flags->from_mesh.clean.wood,
+                     "only faces whose group or material has this in its name; may be repeated")
+        ->type_name("NAME")
+        ->expected(1)
+        ->take_all()
+        ->group("From a mesh");
+    command.app
+        ->add_option("--root", flags->root, "the end nearest to this place is a root; else lowest ends are")
+        ->type_name("X,Y,Z")
+        ->group("From a mesh");
+    add_options(*command.app, flags->from_mesh, "From a mesh");
+    add_options(*command.app, flags->write, "Writing the skeleton", "output");
+    add_options(*command.app, flags->mesh, "Surface of --then-mesh", "mesh");
+    command.run = [flags = flags](Run& run) { return extract(run, *flags); };
+    return command;
+}
+
+}  // namespace coppice::cli
