@@ -29,6 +29,7 @@ struct Command {
 };
 
 Command mesh_command(CLI::App& app);
+Command extract_command(CLI::App& app);
 Command check_command(CLI::App& app);
 Command compare_command(CLI::App& app);
 Command info_command(CLI::App& app);

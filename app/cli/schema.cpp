@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "coppice/extract/from_mesh.h"
 #include "coppice/io/skeleton_reader.h"
 #include "coppice/io/skeleton_writer.h"
 #include "coppice/measure/skeleton_match.h"
@@ -18,6 +19,7 @@ struct SchemaFlags {};
 
 ExitCode schema(Run& run) {
     const Json all{{"mesh", schema_of<MeshOptions>()},
+                   {"extract_mesh", schema_of<FromMeshOptions>()},
                    {"check", schema_of<CheckOptions>()},
                    {"compare", schema_of<CompareOptions>()},
                    {"render", schema_of<RenderOptions>()},
