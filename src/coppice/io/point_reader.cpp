@@ -10,6 +10,7 @@
 #include "coppice/io/file.h"
 #include "coppice/io/mesh_read_internal.h"
 #include "coppice/io/ply_header.h"
+#include "coppice/io/point_read_internal.h"
 #include "coppice/io/text_internal.h"
 
 namespace coppice {
@@ -17,19 +18,8 @@ namespace {
 
 constexpr double kLargestCoordinate = 1e30;
 
-bool fits(Vec3d p) {
-    return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
-           std::abs(p.z) <= kLargestCoordinate;
-}
-
-PointSet to_set(const std::vector<Vec3d>& points, const std::string& source) {
-    if (points.empty()) throw InvalidInput(fmt::format("{}: it holds no points", source));
-    PointSet set;
-    set.origin = io_internal::choose_origin(points);
-    set.positions.reserve(points.size());
-    for (const Vec3d& p : points) set.positions.push_back(Vec3(p - set.origin));
-    return set;
-}
+using io_internal::fits_points;
+using io_internal::to_point_set;
 
 std::string_view without_comment(std::string_view line) {
     return line.substr(0, std::min(line.find('#'), line.find("//")));
@@ -59,10 +49,10 @@ PointSet parse_xyz(std::string_view text, const std::string& source) {
             if (!number) fail_at(source, lines.number(), fmt::format("{} is not a number", in_quotes(cell)));
             p[axis] = *number;
         }
-        if (!fits(p)) fail_at(source, lines.number(), "a coordinate is not finite or beyond 1e30");
+        if (!fits_points(p)) fail_at(source, lines.number(), "a coordinate is not finite or beyond 1e30");
         points.push_back(p);
     }
-    return to_set(points, source);
+    return to_point_set(points, source);
 }
 
 std::vector<Vec3d> read_vertices(PlyRows& rows, const PlyElement& element, const std::string& source) {
@@ -79,7 +69,7 @@ std::vector<Vec3d> read_vertices(PlyRows& rows, const PlyElement& element, const
     for (std::uint64_t i = 0; i < element.count; ++i) {
         rows.read(row);
         points.push_back({row.scalar(*x), row.scalar(*y), row.scalar(*z)});
-        if (!fits(points.back())) {
+        if (!fits_points(points.back())) {
             throw InvalidInput(fmt::format("{}: point {} is not finite or beyond 1e30", source, i));
         }
     }
@@ -91,13 +81,27 @@ PointSet parse_ply_points(std::string_view bytes, const std::string& source) {
     PlyRows rows(bytes, header, source);
     for (const PlyElement& element : header.elements) {
         rows.begin_element(element);
-        if (element.name == "vertex") return to_set(read_vertices(rows, element, source), source);
+        if (element.name == "vertex") return to_point_set(read_vertices(rows, element, source), source);
         rows.skip_element();
     }
     throw InvalidInput(fmt::format("{}: it has no element vertex", source));
 }
 
 }  // namespace
+
+bool io_internal::fits_points(Vec3d p) {
+    return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+           std::abs(p.z) <= kLargestCoordinate;
+}
+
+PointSet io_internal::to_point_set(const std::vector<Vec3d>& points, const std::string& source) {
+    if (points.empty()) throw InvalidInput(fmt::format("{}: it holds no points", source));
+    PointSet set;
+    set.origin = choose_origin(points);
+    set.positions.reserve(points.size());
+    for (const Vec3d& p : points) set.positions.push_back(Vec3(p - set.origin));
+    return set;
+}
 
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
@@ -112,7 +116,10 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
 }
 
 PointSet parse_points(std::string_view bytes, const std::string& source) {
-    return is_ply(bytes) ? parse_ply_points(bytes, source) : parse_xyz(bytes, source);
+    if (is_ply(bytes)) return parse_ply_points(bytes, source);
+    if (io_internal::is_las(bytes)) return io_internal::parse_las(bytes, source);
+    if (io_internal::is_pcd(bytes)) return io_internal::parse_pcd(bytes, source);
+    return parse_xyz(bytes, source);
 }
 
 PointSet read_points(const std::filesystem::path& path) {

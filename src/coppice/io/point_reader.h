@@ -9,7 +9,7 @@
 
 namespace coppice {
 
-/// The point files that are known.
+/// The point files that are written; LAS, LAZ and PCD are read only.
 enum class PointFormat {
     xyz,  ///< text: one point a line, its coordinates first; also .txt, .csv and .asc
     ply   ///< written binary little endian; read in all three encodings
@@ -18,18 +18,22 @@ enum class PointFormat {
 /// By the last extension of the name, upper or lower case; nothing when it belongs to no format of points.
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path);
 
-/// Reads points from an XYZ or PLY file. A file that starts as PLY is one, whatever its name; anything else
-/// is taken for XYZ.
+/// Reads points from an XYZ, PLY, LAS, LAZ or PCD file. A file that starts as one of the last four is one,
+/// whatever its name; anything else is taken for XYZ.
 ///
 /// XYZ: lines of three numbers or more, separated by blanks, commas or semicolons; what follows the third is
 /// passed over, as are empty lines, what stands behind `#` or `//`, and one line of column names at the top.
 /// PLY: x, y and z of the element `vertex`; everything else is passed over.
+/// LAS: 1.0 to 1.4, point formats 0 to 10; what is marked as withheld is passed over. LAZ needs a build with
+/// LASzip.
+/// PCD: x, y and z, in ascii, binary or binary_compressed; points that are not a number are passed over.
 ///
 /// Where coordinates are large against the size of the set, `origin` takes the offset in double precision;
 /// else it is zero.
 ///
 /// Throws, each with one sentence that names the file and the line or point: `IoError` (see `read_file`),
-/// `InvalidInput` for damaged files, files without points and coordinates that are not finite or beyond 1e30.
+/// `InvalidInput` for damaged files, files without points and coordinates that are not finite or beyond 1e30,
+/// `Unsupported` for LAS of a kind that is not known, and for LAZ without LASzip.
 /// Linear; memory is bounded by a small multiple of the file.
 PointSet read_points(const std::filesystem::path& path);
 
