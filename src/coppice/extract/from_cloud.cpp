@@ -1,0 +1,164 @@
+#include "coppice/extract/from_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/extract/cloud_clean_internal.h"
+#include "coppice/extract/cloud_fit_internal.h"
+#include "coppice/extract/cloud_graph_internal.h"
+#include "coppice/extract/cloud_scales_internal.h"
+#include "coppice/extract/cloud_shape_internal.h"
+#include "coppice/extract/cloud_tree_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace extract_internal;
+
+constexpr std::size_t kFewestPoints = 20;
+constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is taken for the spacing
+constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
+constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
+constexpr int kSmoothPasses = 3;
+constexpr double kRoughness = 2;    // [radius] what ends nearer to a clean tube and shows none itself is bark
+constexpr double kThinnest = 0.05;  // [spacing] least radius
+
+float median(std::span<const float> values) {
+    Buffer<float> sorted(values.begin(), values.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return *middle;
+}
+
+void check_count(std::size_t count, const char* what) {
+    if (count >= kFewestPoints) return;
+    throw InvalidInput(fmt::format("extract: {} points are left {}, but a skeleton needs at least {}", count,
+                                   what, kFewestPoints));
+}
+
+std::uint64_t erase_ground(Buffer<Vec3>& points, Vec3d origin, const CloudOptions& options) {
+    const std::size_t before = points.size();
+    if (options.ground == GroundRule::height) {
+        const double height = double{options.ground_height} - origin.z;
+        std::erase_if(points, [&](Vec3 p) { return p.z < height; });
+    } else if (options.ground == GroundRule::automatic) {
+        const Ground ground = find_ground(points);
+        if (ground.found) {
+            std::erase_if(points, [&](Vec3 p) { return p.z < ground.height(p.x, p.y) + ground.clearance; });
+        }
+    }
+    return before - points.size();
+}
+
+/// The points that can be wood, sorted in space.
+Buffer<Vec3> clean(const PointSet& set, const CloudOptions& options, CloudReport& report,
+                   const Context& ctx) {
+    report.points = set.size();
+    check_count(set.size(), "in the cloud");
+    if (set.size() > std::numeric_limits<std::uint32_t>::max() / 2) {
+        throw InvalidInput(
+            fmt::format("extract: {} points are too many; thin the cloud to 2^31 first", set.size()));
+    }
+    Buffer<Vec3> points = sorted_without_duplicates(set.positions, ctx);
+    report.duplicates = set.size() - points.size();
+    ctx.throw_if_cancelled();
+    const std::size_t whole = points.size();
+    if (options.voxel > 0) points = thinned(points, options.voxel, ctx);
+    points = thinned_to(std::move(points), static_cast<std::size_t>(options.max_points), ctx);
+    report.thinned = whole - points.size();
+    report.ground = erase_ground(points, set.origin, options);
+    check_count(points.size(), "after cleaning");
+    ctx.report(0.1f);
+    return points;
+}
+
+double gap_of(std::span<const Vec3> points, double spacing, const CloudOptions& options) {
+    if (options.gap > 0) return options.gap;
+    Box3 box;
+    for (const Vec3 p : points) box.extend(p);
+    return std::max(kGapSpacings * spacing, kGapHeight * double{box.size().z});
+}
+
+CloudExtraction finish(const CloudTree& tree, Vec3d origin) {
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    std::vector<float> radius;
+    std::vector<NodeConfidence> confidence(tree.size());
+    double off = 0, weight = 0;
+    for (const std::uint32_t n : tree.node_of_point) {
+        if (n != kNone) ++confidence[n].samples;
+    }
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        parent.push_back(tree.parent[n] == kNone ? NodeId::none() : NodeId(tree.parent[n]));
+        position.push_back(Vec3(tree.position[n]));
+        radius.push_back(std::max(static_cast<float>(tree.radius[n]), std::numeric_limits<float>::min()));
+        confidence[n].residual = static_cast<float>(tree.residual[n] / tree.radius[n]);
+        off += double{confidence[n].residual} * confidence[n].samples;
+        weight += confidence[n].samples;
+    }
+    CloudExtraction out{Skeleton(std::move(parent), std::move(position), std::move(radius), origin),
+                        std::move(confidence),
+                        {},
+                        {}};
+    out.report.samples = static_cast<std::uint64_t>(weight);
+    out.report.residual = weight > 0 ? static_cast<float>(off / weight) : 0;
+    out.report.trees = out.skeleton.tree_count();
+    return out;
+}
+
+}  // namespace
+
+CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& options, const Context& ctx) {
+    check_fields(options, "extract");
+    CloudReport cleaning;
+    const Buffer<Vec3> points = clean(set, options, cleaning, ctx);
+    const Neighbours near = nearest_neighbours(points, static_cast<std::uint32_t>(options.neighbours), ctx);
+    ctx.report(0.3f);
+    std::vector<std::uint8_t> stray(points.size(), 0);
+    if (options.stray > 0) stray = strays(near, options.stray, ctx);
+    cleaning.strays = static_cast<std::uint64_t>(std::ranges::count(stray, 1));
+    const Buffer<float> spacing = local_spacing(near, kSpacingRank);
+    cleaning.spacing = median(spacing);
+
+    Graph graph = make_graph(near, stray, {});
+    Components parts = components(graph);
+    const auto bridges = bridge_gaps(points, stray, parts, gap_of(points, cleaning.spacing, options), ctx);
+    if (!bridges.empty()) {
+        graph = make_graph(near, stray, bridges);
+        parts = components(graph);
+    }
+    std::optional<Vec3d> root;
+    if (options.root) root = *options.root - set.origin;
+    const auto roots = find_roots(points, graph, parts, cleaning.spacing, root, options.max_trees);
+    if (roots.empty())
+        throw InvalidInput("extract: no part of the cloud is large enough for a tree; give --root");
+    ctx.report(0.4f);
+
+    std::uint32_t pruned = 0;
+    CloudTree tree =
+        grow_tree(points, graph, roots, spacing,
+                  {cleaning.spacing, options.step, options.fit_passes, options.twig}, pruned, ctx);
+    pruned += prune_roughness(tree, kRoughness);
+    smooth_axes(tree, kSmoothPasses);
+    repair_forks(tree);
+    const std::uint32_t ends = extend_ends(tree, points);
+    settle_radii(tree, kThinnest * cleaning.spacing);
+    CloudExtraction out = finish(tree, set.origin);
+    cleaning.unreached =
+        points.size() - std::min<std::uint64_t>(points.size(), cleaning.strays + out.report.samples);
+    out.cleaning = cleaning;
+    out.report.components = out.report.trees;
+    out.report.joined = static_cast<std::uint32_t>(bridges.size());
+    out.report.pruned_twigs = pruned;
+    out.report.repaired_tips = ends;
+    ctx.report(1);
+    return out;
+}
+
+}  // namespace coppice

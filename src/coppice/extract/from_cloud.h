@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/base/vec.h"
+#include "coppice/extract/extract_result.h"
+#include "coppice/points/point_set.h"
+
+namespace coppice {
+
+enum class GroundRule {
+    automatic,  ///< looks for ground, and leaves it out where there is some
+    none,       ///< every point is wood
+    height      ///< points below `ground_height` are left out
+};
+
+template <>
+struct EnumNames<GroundRule> {
+    static constexpr std::array<std::string_view, 3> names{"auto", "none", "height"};
+};
+
+struct CloudOptions {
+    GroundRule ground = GroundRule::automatic;
+    float ground_height = 0;     ///< [m] world, for GroundRule::height
+    float voxel = 0;             ///< [m] edge of cubes of which one point is kept; 0 = none
+    int max_points = 4'000'000;  ///< more are thinned, with cubes as large as it takes; in [100, 1e8]
+    int neighbours = 12;         ///< of every point, that paths may go to; in [4, 64]
+    float stray = 4;     ///< points this many times farther from others than is usual about go; 0 = none
+    float gap = 0;       ///< [m] widest gap that is bridged; 0 = from the spacing and height of the tree
+    float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
+    int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
+    float twig = 0.75f;  ///< [spacing] shorter twigs are left out, beyond where they part; in [0, 100]
+    int max_trees = 0;   ///< the thickest so many are kept; 0 = all; in [0, 100000]
+    std::optional<Vec3d> root;  ///< [m] world: there is one tree, and it stands at the point nearest to this
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, CloudOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"ground", "What is left out as ground: what looks like it, nothing, or all below a height"},
+          o.ground);
+    visit(Field{"ground_height", "Height below which points are ground", Unit::metre, -1e6, 1e6},
+          o.ground_height);
+    visit(Field{"voxel", "Edge of the cubes of which one point is kept; 0 = all points", Unit::metre, 0, 1e6},
+          o.voxel);
+    visit(Field{"max_points", "Number of points above which they are thinned", Unit::none, 100, 1e8},
+          o.max_points);
+    visit(Field{"neighbours", "Number of neighbours that paths may go to", Unit::none, 4, 64}, o.neighbours);
+    visit(Field{"stray", "Points so many times farther off than their neighbours are left out; 0 = none",
+                Unit::none, 0, 1e6},
+          o.stray);
+    visit(Field{"gap", "Widest gap that is bridged; 0 chooses it", Unit::metre, 0, 1e6}, o.gap);
+    visit(Field{"step", "Distance of nodes on the thinnest twigs, in spacings of the points", Unit::none,
+                0.25, 20},
+          o.step);
+    visit(Field{"fit_passes", "Times that circles are fitted", Unit::none, 0, 50}, o.fit_passes);
+    visit(
+        Field{"twig", "Length below which a twig is left out, in spacings of the points", Unit::none, 0, 100},
+        o.twig);
+    visit(Field{"max_trees", "Number of trees that are kept; 0 = all", Unit::none, 0, 100000}, o.max_trees);
+}
+
+/// What was left out of a cloud, counted in points.
+struct CloudReport {
+    std::uint64_t points = 0;  ///< that were given
+    std::uint64_t duplicates = 0, thinned = 0, ground = 0, strays = 0;
+    std::uint64_t unreached = 0;  ///< beyond gaps too wide to bridge
+    double spacing = 0;           ///< [m] median distance of the points used to their fourth neighbour
+};
+
+struct CloudExtraction {
+    Skeleton skeleton;
+    std::vector<NodeConfidence> confidence;  ///< one per node
+    ExtractReport report;
+    CloudReport cleaning;
+};
+
+CloudExtraction extract_from_cloud(const PointSet& points, const CloudOptions& options = {},
+                                   const Context& ctx = {});
+
+}  // namespace coppice
