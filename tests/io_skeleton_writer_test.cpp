@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -89,6 +90,24 @@ TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
     }
     write_skeleton(folder / "w.txt", fork(), {.format = SkeletonFormat::swc});
     EXPECT_EQ(read_skeleton(folder / "w.txt").format, "swc");
+}
+
+TEST(SkeletonWriter, AttributesStandBesideTheNodesAndArePassedOver) {
+    const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.05f});
+    const std::vector<NodeAttribute> attributes{{"samples", {12, 7}}, {"residual", {0.25f, 0.5f}}};
+    const std::string json = encode_skeleton(s, {.format = SkeletonFormat::json}, attributes);
+    EXPECT_NE(json.find("\"samples\": [12,7]"), std::string::npos);
+    EXPECT_NE(json.find("\"residual\": [0.25,0.5]"), std::string::npos);
+    const std::string ply = encode_skeleton(s, {.format = SkeletonFormat::ply, .binary = false}, attributes);
+    EXPECT_NE(ply.find("property float samples\nproperty float residual\n"), std::string::npos);
+    EXPECT_NE(ply.find("0 0 1 0.05 7 0.5\n"), std::string::npos);
+    const std::string binary = encode_skeleton(s, {.format = SkeletonFormat::ply}, attributes);
+    for (const auto& [bytes, name] : {std::pair{json, "a.json"}, {ply, "a.ply"}, {binary, "a.ply"}}) {
+        const Skeleton back = parse_skeleton(bytes, name).skeleton;
+        EXPECT_EQ(back.size(), 2u) << name;
+        EXPECT_EQ(back.radius(NodeId(1)), 0.05f) << name;
+        EXPECT_EQ(back.position(NodeId(1)), Vec3(0, 0, 1)) << name;
+    }
 }
 
 TEST(SkeletonWriter, Errors) {

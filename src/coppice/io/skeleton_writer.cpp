@@ -90,7 +90,7 @@ std::string encode_obj(const Skeleton& s) {
     return out.text();
 }
 
-std::string encode_json(const Skeleton& s) {
+std::string encode_json(const Skeleton& s, std::span<const NodeAttribute> attributes) {
     Encoder out(s);
     const Vec3d origin = s.origin();
     out.add(FMT_COMPILE("{{\n\"format\": \"coppice-skeleton\",\n\"version\": 1,\n\"origin\": [{}, {}, "
@@ -107,15 +107,22 @@ std::string encode_json(const Skeleton& s) {
     }
     out.add(FMT_COMPILE("],\n\"radius\": ["));
     for (const NodeId n : nodes(s)) out.add(FMT_COMPILE("{}{}"), separator(n), s.radius(n));
+    for (const NodeAttribute& a : attributes) {
+        out.add(FMT_COMPILE("],\n\"{}\": ["), a.name);
+        for (const NodeId n : nodes(s)) out.add(FMT_COMPILE("{}{}"), separator(n), a.values[n.index()]);
+    }
     out.add(FMT_COMPILE("]\n}}\n"));
     return out.text();
 }
 
-void add_ply_vertices(Encoder& out, const Skeleton& s, bool binary) {
+void add_ply_vertices(Encoder& out, const Skeleton& s, bool binary,
+                      std::span<const NodeAttribute> attributes) {
     for (const NodeId n : nodes(s)) {
         if (!binary) {
             out.add_position(n, ' ');
-            out.add(FMT_COMPILE(" {}\n"), s.radius(n));
+            out.add(FMT_COMPILE(" {}"), s.radius(n));
+            for (const NodeAttribute& a : attributes) out.add(FMT_COMPILE(" {}"), a.values[n.index()]);
+            out.add(FMT_COMPILE("\n"));
             continue;
         }
         const Vec3 p = s.position(n);
@@ -128,10 +135,11 @@ void add_ply_vertices(Encoder& out, const Skeleton& s, bool binary) {
             }
         }
         out.add_bytes(s.radius(n));
+        for (const NodeAttribute& a : attributes) out.add_bytes(a.values[n.index()]);
     }
 }
 
-std::string encode_ply(const Skeleton& s, bool binary) {
+std::string encode_ply(const Skeleton& s, bool binary, std::span<const NodeAttribute> attributes) {
     Encoder out(s);
     out.add(FMT_COMPILE("ply\nformat {} 1.0\ncomment {}\n"), binary ? "binary_little_endian" : "ascii",
             kDirectedMark);
@@ -139,9 +147,10 @@ std::string encode_ply(const Skeleton& s, bool binary) {
     out.add(FMT_COMPILE(
                 "element vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\nproperty float radius\n"),
             s.size(), type, type, type);
+    for (const NodeAttribute& a : attributes) out.add(FMT_COMPILE("property float {}\n"), a.name);
     out.add(FMT_COMPILE("element edge {}\nproperty list uint int vertex_indices\nend_header\n"),
             s.size() - s.tree_count());
-    add_ply_vertices(out, s, binary);
+    add_ply_vertices(out, s, binary, attributes);
     for (const NodeId n : nodes(s)) {
         if (s.is_root(n)) continue;
         if (binary) {
@@ -206,18 +215,20 @@ std::string encode_cylinders(const Skeleton& s) {
 
 }  // namespace
 
-std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options) {
+std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
+                            std::span<const NodeAttribute> attributes) {
+    for (const NodeAttribute& a : attributes) COPPICE_ASSERT(a.values.size() == skeleton.size());
     switch (options.format) {
         case SkeletonFormat::swc:
             return encode_swc(skeleton);
         case SkeletonFormat::cylinders:
             return encode_cylinders(skeleton);
         case SkeletonFormat::ply:
-            return encode_ply(skeleton, options.binary);
+            return encode_ply(skeleton, options.binary, attributes);
         case SkeletonFormat::obj:
             return encode_obj(skeleton);
         case SkeletonFormat::json:
-            return encode_json(skeleton);
+            return encode_json(skeleton, attributes);
         case SkeletonFormat::automatic:
         case SkeletonFormat::mat:
         case SkeletonFormat::raycloud:
@@ -229,7 +240,7 @@ std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions
 }
 
 void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                    const WriteSkeletonOptions& options) {
+                    const WriteSkeletonOptions& options, std::span<const NodeAttribute> attributes) {
     WriteSkeletonOptions chosen = options;
     if (chosen.format == SkeletonFormat::automatic) {
         const auto format = format_of_extension(path);
@@ -240,7 +251,7 @@ void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
         }
         chosen.format = *format;
     }
-    const std::string bytes = encode_skeleton(skeleton, chosen);
+    const std::string bytes = encode_skeleton(skeleton, chosen, attributes);
     AtomicFile file(path);
     file.write(bytes);
     file.commit();
