@@ -1,5 +1,5 @@
-// The readers of point files against arbitrary bytes. They return points that are finite, with a finite
-// origin, or throw coppice::Error.
+// The readers of point files, XYZ, PLY, LAS and PCD by their first bytes, against arbitrary bytes. They
+// return points that are finite, with a finite origin, or throw coppice::Error.
 
 #include <cstddef>
 #include <cstdint>
