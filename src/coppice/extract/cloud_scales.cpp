@@ -24,7 +24,7 @@ struct Scale {
 constexpr std::array<Scale, 4> kScales{
     {{4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}, {1, 1.5, 0, 0}}};
 constexpr float kFewestOfTube = 12;  // points
-constexpr double kSlack = 0.5;       // [radius] beyond a tube, up to which points are its own
+constexpr double kSlack = 0.2;       // [radius] beyond a tube, up to which points are its own
 
 /// Keeps, of the nodes from `first` on, clean tubes that are thick against the spacing, and roots.
 void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spacing, const Scale& scale) {
@@ -117,8 +117,7 @@ CloudTree grow_tree(std::span<const Vec3> points, const Graph& graph,
         bin_paths(tree, points, graph, paths,
                   first == 0 ? roots : std::span<const std::vector<std::uint32_t>>{}, spacing,
                   {step, scale.link}, ctx);
-        const std::uint32_t gone =
-            prune_twigs(tree, first, points, paths.distance, last ? options.reach : step, options.spacing);
+        const std::uint32_t gone = prune_twigs(tree, first, paths.distance, last ? options.reach : step);
         if (last) pruned = gone;
         fit_axes(tree, first, points, options.passes, ctx);
         if (last) break;

@@ -9,7 +9,6 @@
 namespace coppice::extract_internal {
 
 struct ScaleOptions {
-    double spacing = 0;   ///< [m] usual distance of points
     double step = 1;      ///< [spacing] of the finest scale
     int passes = 4;       ///< of the fits
     double reach = 0.75;  ///< [spacing] shortest twig beyond where it parts

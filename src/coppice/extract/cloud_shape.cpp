@@ -9,13 +9,11 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kRough = 1.4;   // times the reach that a twig on a tube that was found before must have
-constexpr double kHeight = 1.2;  // [radius] that a twig must stand off from a tube
-constexpr double kHeightSpacings = 2;  // [spacing] the same on thick tubes
-constexpr std::uint32_t kFewest = 3;   // points of a twig
-constexpr float kFitted = 6;           // points of a circle that counts
-constexpr double kCleanFit = 0.1;      // [radius] greatest residual of a circle that counts
-constexpr double kLoose = 0.65;        // radius of a tube, of the mean distance of points that show none
+constexpr double kRough = 1.4;        // times the reach that a twig on a tube that was found before must have
+constexpr std::uint32_t kFewest = 3;  // points of a twig
+constexpr float kFitted = 6;          // points of a circle that counts
+constexpr double kCleanFit = 0.1;     // [radius] greatest residual of a circle that counts
+constexpr double kLoose = 0.65;       // radius of a tube, of the mean distance of points that show none
 
 bool is_fitted(const CloudTree& tree, std::uint32_t n) {
     return tree.weight[n] >= kFitted && tree.residual[n] < kCleanFit * tree.radius[n];
@@ -34,35 +32,8 @@ std::vector<std::uint32_t> points_beyond(const CloudTree& tree) {
 
 }  // namespace
 
-namespace {
-
-/// How far the points of every branch that leaves a node before `first` come from the surface of that: the
-/// line along its axis, less its radius; in the place of the branch's first node.
-std::vector<double> distance_off(const CloudTree& tree, std::uint32_t first, std::span<const Vec3> points) {
-    std::vector<double> longest, off(tree.size(), 0);
-    const auto direction = axis_directions(tree, axis_children(tree, longest));
-    std::vector<std::uint32_t> branch(tree.size());
-    for (std::uint32_t n = first; n < tree.size(); ++n) {
-        const std::uint32_t above = tree.parent[n];
-        branch[n] = above == kNone || above < first ? n : branch[above];
-    }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const std::uint32_t n = tree.node_of_point[i];
-        if (n == kNone || n < first) continue;
-        const std::uint32_t start = branch[n], above = tree.parent[start];
-        if (above == kNone) continue;
-        const Vec3d way = Vec3d(points[i]) - tree.position[above];
-        off[start] = std::max(off[start], length(cross(way, direction[above])) - tree.radius[above]);
-    }
-    return off;
-}
-
-}  // namespace
-
-std::uint32_t prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points,
-                          std::span<const float> level, double reach, double spacing) {
+std::uint32_t prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const float> level, double reach) {
     const auto beyond = points_beyond(tree);
-    const auto off = distance_off(tree, first, points);
     std::vector<float> top(tree.size(), 0), low(tree.size(), std::numeric_limits<float>::infinity());
     for (std::size_t i = 0; i < level.size(); ++i) {
         const std::uint32_t n = tree.node_of_point[i];
@@ -86,8 +57,7 @@ std::uint32_t prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const 
         const bool on_tube = above < first;
         if (!kept[n] || (next[above] == n && !on_tube)) continue;
         const double least = on_tube ? kRough * reach : reach;
-        const double height = on_tube ? std::min(kHeight * tree.radius[above], kHeightSpacings * spacing) : 0;
-        if (top[n] - low[n] >= least && beyond[n] >= kFewest && off[n] >= height) continue;
+        if (top[n] - low[n] >= least && beyond[n] >= kFewest) continue;
         kept[n] = 0;
         ++gone;
     }

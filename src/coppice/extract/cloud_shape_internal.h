@@ -9,10 +9,8 @@ namespace coppice::extract_internal {
 
 /// Drops branches of nodes from `first` on that reach less than `reach` beyond where they part, along paths
 /// whose cost at each point is `level`, or hold fewer than three points. What leaves a node before `first`, a
-/// tube, must reach somewhat farther and also stand off from it, by its radius or, on thick ones, by twice
-/// the `spacing` [m]. Points of what goes fall to what it left. Returns how many went.
-std::uint32_t prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points,
-                          std::span<const float> level, double reach, double spacing);
+/// tube, must reach somewhat farther. Points of what goes fall to what it left. Returns how many went.
+std::uint32_t prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const float> level, double reach);
 
 /// Drops what leaves a clean tube, shows none itself, and ends within `length` radii of its surface: bark,
 /// and the crotches of forks. Returns how many branches went.

@@ -26,7 +26,6 @@ constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is ta
 constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
 constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
 constexpr int kSmoothPasses = 3;
-constexpr double kRoughness = 2;    // [radius] what ends nearer to a clean tube and shows none itself is bark
 constexpr double kThinnest = 0.05;  // [spacing] least radius
 
 float median(std::span<const float> values) {
@@ -141,10 +140,9 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     ctx.report(0.4f);
 
     std::uint32_t pruned = 0;
-    CloudTree tree =
-        grow_tree(points, graph, roots, spacing,
-                  {cleaning.spacing, options.step, options.fit_passes, options.twig}, pruned, ctx);
-    pruned += prune_roughness(tree, kRoughness);
+    CloudTree tree = grow_tree(points, graph, roots, spacing,
+                               {options.step, options.fit_passes, options.twig}, pruned, ctx);
+    if (options.bark > 0) pruned += prune_roughness(tree, options.bark);
     smooth_axes(tree, kSmoothPasses);
     repair_forks(tree);
     const std::uint32_t ends = extend_ends(tree, points);

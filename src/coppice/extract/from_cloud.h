@@ -36,6 +36,8 @@ struct CloudOptions {
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
     int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
     float twig = 0.75f;  ///< [spacing] shorter twigs are left out, beyond where they part; in [0, 100]
+    float bark = 0;      ///< [radius] what leaves a clean tube, shows none itself and ends so near to its
+                         ///< surface goes: for clouds denser than a twig's radius; 0 = none; in [0, 20]
     int max_trees = 0;   ///< the thickest so many are kept; 0 = all; in [0, 100000]
     std::optional<Vec3d> root;  ///< [m] world: there is one tree, and it stands at the point nearest to this
 };
@@ -63,6 +65,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(
         Field{"twig", "Length below which a twig is left out, in spacings of the points", Unit::none, 0, 100},
         o.twig);
+    visit(Field{"bark", "Height above a clean branch below which what is no branch is left out", Unit::radius,
+                0, 20},
+          o.bark);
     visit(Field{"max_trees", "Number of trees that are kept; 0 = all", Unit::none, 0, 100000}, o.max_trees);
 }
 
@@ -81,6 +86,25 @@ struct CloudExtraction {
     CloudReport cleaning;
 };
 
+/// The skeleton of what a scanner saw of trees.
+///
+/// Cleaning: exact duplicates go, cubes thin where asked for, ground goes (a smooth surface under most of the
+/// plan), then strays. Neighbours are joined in a graph, parts nearer than `gap` are bridged by shortest
+/// links. Trees stand at the lowest places as thick as a trunk; paths from there cost the square of each step
+/// in spacings. Pieces of about equal cost become nodes, circles fitted to their points along the axis move
+/// them to its middle; so half a cylinder is enough. This runs from thick to thin: tubes that fit keep their
+/// points, the rest is cut anew with a shorter step. Then loose axes are smoothed, forks are moved to where
+/// the axes meet, and ends to where points end. Radii fall along axes; where circles do not fit they follow
+/// the allometry of those that do, ln r over ln of the length beyond, capped by the spread of the points.
+/// Sources: [Xu2007] for bins of path lengths, [Livny2010] for the allometry, [Taubin1991].
+///
+/// Limits: twigs whose radius is less than about half the spacing merge with their neighbours near forks; of
+/// clouds much denser than the thinnest radius the crotches of forks become twigs: thin them with `voxel`,
+/// or use `bark`. Leaves are not told from wood.
+///
+/// The origin is that of the cloud. O(n log n), about 350 bytes per point, the same bits for any number of
+/// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after
+/// cleaning; Cancelled.
 CloudExtraction extract_from_cloud(const PointSet& points, const CloudOptions& options = {},
                                    const Context& ctx = {});
 
