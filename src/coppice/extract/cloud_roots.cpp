@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coppice/extract/cloud_graph_internal.h"
 
@@ -64,12 +65,15 @@ std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points,
                                                    const std::optional<Vec3d>& given, int most_trees) {
     std::vector<std::vector<std::uint32_t>> roots;
     if (given) {
-        std::uint32_t nearest = 0;
-        for (std::uint32_t i = 1; i < points.size(); ++i) {
-            if (graph.first[i] == graph.first[i + 1]) continue;
-            if (length_squared(Vec3d(points[i]) - *given) < length_squared(Vec3d(points[nearest]) - *given))
-                nearest = i;
+        std::uint32_t nearest = kNone;
+        double least = std::numeric_limits<double>::infinity();
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            const double squared = length_squared(Vec3d(points[i]) - *given);
+            if (graph.first[i] == graph.first[i + 1] || squared >= least) continue;
+            least = squared;
+            nearest = i;
         }
+        if (nearest == kNone) return roots;
         roots.push_back({nearest});
         return roots;
     }
