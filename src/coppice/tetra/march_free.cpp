@@ -21,13 +21,15 @@ enum class Fan : std::uint8_t { none, single, spoilt };
 class Star {
   public:
     Star(const TetraRefinement& refinement, const Samples& samples)
-        : refinement_(refinement), samples_(samples) {}
+        : refinement_(refinement), samples_(samples), signs_(kKept) {
+        kept_.fill(std::numeric_limits<std::uint32_t>::max());
+    }
 
     Fan fan(std::uint32_t vertex) {
         if (folds(vertex)) return Fan::spoilt;
         segments_.clear();
         visit(vertex, [&](std::uint32_t t, Local local, const std::array<Local, 4>& fine) {
-            const Cut& cut = signs_.cut(fine);
+            const Cut& cut = signs_[t % kKept].cut(fine);
             for (std::uint32_t i = 0; i < cut.size; ++i) {
                 const std::uint8_t c = cut.corners[i];
                 if (c < kCutVertex || fine[c - kCutVertex] != local) continue;
@@ -77,9 +79,20 @@ class Star {
     void visit(std::uint32_t vertex, const Use& use) {
         const auto place = refinement_.place(vertex);
         visit_coarse(place, [&](std::uint32_t t) {
-            if (!signs_.gather(refinement_, samples_, t)) return;
+            if (!gather(t)) return;
             visit_fine(place, t, [&](Local local, const auto& fine) { use(t, local, fine); });
         });
+    }
+
+    /// Has the signs of a coarse tetrahedron in their place; false when they are all alike. Vertices that
+    /// follow each other share most of theirs.
+    bool gather(std::uint32_t t) {
+        const std::size_t slot = t % kKept;
+        if (kept_[slot] != t) {
+            kept_[slot] = t;
+            mixed_[slot] = signs_[slot].gather(refinement_, samples_, t);
+        }
+        return mixed_[slot];
     }
 
     /// Whether a vertex is the one that moved most in a fine tetrahedron that has become too flat.
@@ -128,6 +141,7 @@ class Star {
     }
 
     static constexpr float kWidthShare = 0.94f;
+    static constexpr std::size_t kKept = 16;
 
     std::uint64_t corner(std::uint32_t t, const std::array<Local, 4>& fine, std::uint8_t c) const {
         if (c >= kCutVertex) {
@@ -158,7 +172,9 @@ class Star {
 
     const TetraRefinement& refinement_;
     const Samples& samples_;
-    LocalSigns signs_;
+    std::vector<LocalSigns> signs_;  ///< of the tetrahedra last asked for, each in the place of its number
+    std::array<std::uint32_t, kKept> kept_;
+    std::array<bool, kKept> mixed_{};
     std::vector<LinkSegment> segments_;
 };
 
