@@ -55,9 +55,9 @@ class Program {
         app_.allow_extras();
         app_.set_version_flag("--version", "coppice " + std::string(kVersion));
         app_.footer("coppice help COMMAND lists the options of a command.");
-        for (const auto make : {mesh_command, extract_command, check_command, compare_command, info_command,
-                                convert_command, render_command, scan_command, run_command, grow_command,
-                                shell_command, schema_command}) {
+        for (const auto make :
+             {mesh_command, extract_command, check_command, compare_command, info_command, convert_command,
+              render_command, scan_command, run_command, grow_command, shell_command, schema_command}) {
             commands_.push_back(make(app_));
             add_common_flags(*commands_.back().app, *commands_.back().common);
         }

@@ -17,8 +17,8 @@ namespace coppice {
 /// or consistent, but every index is in range and every coordinate finite. Vertices come as the file has them
 /// too; only STL, which repeats them for each triangle, is welded: equal positions become one vertex. GLB:
 /// the triangles of the default scene under the transforms of its nodes, turned from Y up to Z up. Colours,
-/// normals, texture coordinates, lines and points are passed over. The groups of OBJ and GLB are named by what
-/// the file tells of object (mesh), group and material, as in "tree/bark".
+/// normals, texture coordinates, lines and points are passed over. The groups of OBJ and GLB are named by
+/// what the file tells of object (mesh), group and material, as in "tree/bark".
 ///
 /// Where coordinates are large against the size of the mesh, `origin` takes the offset in double precision,
 /// so that the float positions keep their digits; else it is zero.
