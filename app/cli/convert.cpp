@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "coppice/io/mesh_writer.h"
+#include "coppice/io/point_writer.h"
 #include "coppice/io/skeleton_writer.h"
 #include "files.h"
 #include "options.h"
@@ -19,6 +20,7 @@ struct ConvertFlags {
 FileKind agreed_kind(const ConvertFlags& flags) {
     const FileKind from = kind_of_input(flags.input);
     if (from == FileKind::skeleton && flags.write.format != SkeletonFormat::automatic) return from;
+    if (from == FileKind::points) return from;
     const FileKind to = kind_of_output(flags.output, from);
     if (from == to) return from;
     if (from == FileKind::skeleton) {
@@ -41,6 +43,11 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
         const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
         run.stage("write", [&](const Context&) { write_skeleton(flags.output, file.skeleton, flags.write); });
         what = grouped(file.skeleton.size()) + " nodes";
+    } else if (kind == FileKind::points) {
+        check_points_output(flags.output);
+        const PointSet points = load_points(run, flags.input);
+        run.stage("write", [&](const Context& ctx) { write_points(flags.output, points, ctx); });
+        what = grouped(points.size()) + " points";
     } else {
         check_mesh_output(flags.output);
         const PolygonMesh mesh = load_mesh(run, flags.input);
@@ -55,9 +62,8 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
 
 Command convert_command(CLI::App& app) {
     auto [command, flags] = new_command<ConvertFlags>(
-        app, "convert",
-        "Turn a skeleton file into another kind of skeleton file, or a mesh file into another mesh file");
-    command.app->add_option("input", flags->input, "skeleton or mesh to read")->type_name("IN");
+        app, "convert", "Turn a file of a skeleton, a mesh or points into another kind of file of the same");
+    command.app->add_option("input", flags->input, "skeleton, mesh or points to read")->type_name("IN");
     command.app->add_option("-o,--output", flags->output, "file to write; its ending tells the format")
         ->type_name("OUT");
     add_options(*command.app, flags->read, "Reading a skeleton", "input");

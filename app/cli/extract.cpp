@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
 #include "command.h"
+#include "coppice/extract/from_cloud.h"
 #include "coppice/extract/from_mesh.h"
 #include "coppice/io/mesh_writer.h"
 #include "coppice/io/skeleton_writer.h"
@@ -17,10 +18,14 @@
 namespace coppice::cli {
 namespace {
 
+constexpr const char* kMeshGroup = "From a mesh";
+constexpr const char* kCloudGroup = "From a cloud of points";
+
 struct ExtractFlags {
     std::filesystem::path input, output, mesh_output;
     std::string root;
     FromMeshOptions from_mesh;
+    CloudOptions from_cloud;
     WriteSkeletonOptions write;
     MeshOptions mesh;
 };
@@ -51,7 +56,7 @@ void check_flags(ExtractFlags& flags) {
     }
     check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
-    if (!flags.root.empty()) flags.from_mesh.root = parse_place(flags.root, "--root");
+    if (!flags.root.empty()) flags.from_mesh.root = flags.from_cloud.root = parse_place(flags.root, "--root");
 }
 
 /// Length and number of branches by order: a root's axis has order 0; where a branch forks, its thickest
@@ -77,7 +82,8 @@ Json branch_orders(const Skeleton& s) {
     return out;
 }
 
-void fill_report(Run& run, const FromMeshResult& result) {
+/// The figures that meshes and clouds have in common.
+void fill_report(Run& run, const ExtractResult& result) {
     const SkeletonMeasures m = measure(result.skeleton);
     run.counts().update(figures_json(result.report));
     run.counts().update({{"nodes", m.nodes},
@@ -86,24 +92,71 @@ void fill_report(Run& run, const FromMeshResult& result) {
                          {"length_m", m.length},
                          {"volume_m3", m.volume},
                          {"orders", branch_orders(result.skeleton)}});
-    run.repairs() = figures_json(result.repairs);
 }
 
-ExitCode extract(Run& run, ExtractFlags& flags) {
-    check_flags(flags);
-    if (kind_of_input(flags.input) != FileKind::mesh)
-        throw UsageError(fmt::format("'{}' is a skeleton already; a mesh is needed", flags.input.string()));
-    const PolygonMesh mesh = load_mesh(run, flags.input);
-    const FromMeshResult result = run.stage("extract", [&](const Context& ctx) {
+/// Runs extract(context); what it refuses is told with the name of the file.
+template <class Extract>
+auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& extract) {
+    return run.stage("extract", [&](const Context& ctx) {
         try {
-            return extract_from_mesh(mesh, flags.from_mesh, ctx);
+            return extract(ctx);
         } catch (const InvalidInput& error) {
-            throw InvalidInput(fmt::format("{}: {}", flags.input.string(), error.what()));
+            throw InvalidInput(fmt::format("{}: {}", input.string(), error.what()));
         }
     });
+}
+
+ExtractResult from_mesh(Run& run, const ExtractFlags& flags) {
+    const PolygonMesh mesh = load_mesh(run, flags.input);
+    FromMeshResult result = extract_stage(
+        run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
     for (const auto& [name, seconds] : result.stages)
         run.add_stage(fmt::format("extract: {}", name), seconds);
-    run.stage("write", [&](const Context&) { write_skeleton(flags.output, result.skeleton, flags.write); });
+    run.repairs() = figures_json(result.repairs);
+    return result;
+}
+
+ExtractResult from_cloud(Run& run, const ExtractFlags& flags) {
+    const PointSet points = load_points(run, flags.input);
+    CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
+        return extract_from_cloud(points, flags.from_cloud, ctx);
+    });
+    run.repairs() = figures_json(result.cleaning);
+    return result;
+}
+
+/// An option for the other kind of input would do nothing.
+void check_groups(const CLI::App& command, const std::filesystem::path& input, FileKind kind) {
+    const bool cloud = kind == FileKind::points;
+    for (const CLI::Option* option : command.get_options()) {
+        if (option->count() == 0 || option->get_group() != (cloud ? kMeshGroup : kCloudGroup)) continue;
+        throw UsageError(fmt::format("{} is for {}, and '{}' is a {}", option->get_name(),
+                                     cloud ? "meshes" : "clouds of points", input.string(),
+                                     cloud ? "cloud of points" : "mesh"));
+    }
+}
+
+void write(Run& run, const ExtractFlags& flags, const ExtractResult& result) {
+    std::array<NodeAttribute, 2> attributes{{{"samples", {}}, {"residual", {}}}};
+    for (const NodeConfidence& c : result.confidence) {
+        attributes[0].values.push_back(static_cast<float>(c.samples));
+        attributes[1].values.push_back(c.residual);
+    }
+    run.stage("write", [&](const Context&) {
+        write_skeleton(flags.output, result.skeleton, flags.write, attributes);
+    });
+}
+
+ExitCode extract(Run& run, const CLI::App& command, ExtractFlags& flags) {
+    check_flags(flags);
+    const FileKind kind = kind_of_input(flags.input, FileKind::points);
+    if (kind == FileKind::skeleton) {
+        throw UsageError(fmt::format("'{}' is a skeleton already; a mesh or a cloud of points is needed",
+                                     flags.input.string()));
+    }
+    check_groups(command, flags.input, kind);
+    const ExtractResult result = kind == FileKind::mesh ? from_mesh(run, flags) : from_cloud(run, flags);
+    write(run, flags, result);
     fill_report(run, result);
     std::string surface;
     if (!flags.mesh_output.empty()) {
@@ -114,18 +167,22 @@ ExitCode extract(Run& run, ExtractFlags& flags) {
         run.counts()["quads"] = made.mesh.quads.size();
         surface = fmt::format("; {}: {} quads", flags.mesh_output.string(), grouped(made.mesh.quads.size()));
     }
-    run.finish(fmt::format("{}: {} nodes in {} trees, {} loops cut{}", flags.output.string(),
-                           grouped(result.skeleton.size()), grouped(result.report.trees),
-                           grouped(result.report.loops), surface));
+    const std::string loops =
+        kind == FileKind::mesh ? fmt::format(", {} loops cut", grouped(result.report.loops)) : "";
+    run.finish(fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
+                           grouped(result.skeleton.size()), grouped(result.report.trees), loops, surface));
     return kDone;
 }
 
 }  // namespace
 
 Command extract_command(CLI::App& app) {
-    auto [command, flags] =
-        new_command<ExtractFlags>(app, "extract", "Read a skeleton with radii off the mesh of a tree");
-    command.app->add_option("input", flags->input, "mesh to read (.ply, .obj, .off, .stl, .glb)")
+    auto [command, flags] = new_command<ExtractFlags>(
+        app, "extract", "Read a skeleton with radii off the mesh or the scan of a tree");
+    command.app
+        ->add_option(
+            "input", flags->input,
+            "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .ply, .pcd, .las, .laz)")
         ->type_name("FILE");
     command.app->add_option("-o,--output", flags->output, "skeleton to write; its ending tells the format")
         ->type_name("SKELETON");
@@ -139,15 +196,16 @@ Command extract_command(CLI::App& app) {
         ->type_name("NAME")
         ->expected(1)
         ->take_all()
-        ->group("From a mesh");
+        ->group(kMeshGroup);
     command.app
-        ->add_option("--root", flags->root, "the end nearest to this place is a root; else lowest ends are")
-        ->type_name("X,Y,Z")
-        ->group("From a mesh");
-    add_options(*command.app, flags->from_mesh, "From a mesh");
+        ->add_option("--root", flags->root,
+                     "the root is where the tree is nearest to this place; else it is the lowest end")
+        ->type_name("X,Y,Z");
+    add_options(*command.app, flags->from_mesh, kMeshGroup);
+    add_options(*command.app, flags->from_cloud, kCloudGroup, "cloud");
     add_options(*command.app, flags->write, "Writing the skeleton", "output");
     add_options(*command.app, flags->mesh, "Surface of --then-mesh", "mesh");
-    command.run = [flags = flags](Run& run) { return extract(run, *flags); };
+    command.run = [flags = flags, app = command.app](Run& run) { return extract(run, *app, *flags); };
     return command;
 }
 

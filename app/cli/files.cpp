@@ -8,6 +8,7 @@
 
 #include "coppice/io/mesh_format.h"
 #include "coppice/io/mesh_reader.h"
+#include "coppice/io/point_reader.h"
 #include "options.h"
 
 namespace coppice::cli {
@@ -46,22 +47,51 @@ bool obj_holds_lines(const std::filesystem::path& path) {
     return false;
 }
 
-bool ply_holds_edges(const std::filesystem::path& path) {
+FileKind kind_of_ply(const std::filesystem::path& path) {
     const std::string head = head_of(path);
     const std::string_view header = std::string_view(head).substr(0, head.find("end_header"));
     const auto has = [&](std::string_view text) { return header.find(text) != header.npos; };
-    return has("element edge") &&
-           (!has("element face") || has("element face 0\n") || has("element face 0\r"));
+    const bool faces = has("element face") && !has("element face 0\n") && !has("element face 0\r");
+    if (faces || has("element tristrips") || !has("element vertex")) return FileKind::mesh;
+    return has("element edge") ? FileKind::skeleton : FileKind::points;
+}
+
+bool is_one_of(const std::string& ending, std::initializer_list<std::string_view> endings) {
+    return std::ranges::find(endings, ending) != endings.end();
+}
+
+/// Whether the first row of a text, comments aside, is one of numbers.
+bool begins_with_number(std::string_view text) {
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        const std::string_view line = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        const std::size_t first = line.find_first_not_of(" \t\r");
+        if (first == line.npos || line[first] == '#') continue;
+        const char c = line[first];
+        return (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.';
+    }
+    return false;
+}
+
+/// Of a text with any ending: a skeleton when it says so by the names of its columns or its mark, else as
+/// `numbers` says.
+FileKind kind_of_text(const std::filesystem::path& path, FileKind numbers) {
+    const std::string head = head_of(path);
+    if (!format_of_content(head)) return FileKind::points;
+    return begins_with_number(head) ? numbers : FileKind::skeleton;
 }
 
 }  // namespace
 
-FileKind kind_of_input(const std::filesystem::path& path) {
+FileKind kind_of_input(const std::filesystem::path& path, FileKind numbers) {
     const std::string ending = ending_of(path);
     std::error_code error;
     const bool readable = std::filesystem::is_regular_file(path, error);
     if (readable && ending == ".obj") return obj_holds_lines(path) ? FileKind::skeleton : FileKind::mesh;
-    if (readable && ending == ".ply") return ply_holds_edges(path) ? FileKind::skeleton : FileKind::mesh;
+    if (readable && ending == ".ply") return kind_of_ply(path);
+    if (is_one_of(ending, {".xyz", ".asc", ".pcd", ".las", ".laz"})) return FileKind::points;
+    if (readable && is_one_of(ending, {".txt", ".csv"})) return kind_of_text(path, numbers);
     if (mesh_format_of_name(path)) return FileKind::mesh;
     if (format_of_extension(path) || !readable) return FileKind::skeleton;
     return mesh_format_of_content(head_of(path)) ? FileKind::mesh : FileKind::skeleton;
@@ -95,6 +125,14 @@ void check_mesh_output(const std::filesystem::path& path) {
     check_output_folder(path);
 }
 
+void check_points_output(const std::filesystem::path& path) {
+    if (!point_format_of_name(path)) {
+        throw UsageError(fmt::format(
+            "'{}' is no name of points; use the ending .ply, .xyz, .txt, .asc or .csv", path.string()));
+    }
+    check_output_folder(path);
+}
+
 Json repairs_of(const RepairReport& r) {
     return {{"reordered", r.reordered},
             {"missing_parents", r.missing_parents},
@@ -119,6 +157,12 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path) {
     run.counts()["vertices"] = mesh.positions.size();
     run.counts()["faces"] = mesh.face_count();
     return mesh;
+}
+
+PointSet load_points(Run& run, const std::filesystem::path& path) {
+    PointSet points = run.stage("read", [&](const Context&) { return read_points(path); });
+    run.counts()["points"] = points.size();
+    return points;
 }
 
 std::string grouped(std::uint64_t number) {

@@ -5,15 +5,17 @@
 
 #include "coppice/io/skeleton_reader.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/points/point_set.h"
 #include "run.h"
 
 namespace coppice::cli {
 
-enum class FileKind { skeleton, mesh };
+enum class FileKind { skeleton, mesh, points };
 
-/// What a file holds, by its name, and by its content where the name leaves both open (OBJ, PLY, unknown
-/// endings).
-FileKind kind_of_input(const std::filesystem::path& path);
+/// What a file holds, by its name, and by its content where the name leaves it open (OBJ, PLY, TXT, CSV,
+/// unknown endings). Rows of numbers without names may be points as well as nodes: they are of the kind
+/// `numbers`.
+FileKind kind_of_input(const std::filesystem::path& path, FileKind numbers = FileKind::skeleton);
 
 /// What a file of this name is to hold. Throws UsageError when the ending is unknown; a name that fits both
 /// (OBJ, PLY) is of the kind `preferred`.
@@ -23,10 +25,13 @@ FileKind kind_of_output(const std::filesystem::path& path, FileKind preferred);
 void check_output_folder(const std::filesystem::path& path);
 /// The same, and UsageError when the name is not that of a mesh that can be written.
 void check_mesh_output(const std::filesystem::path& path);
+/// The same for points.
+void check_points_output(const std::filesystem::path& path);
 
 /// Reads as a stage of the run; fills its counts and repairs.
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
+PointSet load_points(Run& run, const std::filesystem::path& path);
 
 Json repairs_of(const RepairReport& report);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "clouds.h"
 #include "command.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
@@ -81,11 +82,21 @@ Json describe(const PolygonMesh& mesh, const Context& ctx) {
     return out;
 }
 
+Json describe(const PointSet& points, const Context& ctx) {
+    Json out{{"kind", "points"}, {"points", points.size()}, {"spacing_m", median_spacing(points, ctx)}};
+    add_size(out, bounds(points), points.origin);
+    return out;
+}
+
 ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.file.empty()) throw UsageError("name the file: coppice info FILE");
     Json figures;
-    if (kind_of_input(flags.file) == FileKind::skeleton) {
+    const FileKind kind = kind_of_input(flags.file);
+    if (kind == FileKind::skeleton) {
         figures = describe(load_skeleton(run, flags.file, flags.read));
+    } else if (kind == FileKind::points) {
+        const PointSet points = load_points(run, flags.file);
+        figures = run.stage("measure", [&](const Context& ctx) { return describe(points, ctx); });
     } else {
         const PolygonMesh mesh = load_mesh(run, flags.file);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(mesh, ctx); });
@@ -98,8 +109,9 @@ ExitCode info(Run& run, const InfoFlags& flags) {
 }  // namespace
 
 Command info_command(CLI::App& app) {
-    auto [command, flags] = new_command<InfoFlags>(app, "info", "Say what a skeleton or mesh file holds");
-    command.app->add_option("file", flags->file, "skeleton or mesh")->type_name("FILE");
+    auto [command, flags] =
+        new_command<InfoFlags>(app, "info", "Say what a file of a skeleton, a mesh or points holds");
+    command.app->add_option("file", flags->file, "skeleton, mesh or points")->type_name("FILE");
     command.app->add_flag("--json", flags->json, "print JSON instead of a table");
     add_options(*command.app, flags->read, "Reading a skeleton");
     command.run = [flags = flags](Run& run) { return info(run, *flags); };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "clouds.h"
 #include "command.h"
 #include "coppice/base/parallel.h"
 #include "coppice/io/file.h"
@@ -17,6 +18,7 @@ namespace {
 
 struct RenderFlags {
     std::filesystem::path input, second, output, distance_to;
+    float point_size = 0;  ///< [m] width of points; 0 = from their spacing
     RenderOptions render;
     ReadSkeletonOptions read;
 };
@@ -28,17 +30,31 @@ struct Inputs {
     std::optional<SurfaceTree> surface;  ///< of the other mesh
 };
 
+PolygonMesh load_cloud(Run& run, const std::filesystem::path& path, double point_size) {
+    const PointSet points = load_points(run, path);
+    return run.stage("points", [&](const Context& ctx) {
+        if (point_size == 0) point_size = median_spacing(points, ctx);
+        // Points that lie in one place have no spacing.
+        if (point_size == 0) point_size = std::max(1e-3 * double{length(bounds(points).size())}, 1e-3);
+        return drawn_points(points, point_size / 2);
+    });
+}
+
 Inputs load(Run& run, const RenderFlags& flags) {
     Inputs in;
     for (const auto& path : {flags.input, flags.second}) {
         if (path.empty()) continue;
-        if (kind_of_input(path) == FileKind::mesh) {
-            if (in.mesh) throw UsageError("give at most one mesh and one skeleton to coppice render");
+        const FileKind kind = kind_of_input(path);
+        if (kind == FileKind::skeleton ? in.skeleton.has_value() : in.mesh.has_value()) {
+            throw UsageError("give at most one mesh (or cloud of points) and one skeleton to coppice render");
+        }
+        if (kind == FileKind::skeleton) {
+            in.skeleton = load_skeleton(run, path, flags.read);
+        } else if (kind == FileKind::points) {
+            in.mesh = load_cloud(run, path, double{flags.point_size});
+        } else {
             in.mesh = load_mesh(run, path);
             validate(*in.mesh);
-        } else {
-            if (in.skeleton) throw UsageError("give at most one mesh and one skeleton to coppice render");
-            in.skeleton = load_skeleton(run, path, flags.read);
         }
     }
     return in;
@@ -122,16 +138,20 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
 }  // namespace
 
 Command render_command(CLI::App& app) {
-    auto [command, flags] =
-        new_command<RenderFlags>(app, "render", "Draw a mesh, a skeleton, or both with sun and sky light");
-    command.app->add_option("input", flags->input, "mesh or skeleton")->type_name("IN");
-    command.app->add_option("second", flags->second, "the skeleton of the mesh, or the mesh")
+    auto [command, flags] = new_command<RenderFlags>(
+        app, "render", "Draw a mesh or points, a skeleton, or both with sun and sky light");
+    command.app->add_option("input", flags->input, "mesh, cloud of points or skeleton")->type_name("IN");
+    command.app->add_option("second", flags->second, "the skeleton of it, or the mesh or points of that")
         ->type_name("IN2");
     command.app->add_option("-o,--output", flags->output, "picture to write")->type_name("PNG");
     command.app
         ->add_option("--distance-to", flags->distance_to,
                      "colour by the distance from this mesh: inside blue, outside red")
         ->type_name("MESH");
+    detail::add_flag(
+        *command.app,
+        Field{"point_size", "width of the points of a cloud; 0 = their spacing", Unit::metre, 0, 1e6},
+        flags->point_size, "--point-size", "Picture");
     add_options(*command.app, flags->render, "Picture");
     add_options(*command.app, flags->read, "Reading a skeleton");
     command.run = [flags = flags](Run& run) { return render_file(run, *flags); };

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/point_reader.h"
 #include "coppice/io/point_writer.h"
 #include "coppice/mesh/topology.h"
 #include "files.h"
@@ -20,12 +19,7 @@ struct ScanFlags {
 ExitCode scan_file(Run& run, const ScanFlags& flags) {
     if (flags.mesh.empty() || flags.output.empty())
         throw UsageError("name the mesh and the points: coppice scan MESH -o POINTS");
-    if (!point_format_of_name(flags.output)) {
-        throw UsageError(
-            fmt::format("'{}' is no name of points; use the ending .ply, .xyz, .txt, .asc or .csv",
-                        flags.output.string()));
-    }
-    check_output_folder(flags.output);
+    check_points_output(flags.output);
     const PolygonMesh mesh = load_mesh(run, flags.mesh);
     const PointSet points = run.stage("scan", [&](const Context& ctx) {
         validate(mesh);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "coppice/extract/from_cloud.h"
 #include "coppice/extract/from_mesh.h"
 #include "coppice/io/skeleton_reader.h"
 #include "coppice/io/skeleton_writer.h"
@@ -20,6 +21,7 @@ struct SchemaFlags {};
 ExitCode schema(Run& run) {
     const Json all{{"mesh", schema_of<MeshOptions>()},
                    {"extract_mesh", schema_of<FromMeshOptions>()},
+                   {"extract_cloud", schema_of<CloudOptions>()},
                    {"check", schema_of<CheckOptions>()},
                    {"compare", schema_of<CompareOptions>()},
                    {"render", schema_of<RenderOptions>()},

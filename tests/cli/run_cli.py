@@ -6,10 +6,12 @@ A pattern that starts with "json:" asks for JSON with these keys instead. --repo
 
 import argparse
 import json
+import math
 import os
 import re
 import shlex
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -38,6 +40,20 @@ def make_inputs():
     write("cube.obj", CUBE + "".join(CUBE_FACES))
     write("open.obj", CUBE + "".join(CUBE_FACES[1:]))
     write("empty.swc", "")
+    # Rings of 16 points on a stem of radius 0.1 and 2 m.
+    stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
+            for k in range(51) for i in range(16)]
+    rows = ["%.4f %.4f %.4f" % p for p in stem]
+    write("stem.xyz", "\n".join(rows))
+    write("stem.txt", "".join(row + " 1 200 90 40\n" for row in rows))
+    write("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+          "end_header\n" % len(rows) + "\n".join(rows) + "\n")
+    write("two.xyz", "0 0 0\n0 0 1\n")
+    las = bytearray(227)
+    las[0:4], las[24:26], las[94:96], las[96:100] = b"LASF", b"\x01\x02", b"\xe3\x00", b"\xe3\x00\x00\x00"
+    las[104], las[105], las[107] = 0x80, 20, 1  # compressed points of 20 bytes, of which there is one
+    las[131:155] = struct.pack("<3d", 0.01, 0.01, 0.01)
+    write("cut.laz", bytes(las))
     write("cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty float x\nproperty float y\n"
           "property float z\nelement face 50\nproperty list uchar int vertex_indices\nend_header\n1234")
     write("cut.glb", b"glTF\x02\x00\x00\x00\xff\xff\x00\x00")

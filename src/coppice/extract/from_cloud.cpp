@@ -101,9 +101,9 @@ CloudExtraction finish(const CloudTree& tree, Vec3d origin) {
         off += double{confidence[n].residual} * confidence[n].samples;
         weight += confidence[n].samples;
     }
-    CloudExtraction out{Skeleton(std::move(parent), std::move(position), std::move(radius), origin),
-                        std::move(confidence),
-                        {},
+    CloudExtraction out{{Skeleton(std::move(parent), std::move(position), std::move(radius), origin),
+                         std::move(confidence),
+                         {}},
                         {}};
     out.report.samples = static_cast<std::uint64_t>(weight);
     out.report.residual = weight > 0 ? static_cast<float>(off / weight) : 0;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
@@ -79,10 +78,19 @@ struct CloudReport {
     double spacing = 0;           ///< [m] median distance of the points used to their fourth neighbour
 };
 
-struct CloudExtraction {
-    Skeleton skeleton;
-    std::vector<NodeConfidence> confidence;  ///< one per node
-    ExtractReport report;
+/// Calls visit(name, number) for every member, in order.
+template <class Visitor>
+void visit_figures(const CloudReport& r, Visitor&& visit) {
+    visit("points", r.points);
+    visit("duplicates", r.duplicates);
+    visit("thinned", r.thinned);
+    visit("ground", r.ground);
+    visit("strays", r.strays);
+    visit("unreached", r.unreached);
+    visit("spacing", r.spacing);
+}
+
+struct CloudExtraction : ExtractResult {
     CloudReport cleaning;
 };
 
