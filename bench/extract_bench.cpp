@@ -9,9 +9,12 @@
 #include <iterator>
 
 #include "clock.h"
+#include "coppice/extract/from_cloud.h"
+#include "coppice/extract/from_mesh.h"
 #include "coppice/io/mesh_writer.h"
 #include "coppice/io/point_writer.h"
 #include "coppice/io/skeleton_reader.h"
+#include "machine.h"
 
 namespace coppice::bench {
 namespace {
@@ -83,6 +86,21 @@ Extractor program_extractor(const std::string& command, const std::filesystem::p
         const std::uint64_t peak = run_command(line);
         const double seconds = clock.seconds();
         return {read_skeleton(out).skeleton, seconds, peak};
+    };
+}
+
+Extractor own_extractor(const Context& ctx) {
+    return [=](const TruthScene& scene) -> Extraction {
+        reset_peak();
+        const std::size_t before = resident_bytes();
+        const Clock clock;
+        ExtractResult found = [&]() -> ExtractResult {
+            if (scene.is_cloud()) return extract_from_cloud(std::get<PointSet>(scene.input), {}, ctx);
+            return extract_from_mesh(std::get<PolygonMesh>(scene.input), {}, ctx);
+        }();
+        const double seconds = clock.seconds();
+        const std::size_t peak = peak_resident_bytes();
+        return {std::move(found.skeleton), seconds, peak > before ? peak - before : 0};
     };
 }
 

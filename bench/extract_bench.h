@@ -26,6 +26,10 @@ using Extractor = std::function<Extraction(const TruthScene&)>;
 Extractor program_extractor(const std::string& command, const std::filesystem::path& folder,
                             const Context& ctx);
 
+/// Coppice itself, in this process, with its defaults: `extract_from_mesh` or `extract_from_cloud`. The peak
+/// is what it needs beside the input.
+Extractor own_extractor(const Context& ctx);
+
 struct TruthResult {
     std::string scene;
     std::size_t input_size = 0;

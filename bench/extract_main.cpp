@@ -1,5 +1,5 @@
-// coppice_extract_bench: makes meshes and clouds of known skeletons, has a program find the skeletons again,
-// and prints how well it did as Markdown; see docs/user/comparing.md.
+// coppice_extract_bench: makes meshes and clouds of known skeletons, has Coppice or another program find the
+// skeletons again, and prints how well it did as Markdown; see docs/user/comparing.md.
 
 #include <fmt/format.h>
 
@@ -24,6 +24,7 @@ struct Flags {
     std::string command;
     fs::path folder, markdown;
     unsigned threads = 2;
+    bool write_only = false;
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
@@ -33,30 +34,36 @@ void add_flags(CLI::App& app, Flags& flags) {
         "noise, holes, decimated, cloud, scan");
     app.add_option(
         "--command", flags.command,
-        "what finds a skeleton, with {in} and {out} for the files; without it inputs and truths are "
-        "written and nothing is measured");
-    app.add_option("--folder", flags.folder, "where inputs, truths and what was found are left")->required();
+        "another program that finds a skeleton, with {in} and {out} for the files; without it Coppice is "
+        "measured");
+    CLI::Option* const folder =
+        app.add_option("--folder", flags.folder, "where inputs, truths and what a command found are left");
+    app.get_option("--command")->needs(folder);
+    app.add_flag("--write-only", flags.write_only, "leave inputs and truths in the folder, measure nothing")
+        ->needs(folder)
+        ->excludes(app.get_option("--command"));
     app.add_option("--threads", flags.threads, "threads for making and comparing; 0 takes all")
         ->capture_default_str();
     app.add_option("--markdown", flags.markdown, "write the table to this file as well");
 }
 
 void run(const Flags& flags) {
-    fs::create_directories(flags.folder);
+    if (!flags.folder.empty()) fs::create_directories(flags.folder);
     const Context ctx{.threads = flags.threads, .stop = {}, .progress = {}};
+    const auto extract = flags.command.empty() ? bench::own_extractor(ctx)
+                                               : bench::program_extractor(flags.command, flags.folder, ctx);
     std::vector<bench::TruthResult> results;
     for (const std::string& name : flags.scenes) {
         fmt::print(stderr, "{} ...\n", name);
         const bench::TruthScene scene = bench::make_truth_scene(name, ctx);
-        if (flags.command.empty()) {
+        if (!flags.folder.empty()) {
             fs::path truth = bench::write_input(scene, flags.folder, ctx);
             write_skeleton(truth.replace_extension(".truth.swc"), scene.truth);
-            continue;
         }
-        const auto extract = bench::program_extractor(flags.command, flags.folder, ctx);
+        if (flags.write_only) continue;
         results.push_back(bench::bench_extraction(scene, extract, ctx));
     }
-    if (flags.command.empty()) return;
+    if (flags.write_only) return;
     const unsigned threads = flags.threads == 0 ? std::thread::hardware_concurrency() : flags.threads;
     const std::string table = bench::extract_markdown(results, threads, bench::machine_description());
     fmt::print("{}", table);
