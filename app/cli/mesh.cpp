@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "coppice/io/file.h"
 #include "coppice/io/mesh_writer.h"
 #include "coppice/io/point_reader.h"
 #include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/recipe/restore.h"
+#include "figures.h"
 #include "files.h"
 #include "options.h"
 
@@ -11,9 +14,10 @@ namespace coppice::cli {
 namespace {
 
 struct MeshFlags {
-    std::filesystem::path skeleton, cage, constraints;
+    std::filesystem::path skeleton, cage, constraints, original, offsets;
     std::vector<std::filesystem::path> outputs;
     MeshOptions mesh;
+    RestoreOptions restore;
     ReadSkeletonOptions read;
 };
 
@@ -24,6 +28,13 @@ void check_flags(const MeshFlags& flags) {
     for (const auto& output : flags.outputs) check_mesh_output(output);
     if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
         throw UsageError("--constraints are for global weights; add --weights global");
+    }
+    if (!flags.original.empty() && flags.mesh.method != MeshMethod::quads) {
+        throw UsageError("--restore needs --method quads");
+    }
+    if (!flags.offsets.empty()) {
+        if (flags.original.empty()) throw UsageError("--offsets are those of --restore MESH; add it");
+        check_output_folder(flags.offsets);
     }
     if (flags.cage.empty()) return;
     if (flags.mesh.method != MeshMethod::quads) throw UsageError("--cage needs --method quads");
@@ -80,16 +91,45 @@ void report_weights(Json& counts, const GlobalWeights& weights) {
     counts["residual_max_of_local_weights"] = weights.local.greatest;
 }
 
+/// One number per line, in the order of the vertices.
+void write_offsets(const std::filesystem::path& path, std::span<const float> offsets) {
+    AtomicFile file(path);
+    for (const float offset : offsets) file.write(fmt::format("{}\n", offset));
+    file.commit();
+}
+
+/// Moves the surface back to the original; returns what to say of it.
+std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& original, const Skeleton& skeleton,
+                    QuadMesh& mesh) {
+    const RestoreResult result = run.stage("restore", [&](const Context& ctx) {
+        return restore_offsets(mesh, original, skeleton, flags.restore, ctx);
+    });
+    if (result.report.found == 0) {
+        throw InvalidInput(fmt::format(
+            "no face of '{}' lies within --restore-reach of the surface and looks the same way; is it in "
+            "the skeleton's units and coordinates?",
+            flags.original.string()));
+    }
+    run.counts()["restored"] = figures_json(result.report);
+    if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
+    return fmt::format("; {} restored, {} held back", grouped(result.report.found),
+                       grouped(result.report.pulled_back));
+}
+
 ExitCode mesh(Run& run, const MeshFlags& flags) {
     check_flags(flags);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     PointSet constraints;
     if (!flags.constraints.empty()) constraints = read_points(flags.constraints);
-    const MeshResult result = run.stage("mesh", [&](const Context& ctx) {
+    PolygonMesh original;
+    if (!flags.original.empty()) original = load_mesh(run, flags.original);
+    MeshResult result = run.stage("mesh", [&](const Context& ctx) {
         return mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx);
     });
     const bool quads = flags.mesh.method == MeshMethod::quads;
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
+    std::string restored;
+    if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.mesh);
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs) {
             quads ? write_mesh(output, result.mesh, {}, ctx) : write_mesh(output, result.triangles, {}, ctx);
@@ -98,8 +138,8 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
     });
     if (result.weights) report_weights(run.counts(), *result.weights);
     const std::string figures = quads ? count_quads(run, result) : count_triangles(run, result);
-    run.finish(fmt::format("{}: {} nodes, {} repaired; {}", flags.skeleton.string(),
-                           grouped(file.skeleton.size()), grouped(file.report.total()), figures));
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}", flags.skeleton.string(),
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, restored));
     return kDone;
 }
 
@@ -125,7 +165,17 @@ Command mesh_command(CLI::App& app) {
         ->add_option("--constraints", flags->constraints,
                      "points of the surface that global weights are fitted to (.xyz, .ply)")
         ->type_name("POINTS");
+    command.app
+        ->add_option("--restore", flags->original,
+                     "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)")
+        ->type_name("MESH");
+    command.app
+        ->add_option(
+            "--offsets", flags->offsets,
+            "also write how far --restore moved each vertex along its normal, in metres, line by line")
+        ->type_name("FILE");
     add_options(*command.app, flags->mesh, "Surface");
+    add_options(*command.app, flags->restore, "Back to the original", "restore");
     add_options(*command.app, flags->read, "Reading the skeleton", "input");
     command.run = [flags = flags](Run& run) { return mesh(run, *flags); };
     return command;

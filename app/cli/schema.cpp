@@ -9,6 +9,7 @@
 #include "coppice/measure/surface_report.h"
 #include "coppice/recipe/json.h"
 #include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/recipe/restore.h"
 #include "coppice/render/render.h"
 #include "coppice/render/scan.h"
 #include "coppice/scene/reference.h"
@@ -20,6 +21,7 @@ struct SchemaFlags {};
 
 ExitCode schema(Run& run) {
     const Json all{{"mesh", schema_of<MeshOptions>()},
+                   {"restore", schema_of<RestoreOptions>()},
                    {"extract_mesh", schema_of<FromMeshOptions>()},
                    {"extract_cloud", schema_of<CloudOptions>()},
                    {"check", schema_of<CheckOptions>()},
