@@ -37,7 +37,7 @@ struct EnumNames<MeshMethod> {
 };
 
 struct TetraOptions {
-    float edge = 0.6f;     ///< [radii] length of the triangles' edges, about
+    float edge = 0.5f;     ///< [radii] length of the triangles' edges, about
     int tetra_levels = 1;  ///< times the tetrahedra are cut into eight: more is faster for short edges, but
                            ///< grades less finely
     float snap = 0.45f;    ///< [edges] of the finest tetrahedra: corners nearer to the surface move onto it
