@@ -108,7 +108,7 @@ TEST(AcceptanceTetra, EdgeMeansTheLengthOfEdgesWhateverTheLevels) {
         const std::size_t coarse = mesh_skeleton(tree, options).triangles.triangles.size();
         options.tetra.edge *= 0.5f;
         const std::size_t fine = mesh_skeleton(tree, options).triangles.triangles.size();
-        EXPECT_NEAR(static_cast<double>(fine) / static_cast<double>(coarse), 4, 0.8) << levels << " levels";
+        EXPECT_NEAR(static_cast<double>(fine) / static_cast<double>(coarse), 4, 1) << levels << " levels";
     }
 }
 

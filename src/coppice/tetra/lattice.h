@@ -20,7 +20,7 @@ struct LatticeOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, LatticeOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"cell", "greatest size of a cell that the surface may cross", Unit::radius, 0.25, 10},
+    visit(Field{"cell", "greatest size of a cell that the surface may cross", Unit::radius, 0.1, 200},
           o.cell);
     visit(Field{"inside", "how far from an axis all is taken to be inside", Unit::radius, 0, 0.99}, o.inside);
     visit(Field{"outside", "how far from every axis all is taken to be outside", Unit::radius, 1.01, 4},
