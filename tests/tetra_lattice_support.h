@@ -94,7 +94,7 @@ inline FaceUses face_uses(const TetraMesh& mesh) {
             const auto& corners = kTetraFaces[opposite];
             std::array<std::uint32_t, 3> f{mesh.tetra[t][corners[0]], mesh.tetra[t][corners[1]],
                                            mesh.tetra[t][corners[2]]};
-            std::ranges::rotate(f, std::ranges::min_element(f));
+            std::rotate(f.begin(), std::ranges::min_element(f), f.end());
             const bool ascending = f[1] < f[2];
             std::ranges::sort(f);
             out[f].push_back({{t, opposite}, ascending});

@@ -177,7 +177,7 @@ TEST(March, IsWhatAPlainProgramFinds) {
         }
         EXPECT_EQ(std::set<std::uint32_t>(same.begin(), same.end()).size(), same.size());
         const auto sorted = [](Triangle t) {
-            std::ranges::rotate(t, std::ranges::min_element(t));
+            std::rotate(t.begin(), std::ranges::min_element(t), t.end());
             return t;
         };
         std::set<Triangle> found, expected;

@@ -161,7 +161,7 @@ inline FaceSides face_sides(const TetraMesh& mesh) {
     for (const Tetra& t : mesh.tetra) {
         for (const auto& corners : kTetraFaces) {
             std::array<std::uint32_t, 3> f{t[corners[0]], t[corners[1]], t[corners[2]]};
-            std::ranges::rotate(f, std::ranges::min_element(f));
+            std::rotate(f.begin(), std::ranges::min_element(f), f.end());
             const bool turns = f[1] < f[2];
             std::ranges::sort(f);
             out[f].push_back(turns);

@@ -73,7 +73,7 @@ LasHeader parse_header(std::string_view bytes, const std::string& source) {
         if (count > 0) h.count = count;
     }
     for (int axis = 0; axis < 3; ++axis) {
-        const auto place = static_cast<std::size_t>(8 * axis);
+        const std::size_t place = std::size_t{8} * static_cast<std::size_t>(axis);
         h.scale[axis] = number_at<double>(bytes, 131 + place);
         h.offset[axis] = number_at<double>(bytes, 155 + place);
     }

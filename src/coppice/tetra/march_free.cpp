@@ -216,7 +216,7 @@ std::vector<std::uint8_t> free_vertices(const TetraRefinement& refinement, Sampl
         for (const std::uint32_t v : freed)
             star.for_each_neighbour_on(v, [&](std::uint32_t w) { open.push_back(w); });
         std::ranges::sort(open);
-        open.erase(std::ranges::unique(open).begin(), open.end());
+        open.erase(std::unique(open.begin(), open.end()), open.end());
     }
     std::vector<std::uint8_t> used(fans.size());
     std::ranges::transform(fans, used.begin(), [](Fan f) { return f == Fan::single; });

@@ -77,7 +77,7 @@ void balance(std::vector<Keys>& split, const Context& ctx) {
         } else {
             radix_sort(ctx, keys, static_cast<unsigned>(3 * (l - 1)), [](std::uint64_t key) { return key; });
         }
-        keys.erase(std::ranges::unique(keys).begin(), keys.end());
+        keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
         split[l - 1] = std::move(keys);
     }
 }

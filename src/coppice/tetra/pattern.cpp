@@ -150,7 +150,7 @@ class PatternMaker {
             for (const auto& e : kTetraEdges) edges.push_back(edge_between(t[e[0]], t[e[1]]));
         }
         std::ranges::sort(edges);
-        edges.erase(std::ranges::unique(edges).begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         std::vector<std::uint32_t> groups;
         for (const Edge& e : edges) {
             groups.push_back(e.group);

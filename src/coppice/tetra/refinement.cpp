@@ -34,7 +34,7 @@ double determinant(const std::array<Vec3d, 4>& p) {
 std::uint8_t shortest_diagonal(const std::array<Vec3d, 4>& p) {
     std::uint8_t best = 0;
     double best_length = std::numeric_limits<double>::infinity();
-    for (std::uint8_t d = 0; d < kTetraDiagonals.size(); ++d) {
+    for (std::uint8_t d = 0; d < std::uint8_t{kTetraDiagonals.size()}; ++d) {
         const auto& c = kTetraDiagonals[d];
         const double squared = length_squared((p[c[0]] + p[c[1]]) - (p[c[2]] + p[c[3]]));
         if (squared >= best_length) continue;
