@@ -49,7 +49,7 @@ inline TetraMesh one_tetra() {
 /// edge of each face between two cells, those alone that `keep` wants by their center. A region per cell.
 inline TetraMesh bcc_block(std::array<std::uint32_t, 3> cells, float cell, Vec3 low,
                            const std::function<bool(Vec3)>& keep = {}) {
-    const auto [nx, ny, nz] = cells;
+    const std::uint32_t nx = cells[0], ny = cells[1], nz = cells[2];
     TetraMesh mesh;
     const auto corner = [&](std::array<std::uint32_t, 3> c) {
         return (c[2] * (ny + 1) + c[1]) * (nx + 1) + c[0];
