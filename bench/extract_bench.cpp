@@ -65,7 +65,7 @@ std::string share(double percent) { return fmt::format("{:.1f}", percent); }
 
 std::filesystem::path write_input(const TruthScene& scene, const std::filesystem::path& folder,
                                   const Context& ctx) {
-    const std::filesystem::path file = folder / (file_name(scene) + ".ply");
+    std::filesystem::path file = folder / (file_name(scene) + ".ply");
     if (scene.is_cloud()) {
         write_points(file, std::get<PointSet>(scene.input), ctx);
     } else {

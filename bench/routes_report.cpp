@@ -45,7 +45,7 @@ std::string printed_time(double seconds) { return fmt::format("{:.3f} s", second
 
 std::string brute_text(const RouteResult& r) {
     if (!r.brute) return "-";
-    const std::string time = time_text(r.brute->seconds);
+    std::string time = time_text(r.brute->seconds);
     if (r.brute->share == 1) return time;
     return fmt::format("{} (from {:.2g} %)", time, 100 * r.brute->share);
 }

@@ -180,7 +180,8 @@ std::vector<WeightsResult> bench_weights(const std::vector<std::string>& files, 
     if (scenes.empty()) scenes = {straight_chain(), even_fork(), make_scene("tree300")};
     std::vector<WeightsResult> rows;
     for (const Scene& scene : scenes) {
-        for (const auto& [name, kernel] : kernels()) {
+        for (const auto& named : kernels()) {
+            const auto& kernel = named.second;
             FieldOptions plain = kernel, global = kernel;
             plain.blend = 1;
             global.weights = Weights::global;
@@ -188,7 +189,7 @@ std::vector<WeightsResult> bench_weights(const std::vector<std::string>& files, 
             few.constraint_density = 4;
             const auto add = [&](const char* weights, const FieldOptions& field,
                                  const PointSet& constraints) {
-                rows.push_back(measure_weights(scene, name, weights, field, constraints, repeat, ctx));
+                rows.push_back(measure_weights(scene, named.first, weights, field, constraints, repeat, ctx));
             };
             add("local, blend 4", kernel, {});
             add("local, plain sum", plain, {});

@@ -157,7 +157,8 @@ std::vector<std::uint32_t> add_places(DraftTree& tree, std::vector<Joint>& joint
 }  // namespace
 
 std::vector<std::uint32_t> cut_loops(DraftTree& tree,
-                                     std::vector<std::pair<std::uint32_t, std::uint32_t>> loops, bool keep) {
+                                     const std::vector<std::pair<std::uint32_t, std::uint32_t>>& loops,
+                                     bool keep) {
     for (const auto& [tip, touched] : loops) {
         const double joint = 0.5 * (tree.radius[tip] + tree.radius[touched]);
         const std::uint32_t cut = thinnest_edge(tree, tip, touched, joint);

@@ -14,7 +14,8 @@ namespace coppice::extract_detail {
 /// cut end is led on to the node it was cut from, so that nothing of the axis is missing. Sorts the tree;
 /// returns the new index of every old node.
 std::vector<std::uint32_t> cut_loops(DraftTree& tree,
-                                     std::vector<std::pair<std::uint32_t, std::uint32_t>> loops, bool keep);
+                                     const std::vector<std::pair<std::uint32_t, std::uint32_t>>& loops,
+                                     bool keep);
 
 /// Takes away terminal branches that rise above the surface of what they leave by less than `least` of its
 /// radius; their samples go to the node where they left. Returns their number. O(nodes).

@@ -124,7 +124,7 @@ void Extraction::draft_from_rings() {
     RingTree strung = string_rings(surface_, forest);
     tree_ = std::move(strung.tree);
     report().loops = static_cast<std::uint32_t>(strung.loops.size());
-    const auto new_of_old = cut_loops(tree_, std::move(strung.loops), options_.keep_loops);
+    const auto new_of_old = cut_loops(tree_, strung.loops, options_.keep_loops);
     for (std::uint32_t v = 0; v < surface_.size(); ++v)
         if (forest.claim[v] != kNone) samples_.node[v] = new_of_old[strung.node_of_ring[forest.claim[v]]];
 }
@@ -134,7 +134,7 @@ void Extraction::draft_from_contraction() {
     tree_ = std::move(contracted.tree);
     samples_.node = std::move(contracted.node);
     report().loops = static_cast<std::uint32_t>(contracted.loops.size());
-    const auto new_of_old = cut_loops(tree_, std::move(contracted.loops), options_.keep_loops);
+    const auto new_of_old = cut_loops(tree_, contracted.loops, options_.keep_loops);
     for (std::uint32_t& n : samples_.node)
         if (n != kNone) n = new_of_old[n];
 }

@@ -199,8 +199,8 @@ void Follower::follow(std::uint32_t tip) {
             take(ring, top, chain.first);
             top = level;
         }
-        const double strain =
-            1 + static_cast<double>(steps_ / kBudget) / static_cast<double>(s_.triangles.size());
+        const std::size_t over = steps_ / kBudget;
+        const double strain = 1 + static_cast<double>(over) / static_cast<double>(s_.triangles.size());
         level -=
             strain * strain * std::max({kSpacing * ring.radius, kPathShare * (f_[v] - f_[w]), least_radius_});
     }
