@@ -9,7 +9,7 @@
 #include <set>
 
 #include "coppice/mesh/topology.h"
-#include "coppice/tetra/march_internal.h"
+#include "coppice/tetra/march_settle_internal.h"
 #include "tetra_support.h"
 #include "tetra_surfaces.h"
 
@@ -59,7 +59,9 @@ TEST(March, CutsOneTetrahedronInAllSixteenWays) {
         const TetraRefinement refinement(mesh, 0);
         Samples samples = march_detail::sample_vertices(refinement, FieldRef(field), 0, {});
         MarchReport report;
-        const TriMesh cut = march_detail::extract(refinement, FieldRef(field), samples, {}, 0, report, {});
+        const TriMesh cut =
+            march_detail::extract(refinement, FieldRef(field), samples,
+                                  {march_detail::CrossedTetra(refinement, samples, {}), {}}, 0, report, {});
         const int count = std::popcount(inside);
         const std::size_t edges = count == 0 || count == 4 ? 0 : count == 2 ? 4 : 3;
         EXPECT_EQ(cut.positions.size(), edges);
@@ -227,7 +229,8 @@ void expect_unfolded(const TetraMesh& mesh, FieldRef field, const MarchOptions& 
     TetraMesh fine = fine_mesh(refinement);
     std::vector<double> before;
     for (const Tetra& t : fine.tetra) before.push_back(volume6(fine, t));
-    march_detail::free_vertices(refinement, samples, {});
+    const auto settled = march_detail::free_vertices(refinement, samples, {});
+    EXPECT_EQ(settled.used.size(), samples.place.size());
     for (std::uint32_t v = 0; v < refinement.vertex_count(); ++v) {
         if (samples.on.test(v)) fine.positions[v] = samples.place[samples.placed.rank(v)];
     }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/tetra/march_internal.h"
+#include "coppice/tetra/march_settle_internal.h"
 #include "coppice/tetra/refinement.h"
 
 namespace coppice {
@@ -19,11 +19,12 @@ MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& opt
     ctx.throw_if_cancelled();
     out.open = march_detail::open_faces(refinement, samples.inside, ctx);
     if (!out.open.empty()) return out;
-    const auto used = march_detail::free_vertices(refinement, samples, ctx);
+    const march_detail::Settled settled = march_detail::free_vertices(refinement, samples, ctx);
     ctx.throw_if_cancelled();
     out.report.snapped = samples.on.count();
     out.report.freed = samples.place.size() - out.report.snapped;
-    out.mesh = march_detail::extract(refinement, field, samples, used, options.refinements, out.report, ctx);
+    out.mesh =
+        march_detail::extract(refinement, field, samples, settled, options.refinements, out.report, ctx);
     return out;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march_internal.h"
+#include "coppice/tetra/march_settle_internal.h"
 
 namespace coppice::march_detail {
 namespace {
@@ -11,7 +11,6 @@ namespace {
 using Local = TetraPattern::Local;
 using Kind = TetraRefinement::Kind;
 
-constexpr std::size_t kRegions = 16;  // of one piece of work
 /// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
 constexpr float kEndShare = 0.01f;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -51,49 +50,48 @@ struct CutEdge {
 class Extractor {
   public:
     Extractor(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-              std::span<const std::uint8_t> used, const Context& ctx)
-        : refinement_(refinement), field_(field), profile_(field.level()), samples_(samples), ctx_(ctx) {
-        number_placed(used);
+              const Settled& settled, const Context& ctx)
+        : refinement_(refinement),
+          field_(field),
+          profile_(field.level()),
+          samples_(samples),
+          crossed_(settled.crossed),
+          ctx_(ctx) {
+        number_placed(settled.used);
     }
 
     TriMesh extract(int refinements, MarchReport& report) {
-        count();
-        std::uint64_t triangles = 0;
-        for (const Piece& p : pieces_) {
-            triangles += p.triangles;
-            report.crossed += p.crossed;
-        }
+        std::vector<std::uint64_t> triangles(crossed_.pieces().size());
+        first_cut_.assign(std::size_t{refinement_.edge_count()} + refinement_.face_count() +
+                              refinement_.coarse().tetra.size(),
+                          0);
+        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) { triangles[p] = count(piece); });
+        for (const CrossedTetra::Piece& piece : crossed_.pieces()) report.crossed += piece.crossings.size();
+        const std::uint64_t triangle_count = exclusive_scan<std::uint64_t>(triangles);
         const std::uint64_t vertices = number_cuts();
-        if (vertices >= kNone || triangles >= kNone)
+        if (vertices >= kNone || triangle_count >= kNone)
             throw InvalidInput("march: levels makes more than 2^32 triangles; take fewer levels");
         mesh_.positions.resize(vertices);
-        mesh_.triangles.resize(triangles);
+        mesh_.triangles.resize(triangle_count);
         parallel_for(ctx_, placed_.size(), 4096, [&](std::size_t i) {
             if (placed_[i] != kNone) mesh_.positions[placed_[i]] = samples_.place[i];
         });
         ctx_.throw_if_cancelled();
-        for_each_piece([&](Piece& piece, IndexRange regions) { place_cuts(piece, regions, refinements); });
+        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
+            place_cuts(crossed_.regions(p), piece, refinements);
+        });
         ctx_.throw_if_cancelled();
-        std::uint64_t first = 0;
-        for (Piece& p : pieces_) first += std::exchange(p.triangles, first);
-        for_each_piece([&](Piece& piece, IndexRange) { write_triangles(piece); });
+        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
+            write_triangles(piece, mesh_.triangles.data() + triangles[p]);
+        });
         return std::move(mesh_);
     }
 
   private:
-    /// A run of regions.
-    struct Piece {
-        std::vector<std::uint32_t> active;  ///< coarse tetrahedra that the surface may cross
-        std::uint64_t triangles = 0;        ///< first their number, then where they begin
-        std::uint64_t crossed = 0;
-    };
-
     template <class Body>
     void for_each_piece(const Body& body) {
-        const std::size_t regions = refinement_.coarse().region_count();
-        pieces_.resize((regions + kRegions - 1) / kRegions);
-        parallel_for_ranges(ctx_, regions, kRegions,
-                            [&](IndexRange r) { body(pieces_[r.begin / kRegions], r); });
+        const auto pieces = crossed_.pieces();
+        parallel_for(ctx_, pieces.size(), 1, [&](std::size_t p) { body(p, pieces[p]); });
     }
 
     void number_placed(std::span<const std::uint8_t> used) {
@@ -101,41 +99,30 @@ class Extractor {
         for (std::size_t i = 0; i < used.size(); ++i) placed_[i] = used[i] != 0 ? placed_count_++ : kNone;
     }
 
-    /// Number of the part of a group among those that hold fine edges: edges, faces, insides.
-    std::size_t holder(std::uint32_t t, std::uint32_t group) const {
-        if (group < 10) return refinement_.parts(t)[group];
-        if (group < TetraPattern::kInside) return refinement_.edge_count() + refinement_.parts(t)[group];
-        return std::size_t{refinement_.edge_count()} + refinement_.face_count() + t;
-    }
-
-    void count() {
-        first_cut_.assign(std::size_t{refinement_.edge_count()} + refinement_.face_count() +
-                              refinement_.coarse().tetra.size(),
-                          0);
-        for_each_piece([&](Piece& piece, IndexRange regions) {
-            LocalSigns signs;
-            const auto& first = refinement_.coarse().first;
-            for (std::uint32_t t = first[regions.begin]; t < first[regions.end]; ++t) {
-                if (!signs.gather(refinement_, samples_, t)) continue;
-                piece.active.push_back(t);
-                count_cuts(t, signs);
-                signs.for_each_cut(refinement_.pattern(t), [&](std::size_t, const Cut& cut) {
-                    piece.triangles += cut.size - 2u;
-                    ++piece.crossed;
-                });
-            }
-        });
-    }
-
-    void count_cuts(std::uint32_t t, const LocalSigns& signs) {
-        const TetraPattern& pattern = refinement_.pattern(t);
+    /// Calls use(group, holder) for what holds fine edges and has this as its first tetrahedron.
+    template <class Use>
+    void for_each_owned(std::uint32_t t, const Use& use) const {
         for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g) {
-            if ((refinement_.owned(t) >> g & 1) == 0) continue;
-            std::uint32_t cuts = 0;
-            for (std::uint32_t e = pattern.first_edge[g]; e < pattern.first_edge[g + 1]; ++e)
-                cuts += signs.is_cut(pattern.edges[e]) ? 1 : 0;
-            first_cut_[holder(t, g)] = cuts;
+            if ((refinement_.owned(t) >> g & 1) != 0) use(g, edge_holder(refinement_, t, g));
         }
+    }
+
+    /// Counts the cut edges of every holder; returns the number of triangles.
+    std::uint64_t count(const CrossedTetra::Piece& piece) {
+        std::uint64_t triangles = 0;
+        CutEdges edges;
+        for (std::size_t i = 0; i < piece.active.size(); ++i) {
+            const std::uint32_t t = piece.active[i];
+            const TetraPattern& pattern = refinement_.pattern(t);
+            for (const Crossing& crossing : piece.of(i)) triangles += crossing.cut().size - 2u;
+            edges.assign(pattern, piece.of(i));
+            for_each_owned(t, [&](std::uint32_t group, std::uint32_t holder) {
+                std::uint32_t cuts = 0;
+                edges.for_each(pattern, group, [&](std::uint32_t) { ++cuts; });
+                first_cut_[holder] = cuts;
+            });
+        }
+        return triangles;
     }
 
     std::uint64_t number_cuts() {
@@ -148,36 +135,33 @@ class Extractor {
         return sum;
     }
 
-    void place_cuts(Piece& piece, IndexRange regions, int refinements) {
-        LocalSigns signs;
+    void place_cuts(IndexRange regions, const CrossedTetra::Piece& piece, int refinements) {
+        CutEdges edges;
         std::vector<CutEdge> cuts;
-        auto active = piece.active.begin();
+        std::size_t i = 0;
         for (std::size_t region = regions.begin; region < regions.end; ++region) {
             cuts.clear();
-            for (; active != piece.active.end() && *active < refinement_.coarse().first[region + 1];
-                 ++active) {
-                signs.gather(refinement_, samples_, *active);
-                list_cuts(*active, signs, cuts);
+            for (; i < piece.active.size() && piece.active[i] < refinement_.coarse().first[region + 1]; ++i) {
+                edges.assign(refinement_.pattern(piece.active[i]), piece.of(i));
+                list_cuts(piece.active[i], edges, cuts);
             }
-            for (std::size_t i = 0; i < cuts.size(); i += kBatch)
+            for (std::size_t c = 0; c < cuts.size(); c += kBatch)
                 settle(static_cast<std::uint32_t>(region),
-                       std::span(cuts).subspan(i, std::min(kBatch, cuts.size() - i)), refinements);
+                       std::span(cuts).subspan(c, std::min(kBatch, cuts.size() - c)), refinements);
         }
     }
 
-    void list_cuts(std::uint32_t t, const LocalSigns& signs, std::vector<CutEdge>& cuts) const {
+    void list_cuts(std::uint32_t t, const CutEdges& edges, std::vector<CutEdge>& cuts) const {
         const TetraPattern& pattern = refinement_.pattern(t);
-        for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g) {
-            if ((refinement_.owned(t) >> g & 1) == 0) continue;
-            std::uint32_t vertex = first_cut_[holder(t, g)];
-            for (std::uint32_t e = pattern.first_edge[g]; e < pattern.first_edge[g + 1]; ++e) {
+        for_each_owned(t, [&](std::uint32_t group, std::uint32_t holder) {
+            std::uint32_t vertex = first_cut_[holder];
+            edges.for_each(pattern, group, [&](std::uint32_t e) {
                 const auto [a, b] = pattern.edges[e];
-                if (!signs.is_cut(pattern.edges[e])) continue;
                 cuts.push_back({vertex++, refinement_.position(t, a), refinement_.position(t, b), 0, 1,
                                 samples_.height[refinement_.vertex(t, a)],
                                 samples_.height[refinement_.vertex(t, b)], 0.5f, 0});
-            }
-        }
+            });
+        });
     }
 
     void settle(std::uint32_t region, std::span<CutEdge> cuts, int refinements) {
@@ -193,39 +177,37 @@ class Extractor {
         for (std::size_t i = 0; i < cuts.size(); ++i) mesh_.positions[cuts[i].vertex] = points[i];
     }
 
-    void write_triangles(const Piece& piece) {
-        LocalSigns signs;
+    void write_triangles(const CrossedTetra::Piece& piece, Triangle* out) {
+        CutEdges edges;
         std::vector<std::uint32_t> of_edge;
-        Triangle* out = mesh_.triangles.data() + piece.triangles;
-        for (const std::uint32_t t : piece.active) {
-            signs.gather(refinement_, samples_, t);
+        for (std::size_t i = 0; i < piece.active.size(); ++i) {
+            const std::uint32_t t = piece.active[i];
             const TetraPattern& pattern = refinement_.pattern(t);
-            number_edges(t, signs, of_edge);
-            signs.for_each_cut(pattern, [&](std::size_t i, const Cut& cut) {
-                const auto& fine = pattern.tetra[i];
+            edges.assign(pattern, piece.of(i));
+            number_edges(t, edges, of_edge);
+            for (const Crossing& crossing : piece.of(i)) {
+                const Cut& cut = crossing.cut();
+                const auto& fine = pattern.tetra[crossing.fine];
                 std::array<std::uint32_t, 4> corners{};
                 for (std::size_t k = 0; k < cut.size; ++k) {
                     const std::uint8_t c = cut.corners[k];
                     corners[k] =
                         c < kCutVertex
-                            ? of_edge[pattern.tetra_edges[i][c]]
+                            ? of_edge[pattern.tetra_edges[crossing.fine][c]]
                             : placed_[samples_.placed.rank(refinement_.vertex(t, fine[c - kCutVertex]))];
                 }
                 if (refinement_.mirrored(t)) std::reverse(corners.begin(), corners.begin() + cut.size);
                 out = write_polygon(corners, cut.size, out);
-            });
+            }
         }
     }
 
-    void number_edges(std::uint32_t t, const LocalSigns& signs, std::vector<std::uint32_t>& of_edge) const {
+    void number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& of_edge) const {
         const TetraPattern& pattern = refinement_.pattern(t);
         of_edge.resize(pattern.edges.size());
         for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g) {
-            std::uint32_t vertex = first_cut_[holder(t, g)];
-            for (std::uint32_t e = pattern.first_edge[g]; e < pattern.first_edge[g + 1]; ++e) {
-                of_edge[e] = vertex;
-                vertex += signs.is_cut(pattern.edges[e]) ? 1 : 0;
-            }
+            std::uint32_t vertex = first_cut_[edge_holder(refinement_, t, g)];
+            edges.for_each(pattern, g, [&](std::uint32_t e) { of_edge[e] = vertex++; });
         }
     }
 
@@ -249,8 +231,8 @@ class Extractor {
     FieldRef field_;
     Profile profile_;
     const Samples& samples_;
+    const CrossedTetra& crossed_;
     const Context& ctx_;
-    std::vector<Piece> pieces_;
     std::vector<std::uint32_t> placed_;  ///< vertex of the surface, by rank in samples_.placed
     std::uint32_t placed_count_ = 0;
     Buffer<std::uint32_t> first_cut_;  ///< by holder: vertex of the surface on its first cut edge
@@ -260,9 +242,8 @@ class Extractor {
 }  // namespace
 
 TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                std::span<const std::uint8_t> used, int refinements, MarchReport& report,
-                const Context& ctx) {
-    return Extractor(refinement, field, samples, used, ctx).extract(refinements, report);
+                const Settled& settled, int refinements, MarchReport& report, const Context& ctx) {
+    return Extractor(refinement, field, samples, settled, ctx).extract(refinements, report);
 }
 
 }  // namespace coppice::march_detail

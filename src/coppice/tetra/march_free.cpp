@@ -1,21 +1,22 @@
 #include <algorithm>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march_internal.h"
+#include "coppice/tetra/march_settle_internal.h"
 
 namespace coppice::march_detail {
 namespace {
 
 using Local = TetraPattern::Local;
 
-/// Two corners of a triangle that follow a vertex on the surface. A corner is named by the two fine vertices
-/// of its edge, or twice by the one that it is.
-struct LinkSegment {
-    std::uint64_t from, to;
-    friend auto operator<=>(const LinkSegment&, const LinkSegment&) = default;
-};
-
-enum class Fan : std::uint8_t { none, single, spoilt };
+/// Calls use(tetrahedron) for the coarse ones that have a vertex.
+template <class Use>
+void visit_coarse(const TetraRefinement& refinement, const TetraRefinement::Place& place, const Use& use) {
+    if (place.kind == TetraRefinement::Kind::inside) {
+        use(place.part);
+    } else {
+        for (const std::uint32_t t : refinement.around(place.kind, place.part)) use(t);
+    }
+}
 
 /// Looks at the fine tetrahedra around one vertex after the other.
 class Star {
@@ -26,10 +27,9 @@ class Star {
     }
 
     Fan fan(std::uint32_t vertex) {
-        if (folds(vertex)) return Fan::spoilt;
         segments_.clear();
         visit(vertex, [&](std::uint32_t t, Local local, const std::array<Local, 4>& fine) {
-            const Cut& cut = signs_[t % kKept].cut(fine);
+            const Cut& cut = kCuts[signs_[t % kKept].code(fine)];
             for (std::uint32_t i = 0; i < cut.size; ++i) {
                 const std::uint8_t c = cut.corners[i];
                 if (c < kCutVertex || fine[c - kCutVertex] != local) continue;
@@ -40,7 +40,7 @@ class Star {
                                                             : LinkSegment{next, last});
             }
         });
-        return judge();
+        return judge_fan(segments_);
     }
 
     /// Calls use(number) for the vertices on the surface that share a fine tetrahedron with this one.
@@ -55,32 +55,17 @@ class Star {
     }
 
   private:
-    /// Calls use(tetrahedron) for the coarse ones that have a vertex.
-    template <class Use>
-    void visit_coarse(const TetraRefinement::Place& place, const Use& use) const {
-        if (place.kind == TetraRefinement::Kind::inside) {
-            use(place.part);
-        } else {
-            for (const std::uint32_t t : refinement_.around(place.kind, place.part)) use(t);
-        }
-    }
-
-    /// Calls use(tetrahedron, vertex there, vertices) for the fine ones that have a vertex.
-    template <class Use>
-    void visit_fine(const TetraRefinement::Place& place, std::uint32_t t, const Use& use) const {
-        const TetraPattern& pattern = refinement_.pattern(t);
-        const std::uint32_t group = refinement_.group_in(t, place.kind, place.part);
-        const auto local = static_cast<Local>(pattern.first_vertex[group] + place.index);
-        for (const Local fine : pattern.tetra_around(local)) use(local, pattern.tetra[fine]);
-    }
-
-    /// The same for those where some are inside and some are not, with their signs at hand.
+    /// Calls use(tetrahedron, vertex there, vertices) for the fine ones that have a vertex, in coarse ones
+    /// where some vertices are inside and some are not, whose signs are at hand then.
     template <class Use>
     void visit(std::uint32_t vertex, const Use& use) {
         const auto place = refinement_.place(vertex);
-        visit_coarse(place, [&](std::uint32_t t) {
+        visit_coarse(refinement_, place, [&](std::uint32_t t) {
             if (!gather(t)) return;
-            visit_fine(place, t, [&](Local local, const auto& fine) { use(t, local, fine); });
+            const TetraPattern& pattern = refinement_.pattern(t);
+            const std::uint32_t group = refinement_.group_in(t, place.kind, place.part);
+            const auto local = static_cast<Local>(pattern.first_vertex[group] + place.index);
+            for (const Local fine : pattern.tetra_around(local)) use(t, local, pattern.tetra[fine]);
         });
     }
 
@@ -95,52 +80,6 @@ class Star {
         return mixed_[slot];
     }
 
-    /// Whether a vertex is the one that moved most in a fine tetrahedron that has become too flat.
-    bool folds(std::uint32_t vertex) const {
-        const auto place = refinement_.place(vertex);
-        const float way = samples_.way[samples_.placed.rank(vertex)];
-        bool found = false;
-        visit_coarse(place, [&](std::uint32_t t) {
-            if (found || 2 * way <= kWidthShare * refinement_.width(t)) return;
-            visit_fine(place, t, [&](Local local, const std::array<Local, 4>& fine) {
-                found = found || (may_be_flat(t, local, vertex, way, fine) && is_flat(t, fine));
-            });
-        });
-        return found;
-    }
-
-    /// False when the vertex is not the one that moved most (of equals, the first), and when the two that
-    /// moved most did not move farther than the tetrahedron is wide: then it cannot have turned over.
-    bool may_be_flat(std::uint32_t t, Local local, std::uint32_t vertex, float way,
-                     const std::array<Local, 4>& fine) const {
-        float second = 0;
-        for (const Local other : fine) {
-            if (other == local) continue;
-            const std::uint32_t v = refinement_.vertex(t, other);
-            if (!samples_.on.test(v)) continue;
-            const float its_way = samples_.way[samples_.placed.rank(v)];
-            if (its_way > way || (its_way == way && v < vertex)) return false;
-            second = std::max(second, its_way);
-        }
-        return way + second > kWidthShare * refinement_.width(t);
-    }
-
-    bool is_flat(std::uint32_t t, const std::array<Local, 4>& fine) const {
-        constexpr double kLeastVolume = 0.15;
-        std::array<Vec3d, 4> from, to;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint32_t v = refinement_.vertex(t, fine[i]);
-            from[i] = to[i] = Vec3d(refinement_.position(t, fine[i]));
-            if (samples_.on.test(v)) to[i] = Vec3d(samples_.place[samples_.placed.rank(v)]);
-        }
-        const auto volume = [](const std::array<Vec3d, 4>& p) {
-            return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
-        };
-        // Both may be negative: the order of the vertices is the pattern's.
-        return !(volume(to) / volume(from) > kLeastVolume);
-    }
-
-    static constexpr float kWidthShare = 0.94f;
     static constexpr std::size_t kKept = 16;
 
     std::uint64_t corner(std::uint32_t t, const std::array<Local, 4>& fine, std::uint8_t c) const {
@@ -153,23 +92,6 @@ class Star {
         return std::min(a, b) << 32 | std::max(a, b);
     }
 
-    /// The segments are one closed way of at least three that comes to no corner twice.
-    Fan judge() {
-        if (segments_.empty()) return Fan::none;
-        std::ranges::sort(segments_);
-        for (std::size_t i = 1; i < segments_.size(); ++i) {
-            if (segments_[i].from == segments_[i - 1].from) return Fan::spoilt;
-        }
-        std::size_t at = 0, steps = 0;
-        do {
-            const auto next = std::ranges::lower_bound(segments_, segments_[at].to, {}, &LinkSegment::from);
-            if (next == segments_.end() || next->from != segments_[at].to) return Fan::spoilt;
-            at = static_cast<std::size_t>(next - segments_.begin());
-            ++steps;
-        } while (at != 0 && steps <= segments_.size());
-        return steps == segments_.size() && steps >= 3 ? Fan::single : Fan::spoilt;
-    }
-
     const TetraRefinement& refinement_;
     const Samples& samples_;
     std::vector<LocalSigns> signs_;  ///< of the tetrahedra last asked for, each in the place of its number
@@ -178,49 +100,85 @@ class Star {
     std::vector<LinkSegment> segments_;
 };
 
-std::vector<std::uint32_t> set_bits(const RankedBits& bits) {
-    std::vector<std::uint32_t> out;
-    const auto words = bits.words();
-    for (std::size_t w = 0; w < words.size(); ++w) {
-        for (std::uint64_t rest = words[w]; rest != 0; rest &= rest - 1)
-            out.push_back(static_cast<std::uint32_t>(64 * w) +
-                          static_cast<std::uint32_t>(std::countr_zero(rest)));
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
+    for (const std::uint32_t v : vertices) {
+        samples.on.reset(v);
+        if (samples.height[v] > 0) samples.inside.set(v);
     }
+}
+
+/// The coarse tetrahedra that have one of the vertices, ascending.
+std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
+                                        std::span<const std::uint32_t> vertices) {
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t v : vertices)
+        visit_coarse(refinement, refinement.place(v), [&](std::uint32_t t) { out.push_back(t); });
+    sort_unique(out);
     return out;
+}
+
+std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, const Samples& samples,
+                                         std::span<const std::uint32_t> vertices) {
+    std::vector<std::uint32_t> out;
+    Star star(refinement, samples);
+    for (const std::uint32_t v : vertices)
+        star.for_each_neighbour_on(v, [&](std::uint32_t w) { out.push_back(w); });
+    sort_unique(out);
+    return out;
+}
+
+/// Puts vertices back until nothing is folded.
+void unfold(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
+    std::vector<std::uint32_t> folds = find_folds(refinement, samples, ctx);
+    while (!folds.empty()) {
+        put_back(folds, samples);
+        folds = find_folds(refinement, samples, tetra_around(refinement, folds), ctx);
+    }
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> free_vertices(const TetraRefinement& refinement, Samples& samples,
-                                        const Context& ctx) {
+Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
     constexpr std::size_t kGrain = 256;
-    std::vector<Fan> fans(samples.place.size());
-    std::vector<std::uint32_t> open = set_bits(samples.on);
-    while (!open.empty()) {
+    unfold(refinement, samples, ctx);
+    Settled out{CrossedTetra(refinement, samples, ctx), {}};
+    ctx.throw_if_cancelled();
+    std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
+    std::vector<std::uint32_t> freed, changed;
+    for_each_bit(samples.on, [&](std::uint32_t v) {
+        if (fans[samples.placed.rank(v)] == Fan::spoilt) freed.push_back(v);
+    });
+    // Whatever is put back may spoil the fans of its neighbours alone, and fold what is about it.
+    while (!freed.empty()) {
         ctx.throw_if_cancelled();
+        put_back(freed, samples);
+        const std::vector<std::uint32_t> open = neighbours_on(refinement, samples, freed);
+        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed);
+        changed.insert(changed.end(), tetra.begin(), tetra.end());
         parallel_for_ranges(ctx, open.size(), kGrain, [&](IndexRange r) {
             Star star(refinement, samples);
             for (std::size_t i = r.begin; i < r.end; ++i)
                 fans[samples.placed.rank(open[i])] = star.fan(open[i]);
         });
-        std::vector<std::uint32_t> freed;
+        freed = find_folds(refinement, samples, tetra, ctx);
         for (const std::uint32_t v : open) {
             if (fans[samples.placed.rank(v)] == Fan::spoilt) freed.push_back(v);
         }
-        for (const std::uint32_t v : freed) {
-            samples.on.reset(v);
-            if (samples.height[v] > 0) samples.inside.set(v);
-        }
-        open.clear();
-        Star star(refinement, samples);
-        for (const std::uint32_t v : freed)
-            star.for_each_neighbour_on(v, [&](std::uint32_t w) { open.push_back(w); });
-        std::ranges::sort(open);
-        open.erase(std::unique(open.begin(), open.end()), open.end());
+        sort_unique(freed);
     }
-    std::vector<std::uint8_t> used(fans.size());
-    std::ranges::transform(fans, used.begin(), [](Fan f) { return f == Fan::single; });
-    return used;
+    sort_unique(changed);
+    out.crossed.update(changed, ctx);
+    out.used.resize(fans.size());
+    for_each_bit(samples.on, [&](std::uint32_t v) {
+        const std::uint32_t rank = samples.placed.rank(v);
+        out.used[rank] = fans[rank] == Fan::single;
+    });
+    return out;
 }
 
 }  // namespace coppice::march_detail

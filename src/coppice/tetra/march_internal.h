@@ -79,6 +79,16 @@ class RankedBits {
     std::vector<std::uint32_t> before_;
 };
 
+/// Calls use(i) for every set bit, in order.
+template <class Use>
+void for_each_bit(const RankedBits& bits, const Use& use) {
+    const auto words = bits.words();
+    for (std::size_t w = 0; w < words.size(); ++w) {
+        for (std::uint64_t rest = words[w]; rest != 0; rest &= rest - 1)
+            use(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(rest)));
+    }
+}
+
 /// What is known of every fine vertex. A vertex that lies on the surface counts as outside.
 struct Samples {
     Buffer<float> height;  ///< of the profile, where the vertex was before it was moved
@@ -97,12 +107,6 @@ Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float
 std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const RankedBits& inside,
                                   const Context& ctx);
 
-/// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
-/// on the surface are one closed fan, or none. Returns by rank in `placed` whether a vertex on the surface
-/// has triangles.
-std::vector<std::uint8_t> free_vertices(const TetraRefinement& refinement, Samples& samples,
-                                        const Context& ctx);
-
 /// The polygon of the surface within a fine tetrahedron, counter-clockwise seen from outside. Corners 0 to 5
 /// lie on edges 01, 02, 03, 12, 13, 23; corners 6 to 9 are the vertices 0 to 3.
 struct Cut {
@@ -114,26 +118,33 @@ inline constexpr std::uint8_t kCutVertex = 6;
 /// By 16 times the bits of the corners that are inside, and the bits of those on the surface.
 extern const std::array<Cut, 256> kCuts;
 
+/// One bit for each fine vertex of a coarse tetrahedron: for the 6545 of 5 levels, and two words to spare.
+using LocalBits = std::array<std::uint64_t, 105>;
+
+/// Gathers a coarse tetrahedron's from those of all fine vertices. Words beyond them are unspecified.
+void gather_bits(const TetraRefinement& refinement, const RankedBits& bits, std::uint32_t tetra,
+                 LocalBits& out);
+
+inline std::uint32_t bit_of(const LocalBits& words, std::uint32_t i) {
+    return static_cast<std::uint32_t>(words[i / 64] >> (i % 64)) & 1;
+}
+
 /// The signs of one coarse tetrahedron's fine vertices.
 class LocalSigns {
   public:
     /// Returns whether some are inside and some are not; otherwise nothing is known afterwards.
     bool gather(const TetraRefinement& refinement, const Samples& samples, std::uint32_t tetra);
 
-    /// Whether the surface has a vertex within a fine edge.
-    bool is_cut(const std::array<TetraPattern::Local, 2>& edge) const {
-        const auto [a, b] = edge;
-        return ((bit(inside_, a) ^ bit(inside_, b)) & ~(bit(on_, a) | bit(on_, b))) != 0;
-    }
-    const Cut& cut(const std::array<TetraPattern::Local, 4>& t) const {
+    /// Number in kCuts of how the surface crosses a fine tetrahedron.
+    std::uint8_t code(const std::array<TetraPattern::Local, 4>& t) const {
         std::uint32_t inside = 0, on = 0;
         for (std::uint32_t i = 0; i < 4; ++i) {
-            inside |= bit(inside_, t[i]) << i;
-            on |= bit(on_, t[i]) << i;
+            inside |= bit_of(inside_, t[i]) << i;
+            on |= bit_of(on_, t[i]) << i;
         }
-        return kCuts[16 * inside + on];
+        return static_cast<std::uint8_t>(16 * inside + on);
     }
-    /// Calls use(number, cut) for every fine tetrahedron that the surface crosses, in order.
+    /// Calls use(number, code) for every fine tetrahedron that the surface crosses, in order.
     template <class Use>
     void for_each_cut(const TetraPattern& pattern, const Use& use) const {
         const bool small = !pattern.tetra_masks.empty();
@@ -142,23 +153,13 @@ class LocalSigns {
                 const std::uint64_t mask = pattern.tetra_masks[t], in = inside_[0] & mask;
                 if (in == 0 || in == mask) continue;
             }
-            const Cut& c = cut(pattern.tetra[t]);
-            if (c.size > 0) use(t, c);
+            const std::uint8_t c = code(pattern.tetra[t]);
+            if (kCuts[c].size > 0) use(t, c);
         }
     }
 
   private:
-    static constexpr std::size_t kWords = 105;  // for the 6545 vertices of 5 levels, and two to spare
-    using Words = std::array<std::uint64_t, kWords>;
-    static std::uint32_t bit(const Words& words, std::uint32_t i) {
-        return static_cast<std::uint32_t>(words[i / 64] >> (i % 64)) & 1;
-    }
-
-    Words inside_, on_;
+    LocalBits inside_, on_;
 };
-
-/// Triangles from the signs, once they are settled; `used` as free_vertices returns it.
-TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                std::span<const std::uint8_t> used, int refinements, MarchReport& report, const Context& ctx);
 
 }  // namespace coppice::march_detail

@@ -91,20 +91,39 @@ void append(std::span<const std::uint64_t> source, std::size_t from, std::uint32
 
 const std::array<Cut, 256> kCuts = make_cuts();
 
-bool LocalSigns::gather(const TetraRefinement& refinement, const Samples& samples, std::uint32_t tetra) {
+void gather_bits(const TetraRefinement& refinement, const RankedBits& bits, std::uint32_t tetra,
+                 LocalBits& out) {
     const auto& first = refinement.pattern(tetra).first_vertex;
-    const std::uint32_t count = first.back();
-    const auto collect = [&](const RankedBits& bits, Words& out) {
-        std::fill_n(out.begin(), count / 64 + 2, 0);
+    const std::span<const std::uint64_t> words = bits.words();
+    if (first.back() > 64) {
+        std::fill_n(out.begin(), first.back() / 64 + 2, 0);
         for (std::uint32_t g = 0; g < TetraPattern::kGroups; ++g)
-            append(bits.words(), refinement.first_vertex(tetra, g), first[g + 1] - first[g], out, first[g]);
-    };
-    collect(samples.inside, inside_);
-    std::uint32_t set = 0;
-    for (std::size_t w = 0; w <= count / 64; ++w)
-        set += static_cast<std::uint32_t>(std::popcount(inside_[w]));
-    if (set == 0 || set == count) return false;
-    collect(samples.on, on_);
+            append(words, refinement.first_vertex(tetra, g), first[g + 1] - first[g], out, first[g]);
+        return;
+    }
+    std::uint64_t word = 0;
+    for (std::uint32_t g = 0; g < TetraPattern::kGroups; ++g) {
+        const std::uint32_t count = first[g + 1] - first[g];
+        if (count == 0) continue;
+        const std::size_t from = refinement.first_vertex(tetra, g), skip = from % 64;
+        const std::uint64_t found = words[from / 64] >> skip | words[from / 64 + 1] << 1 << (63 - skip);
+        word |= (found & ~std::uint64_t{0} >> (64 - count)) << first[g];
+    }
+    out[0] = word;
+    out[1] = 0;
+}
+
+bool LocalSigns::gather(const TetraRefinement& refinement, const Samples& samples, std::uint32_t tetra) {
+    const std::uint32_t count = refinement.pattern(tetra).first_vertex.back();
+    gather_bits(refinement, samples.inside, tetra, inside_);
+    bool any = false, all = true;
+    for (std::uint32_t first = 0; first < count; first += 64) {
+        const std::uint64_t whole = ~std::uint64_t{0} >> (count - first < 64 ? 64 - (count - first) : 0);
+        any |= inside_[first / 64] != 0;
+        all &= inside_[first / 64] == whole;
+    }
+    if (!any || all) return false;
+    gather_bits(refinement, samples.on, tetra, on_);
     return true;
 }
 

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/tetra/march_crossed_internal.h"
+
+namespace coppice::march_detail {
+
+/// The triangles around a vertex on the surface.
+enum class Fan : std::uint8_t {
+    none,
+    single,  ///< one closed way around it, of three or more, that comes to no corner twice
+    spoilt
+};
+
+/// Two corners of a triangle that follow a vertex on the surface: fine vertices, or fine edges that are cut,
+/// numbered in some way that is the same from all sides.
+struct LinkSegment {
+    std::uint64_t from, to;
+};
+
+/// What the triangles around one vertex make. O(square of their number).
+Fan judge_fan(std::span<const LinkSegment> segments);
+
+/// The fans of all vertices on the surface, by rank in `placed`. O(triangles).
+std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
+                           const CrossedTetra& crossed, const Context& ctx);
+
+/// Which vertices are to be put back because fine tetrahedra, of all coarse ones or of some, have turned over
+/// or become too flat: of each the vertex that moved farthest. Ascending.
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      const Context& ctx);
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      std::span<const std::uint32_t> tetra, const Context& ctx);
+
+struct Settled {
+    CrossedTetra crossed;
+    std::vector<std::uint8_t> used;  ///< by rank in `placed`: whether a vertex on the surface has triangles
+};
+
+/// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
+/// on the surface are one closed fan, or none. What is returned refers to the other two.
+Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
+
+/// Triangles from the signs, once they are settled.
+TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
+                const Settled& settled, int refinements, MarchReport& report, const Context& ctx);
+
+}  // namespace coppice::march_detail
