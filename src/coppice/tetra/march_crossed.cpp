@@ -1,6 +1,7 @@
 #include "coppice/tetra/march_crossed_internal.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace coppice::march_detail {
 namespace {
@@ -49,6 +50,36 @@ void CrossedTetra::list(std::size_t piece) {
         });
         p.end.push_back(static_cast<std::uint32_t>(p.crossings.size()));
     }
+}
+
+CutNumbers::CutNumbers(const TetraRefinement& refinement, const CrossedTetra& crossed, const Context& ctx)
+    : refinement_(refinement) {
+    first_.assign(
+        std::size_t{refinement.edge_count()} + refinement.face_count() + refinement.coarse().tetra.size(), 0);
+    parallel_for(ctx, crossed.pieces().size(), 1, [&](std::size_t i) {
+        const CrossedTetra::Piece& piece = crossed.pieces()[i];
+        CutEdges edges;
+        for (std::size_t a = 0; a < piece.active.size(); ++a) {
+            const std::uint32_t t = piece.active[a];
+            const TetraPattern& pattern = refinement_.pattern(t);
+            edges.assign(pattern, piece.of(a));
+            for (std::uint32_t g = kFirstHolder; g < TetraPattern::kGroups; ++g) {
+                if ((refinement_.owned(t) >> g & 1) == 0) continue;
+                std::uint32_t cuts = 0;
+                edges.for_each(pattern, g, [&](std::uint32_t) { ++cuts; });
+                first_[holder(t, g)] = cuts;
+            }
+        }
+    });
+    for (std::uint32_t& first : first_) count_ += std::exchange(first, static_cast<std::uint32_t>(count_));
+}
+
+void CutNumbers::number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& out) const {
+    const TetraPattern& pattern = refinement_.pattern(t);
+    out.resize(pattern.edges.size());
+    for_each_group(t, [&](std::uint32_t group, std::uint32_t number) {
+        edges.for_each(pattern, group, [&](std::uint32_t e) { out[e] = number++; });
+    });
 }
 
 }  // namespace coppice::march_detail

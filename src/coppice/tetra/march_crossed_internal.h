@@ -16,6 +16,8 @@ struct Crossing {
     std::uint8_t code;
 
     const Cut& cut() const { return kCuts[code]; }
+    /// Whether a corner of it lies on the surface, which may be one that the cut leaves out.
+    bool any_on() const { return (code & 15) != 0; }
 };
 
 /// The fine tetrahedra that the surface crosses, in pieces of a few regions each, and in order.
@@ -80,11 +82,44 @@ class CutEdges {
     std::vector<std::uint64_t> words_;
 };
 
-/// Number of the part of a group among those that hold fine edges: edges, faces, insides.
-inline std::uint32_t edge_holder(const TetraRefinement& refinement, std::uint32_t t, std::uint32_t group) {
-    if (group < 10) return refinement.parts(t)[group];
-    if (group < TetraPattern::kInside) return refinement.edge_count() + refinement.parts(t)[group];
-    return refinement.edge_count() + refinement.face_count() + t;
-}
+/// Numbers of all fine edges that the surface cuts.
+class CutNumbers {
+  public:
+    CutNumbers(const TetraRefinement& refinement, const CrossedTetra& crossed, const Context& ctx);
+
+    std::uint64_t count() const { return count_; }
+
+    /// Calls use(group, number) for the groups of a coarse tetrahedron that hold fine edges, with the number
+    /// of the first that is cut: the others follow.
+    template <class Use>
+    void for_each_group(std::uint32_t t, const Use& use) const {
+        for (std::uint32_t g = kFirstHolder; g < TetraPattern::kGroups; ++g) use(g, first_[holder(t, g)]);
+    }
+    /// The same for those groups that have this as their first tetrahedron.
+    template <class Use>
+    void for_each_owned(std::uint32_t t, const Use& use) const {
+        for (std::uint32_t g = kFirstHolder; g < TetraPattern::kGroups; ++g) {
+            if ((refinement_.owned(t) >> g & 1) != 0) use(g, first_[holder(t, g)]);
+        }
+    }
+
+    /// Writes the numbers of a coarse tetrahedron's cut edges to `out`, by its own number of the edge.
+    void number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& out) const;
+
+  private:
+    static constexpr std::uint32_t kFirstHolder = 4;
+
+    /// Number of the part of a group among those that hold fine edges: edges, faces, insides.
+    std::size_t holder(std::uint32_t t, std::uint32_t group) const {
+        if (group < 10) return refinement_.parts(t)[group];
+        if (group < TetraPattern::kInside)
+            return std::size_t{refinement_.edge_count()} + refinement_.parts(t)[group];
+        return std::size_t{refinement_.edge_count()} + refinement_.face_count() + t;
+    }
+
+    const TetraRefinement& refinement_;
+    Buffer<std::uint32_t> first_;  ///< by holder
+    std::uint64_t count_ = 0;
+};
 
 }  // namespace coppice::march_detail

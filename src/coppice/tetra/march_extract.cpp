@@ -56,19 +56,20 @@ class Extractor {
           profile_(field.level()),
           samples_(samples),
           crossed_(settled.crossed),
+          numbers_(refinement, settled.crossed, ctx),
           ctx_(ctx) {
         number_placed(settled.used);
     }
 
     TriMesh extract(int refinements, MarchReport& report) {
-        std::vector<std::uint64_t> triangles(crossed_.pieces().size());
-        first_cut_.assign(std::size_t{refinement_.edge_count()} + refinement_.face_count() +
-                              refinement_.coarse().tetra.size(),
-                          0);
-        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) { triangles[p] = count(piece); });
-        for (const CrossedTetra::Piece& piece : crossed_.pieces()) report.crossed += piece.crossings.size();
+        std::vector<std::uint64_t> triangles;
+        for (const CrossedTetra::Piece& piece : crossed_.pieces()) {
+            triangles.push_back(0);
+            for (const Crossing& crossing : piece.crossings) triangles.back() += crossing.cut().size - 2u;
+            report.crossed += piece.crossings.size();
+        }
         const std::uint64_t triangle_count = exclusive_scan<std::uint64_t>(triangles);
-        const std::uint64_t vertices = number_cuts();
+        const std::uint64_t vertices = placed_count_ + numbers_.count();
         if (vertices >= kNone || triangle_count >= kNone)
             throw InvalidInput("march: levels makes more than 2^32 triangles; take fewer levels");
         mesh_.positions.resize(vertices);
@@ -99,42 +100,6 @@ class Extractor {
         for (std::size_t i = 0; i < used.size(); ++i) placed_[i] = used[i] != 0 ? placed_count_++ : kNone;
     }
 
-    /// Calls use(group, holder) for what holds fine edges and has this as its first tetrahedron.
-    template <class Use>
-    void for_each_owned(std::uint32_t t, const Use& use) const {
-        for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g) {
-            if ((refinement_.owned(t) >> g & 1) != 0) use(g, edge_holder(refinement_, t, g));
-        }
-    }
-
-    /// Counts the cut edges of every holder; returns the number of triangles.
-    std::uint64_t count(const CrossedTetra::Piece& piece) {
-        std::uint64_t triangles = 0;
-        CutEdges edges;
-        for (std::size_t i = 0; i < piece.active.size(); ++i) {
-            const std::uint32_t t = piece.active[i];
-            const TetraPattern& pattern = refinement_.pattern(t);
-            for (const Crossing& crossing : piece.of(i)) triangles += crossing.cut().size - 2u;
-            edges.assign(pattern, piece.of(i));
-            for_each_owned(t, [&](std::uint32_t group, std::uint32_t holder) {
-                std::uint32_t cuts = 0;
-                edges.for_each(pattern, group, [&](std::uint32_t) { ++cuts; });
-                first_cut_[holder] = cuts;
-            });
-        }
-        return triangles;
-    }
-
-    std::uint64_t number_cuts() {
-        std::uint64_t sum = placed_count_;
-        for (std::uint32_t& c : first_cut_) {
-            const std::uint32_t cuts = c;
-            c = static_cast<std::uint32_t>(sum);
-            sum += cuts;
-        }
-        return sum;
-    }
-
     void place_cuts(IndexRange regions, const CrossedTetra::Piece& piece, int refinements) {
         CutEdges edges;
         std::vector<CutEdge> cuts;
@@ -153,8 +118,8 @@ class Extractor {
 
     void list_cuts(std::uint32_t t, const CutEdges& edges, std::vector<CutEdge>& cuts) const {
         const TetraPattern& pattern = refinement_.pattern(t);
-        for_each_owned(t, [&](std::uint32_t group, std::uint32_t holder) {
-            std::uint32_t vertex = first_cut_[holder];
+        numbers_.for_each_owned(t, [&](std::uint32_t group, std::uint32_t number) {
+            std::uint32_t vertex = placed_count_ + number;
             edges.for_each(pattern, group, [&](std::uint32_t e) {
                 const auto [a, b] = pattern.edges[e];
                 cuts.push_back({vertex++, refinement_.position(t, a), refinement_.position(t, b), 0, 1,
@@ -184,7 +149,7 @@ class Extractor {
             const std::uint32_t t = piece.active[i];
             const TetraPattern& pattern = refinement_.pattern(t);
             edges.assign(pattern, piece.of(i));
-            number_edges(t, edges, of_edge);
+            numbers_.number_edges(t, edges, of_edge);
             for (const Crossing& crossing : piece.of(i)) {
                 const Cut& cut = crossing.cut();
                 const auto& fine = pattern.tetra[crossing.fine];
@@ -193,21 +158,12 @@ class Extractor {
                     const std::uint8_t c = cut.corners[k];
                     corners[k] =
                         c < kCutVertex
-                            ? of_edge[pattern.tetra_edges[crossing.fine][c]]
+                            ? placed_count_ + of_edge[pattern.tetra_edges[crossing.fine][c]]
                             : placed_[samples_.placed.rank(refinement_.vertex(t, fine[c - kCutVertex]))];
                 }
                 if (refinement_.mirrored(t)) std::reverse(corners.begin(), corners.begin() + cut.size);
                 out = write_polygon(corners, cut.size, out);
             }
-        }
-    }
-
-    void number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& of_edge) const {
-        const TetraPattern& pattern = refinement_.pattern(t);
-        of_edge.resize(pattern.edges.size());
-        for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g) {
-            std::uint32_t vertex = first_cut_[edge_holder(refinement_, t, g)];
-            edges.for_each(pattern, g, [&](std::uint32_t e) { of_edge[e] = vertex++; });
         }
     }
 
@@ -232,10 +188,10 @@ class Extractor {
     Profile profile_;
     const Samples& samples_;
     const CrossedTetra& crossed_;
+    CutNumbers numbers_;
     const Context& ctx_;
     std::vector<std::uint32_t> placed_;  ///< vertex of the surface, by rank in samples_.placed
     std::uint32_t placed_count_ = 0;
-    Buffer<std::uint32_t> first_cut_;  ///< by holder: vertex of the surface on its first cut edge
     TriMesh mesh_;
 };
 

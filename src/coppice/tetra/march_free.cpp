@@ -36,11 +36,10 @@ class Star {
                 // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
                 const std::uint64_t next = corner(t, fine, cut.corners[(i + 1) % 3]);
                 const std::uint64_t last = corner(t, fine, cut.corners[(i + 2) % 3]);
-                segments_.push_back(refinement_.mirrored(t) ? LinkSegment{last, next}
-                                                            : LinkSegment{next, last});
+                segments_.push_back(refinement_.mirrored(t) ? Segment{last, next} : Segment{next, last});
             }
         });
-        return judge_fan(segments_);
+        return judge_fan<std::uint64_t>(segments_);
     }
 
     /// Calls use(number) for the vertices on the surface that share a fine tetrahedron with this one.
@@ -81,6 +80,7 @@ class Star {
     }
 
     static constexpr std::size_t kKept = 16;
+    using Segment = LinkSegment<std::uint64_t>;
 
     std::uint64_t corner(std::uint32_t t, const std::array<Local, 4>& fine, std::uint8_t c) const {
         if (c >= kCutVertex) {
@@ -97,7 +97,7 @@ class Star {
     std::vector<LocalSigns> signs_;  ///< of the tetrahedra last asked for, each in the place of its number
     std::array<std::uint32_t, kKept> kept_;
     std::array<bool, kKept> mixed_{};
-    std::vector<LinkSegment> segments_;
+    std::vector<Segment> segments_;
 };
 
 void sort_unique(std::vector<std::uint32_t>& numbers) {
@@ -149,27 +149,30 @@ Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const
     Settled out{CrossedTetra(refinement, samples, ctx), {}};
     ctx.throw_if_cancelled();
     std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
-    std::vector<std::uint32_t> freed, changed;
+    std::vector<std::uint32_t> open, freed, folds, changed;
     for_each_bit(samples.on, [&](std::uint32_t v) {
-        if (fans[samples.placed.rank(v)] == Fan::spoilt) freed.push_back(v);
+        const Fan fan = fans[samples.placed.rank(v)];
+        if (fan == Fan::spoilt || fan == Fan::unknown) open.push_back(v);
     });
-    // Whatever is put back may spoil the fans of its neighbours alone, and fold what is about it.
-    while (!freed.empty()) {
-        ctx.throw_if_cancelled();
-        put_back(freed, samples);
-        const std::vector<std::uint32_t> open = neighbours_on(refinement, samples, freed);
-        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed);
-        changed.insert(changed.end(), tetra.begin(), tetra.end());
+    while (true) {
         parallel_for_ranges(ctx, open.size(), kGrain, [&](IndexRange r) {
             Star star(refinement, samples);
             for (std::size_t i = r.begin; i < r.end; ++i)
                 fans[samples.placed.rank(open[i])] = star.fan(open[i]);
         });
-        freed = find_folds(refinement, samples, tetra, ctx);
+        ctx.throw_if_cancelled();
+        freed = std::move(folds);
         for (const std::uint32_t v : open) {
             if (fans[samples.placed.rank(v)] == Fan::spoilt) freed.push_back(v);
         }
+        if (freed.empty()) break;
         sort_unique(freed);
+        put_back(freed, samples);
+        // What is put back may spoil the fans of its neighbours alone, and fold what is about it.
+        open = neighbours_on(refinement, samples, freed);
+        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed);
+        changed.insert(changed.end(), tetra.begin(), tetra.end());
+        folds = find_folds(refinement, samples, tetra, ctx);
     }
     sort_unique(changed);
     out.crossed.update(changed, ctx);

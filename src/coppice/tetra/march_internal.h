@@ -137,12 +137,8 @@ class LocalSigns {
 
     /// Number in kCuts of how the surface crosses a fine tetrahedron.
     std::uint8_t code(const std::array<TetraPattern::Local, 4>& t) const {
-        std::uint32_t inside = 0, on = 0;
-        for (std::uint32_t i = 0; i < 4; ++i) {
-            inside |= bit_of(inside_, t[i]) << i;
-            on |= bit_of(on_, t[i]) << i;
-        }
-        return static_cast<std::uint8_t>(16 * inside + on);
+        return static_cast<std::uint8_t>(state_[t[0]] | state_[t[1]] << 1 | state_[t[2]] << 2 |
+                                         state_[t[3]] << 3);
     }
     /// Calls use(number, code) for every fine tetrahedron that the surface crosses, in order.
     template <class Use>
@@ -160,6 +156,7 @@ class LocalSigns {
 
   private:
     LocalBits inside_, on_;
+    std::array<std::uint8_t, 64 * std::tuple_size_v<LocalBits>> state_;  ///< 16 inside, 1 on the surface
 };
 
 }  // namespace coppice::march_detail

@@ -12,19 +12,36 @@ namespace coppice::march_detail {
 enum class Fan : std::uint8_t {
     none,
     single,  ///< one closed way around it, of three or more, that comes to no corner twice
-    spoilt
+    spoilt,
+    unknown
 };
 
 /// Two corners of a triangle that follow a vertex on the surface: fine vertices, or fine edges that are cut,
-/// numbered in some way that is the same from all sides.
+/// named in some way that is the same from all sides.
+template <class Key>
 struct LinkSegment {
-    std::uint64_t from, to;
+    Key from, to;
 };
 
 /// What the triangles around one vertex make. O(square of their number).
-Fan judge_fan(std::span<const LinkSegment> segments);
+template <class Key>
+Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
+    if (segments.empty()) return Fan::none;
+    // From each segment to the first that goes on from its end: only from a single closed way without a
+    // corner that it comes to twice does this see all segments before it is back.
+    std::size_t at = 0, steps = 0;
+    do {
+        std::size_t next = 0;
+        while (next < segments.size() && segments[next].from != segments[at].to) ++next;
+        if (next == segments.size()) return Fan::spoilt;
+        at = next;
+        ++steps;
+    } while (at != 0 && steps < segments.size());
+    return at == 0 && steps == segments.size() && steps >= 3 ? Fan::single : Fan::spoilt;
+}
 
-/// The fans of all vertices on the surface, by rank in `placed`. O(triangles).
+/// The fans of all vertices on the surface, by rank in `placed`; those of more than eight triangles are left
+/// unknown. O(triangles).
 std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
                            const CrossedTetra& crossed, const Context& ctx);
 

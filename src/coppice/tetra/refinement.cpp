@@ -330,10 +330,8 @@ Vec3 TetraRefinement::position(std::uint32_t tetra, Local local) const {
     const Parts& p = parts_[tetra];
     const float part = 1.0f / static_cast<float>(1 << levels_);
     Vec3 sum;
-    // In ascending order of the corners; others add nothing, not even an error.
-    for (std::size_t i = 0; i < 4; ++i) {
-        if (w[i] > 0) sum += coarse_.positions[p[i]] * (static_cast<float>(w[i]) * part);
-    }
+    // In ascending order of the corners; those without weight add nothing, not even an error.
+    for (std::size_t i = 0; i < 4; ++i) sum += coarse_.positions[p[i]] * (static_cast<float>(w[i]) * part);
     return sum;
 }
 
