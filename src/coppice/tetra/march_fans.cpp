@@ -22,23 +22,23 @@ class FanFinder {
     std::vector<Fan> find() {
         constexpr std::size_t kGrain = 2048;
         const std::size_t count = samples_.place.size();
-        if (count >= kEdge || numbers_.count() >= kEdge)
-            throw InvalidInput("march: levels makes more than 2^31 vertices; take fewer levels");
         size_.assign(count, 0);
         links_.resize(count);
         parallel_for(ctx_, crossed_.pieces().size(), 1, [&](std::size_t p) { list_segments(p); });
         std::vector<Fan> fans(count);
         parallel_for(ctx_, count, kGrain, [&](std::size_t i) {
-            fans[i] = size_[i] > kMost ? Fan::unknown
-                                       : judge_fan<std::uint32_t>(std::span(links_[i]).first(size_[i]));
+            fans[i] = size_[i] > kMost ? Fan::unknown : judge_fan<Key>(std::span(links_[i]).first(size_[i]));
+            if (fans[i] == Fan::spoilt) fans[i] = Fan::unknown;
         });
         return fans;
     }
 
   private:
     static constexpr std::uint32_t kMost = 8;
-    static constexpr std::uint32_t kEdge = 1u << 31;  ///< above all ranks
-    using Segment = LinkSegment<std::uint32_t>;
+    /// The last bits of numbers. Where two corners of a fan have the same key the walk does not see all of
+    /// it, as each corner is a start: so what looks like a single fan is one.
+    using Key = std::uint16_t;
+    using Segment = LinkSegment<Key>;
     using Link = std::array<Segment, kMost>;
 
     void list_segments(std::size_t piece) {
@@ -59,20 +59,23 @@ class FanFinder {
         const TetraPattern& pattern = refinement_.pattern(t);
         const auto& fine = pattern.tetra[crossing.fine];
         const Cut& cut = crossing.cut();
-        std::array<std::uint32_t, 4> corner{};
+        std::array<std::uint32_t, 4> rank{};
+        std::array<Key, 4> key{};
         for (std::size_t k = 0; k < cut.size; ++k) {
             const std::uint8_t c = cut.corners[k];
-            corner[k] = c < kCutVertex ? kEdge | number[pattern.tetra_edges[crossing.fine][c]]
-                                       : samples_.placed.rank(refinement_.vertex(t, fine[c - kCutVertex]));
+            if (c >= kCutVertex) rank[k] = samples_.placed.rank(refinement_.vertex(t, fine[c - kCutVertex]));
+            key[k] = static_cast<Key>(
+                c >= kCutVertex ? 2 * rank[k] : 2 * number[pattern.tetra_edges[crossing.fine][c]] + 1);
         }
         // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
         const bool mirrored = refinement_.mirrored(t);
         for (std::size_t k = 0; k < cut.size; ++k) {
-            if (corner[k] >= kEdge) continue;
-            const std::uint32_t next = corner[(k + 1) % 3], last = corner[(k + 2) % 3];
-            const std::uint32_t at =
-                std::atomic_ref(size_[corner[k]]).fetch_add(1, std::memory_order_relaxed);
-            if (at < kMost) links_[corner[k]][at] = mirrored ? Segment{last, next} : Segment{next, last};
+            if (cut.corners[k] < kCutVertex) continue;
+            const Key next = key[(k + 1) % 3], last = key[(k + 2) % 3];
+            std::atomic_ref size(size_[rank[k]]);
+            if (size.load(std::memory_order_relaxed) > kMost) continue;
+            const std::uint16_t at = size.fetch_add(1, std::memory_order_relaxed);
+            if (at < kMost) links_[rank[k]][at] = mirrored ? Segment{last, next} : Segment{next, last};
         }
     }
 
@@ -81,7 +84,7 @@ class FanFinder {
     const CrossedTetra& crossed_;
     CutNumbers numbers_;
     const Context& ctx_;
-    std::vector<std::uint32_t> size_;  ///< by rank in `placed`
+    std::vector<std::uint16_t> size_;  ///< by rank in `placed`; counted until it is too many
     Buffer<Link> links_;               ///< the same; segments in any order
 };
 

@@ -151,8 +151,7 @@ Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const
     std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
     std::vector<std::uint32_t> open, freed, folds, changed;
     for_each_bit(samples.on, [&](std::uint32_t v) {
-        const Fan fan = fans[samples.placed.rank(v)];
-        if (fan == Fan::spoilt || fan == Fan::unknown) open.push_back(v);
+        if (fans[samples.placed.rank(v)] == Fan::unknown) open.push_back(v);
     });
     while (true) {
         parallel_for_ranges(ctx, open.size(), kGrain, [&](IndexRange r) {

@@ -13,7 +13,7 @@ enum class Fan : std::uint8_t {
     none,
     single,  ///< one closed way around it, of three or more, that comes to no corner twice
     spoilt,
-    unknown
+    unknown  ///< to be looked at
 };
 
 /// Two corners of a triangle that follow a vertex on the surface: fine vertices, or fine edges that are cut,
@@ -40,8 +40,8 @@ Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
     return at == 0 && steps == segments.size() && steps >= 3 ? Fan::single : Fan::spoilt;
 }
 
-/// The fans of all vertices on the surface, by rank in `placed`; those of more than eight triangles are left
-/// unknown. O(triangles).
+/// The fans of all vertices on the surface, by rank in `placed`; those that may be spoilt are left unknown.
+/// O(triangles).
 std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
                            const CrossedTetra& crossed, const Context& ctx);
 
