@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <map>
 #include <set>
@@ -201,6 +202,12 @@ TEST(TetraRefinement, PlacesPartsAndOwnersFitTogether) {
                 EXPECT_EQ(refinement.group_in(t, kind, part), g);
                 const bool owns = (refinement.owned(t) >> g & 1) != 0;
                 EXPECT_EQ(owns, around.front() == t);
+                if (!refinement.on_hull(t, g)) {
+                    float shortest = refinement.shortest_edge(t);
+                    for (const std::uint32_t other : around)
+                        shortest = std::min(shortest, refinement.shortest_edge(other));
+                    EXPECT_EQ(refinement.shortest_edge(t, g), shortest);
+                }
                 if (owns) {
                     EXPECT_TRUE(owned.insert({TetraRefinement::kKindOf[g], part}).second);
                 }
@@ -233,7 +240,7 @@ TEST(TetraRefinement, KnowsTheHull) {
         for (std::uint32_t t = 0; t < scene.mesh.tetra.size(); ++t) {
             const TetraPattern& pattern = refinement.pattern(t);
             for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
-                const bool said = (refinement.on_hull(t) >> pattern.group[v] & 1) != 0;
+                const bool said = refinement.on_hull(t, pattern.group[v]);
                 EXPECT_EQ(said, hull.contains(refinement.vertex(t, static_cast<Local>(v))));
             }
         }
@@ -277,7 +284,9 @@ TEST(TetraRefinement, SameBitsForAnyNumberOfThreads) {
         std::vector<std::uint32_t> out{r.edge_count(), r.face_count(), r.vertex_count()};
         for (std::uint32_t t = 0; t < mesh.tetra.size(); ++t) {
             out.insert(out.end(), r.parts(t).begin(), r.parts(t).end());
-            out.insert(out.end(), {r.owned(t), r.on_hull(t), r.mirrored(t)});
+            out.insert(out.end(), {r.owned(t), r.mirrored(t)});
+            for (std::uint32_t g = 0; g < TetraPattern::kGroups; ++g)
+                out.push_back(std::bit_cast<std::uint32_t>(r.shortest_edge(t, g)));
         }
         return out;
     };

@@ -8,16 +8,6 @@ namespace {
 
 using Local = TetraPattern::Local;
 
-/// Calls use(tetrahedron) for the coarse ones that have a vertex.
-template <class Use>
-void visit_coarse(const TetraRefinement& refinement, const TetraRefinement::Place& place, const Use& use) {
-    if (place.kind == TetraRefinement::Kind::inside) {
-        use(place.part);
-    } else {
-        for (const std::uint32_t t : refinement.around(place.kind, place.part)) use(t);
-    }
-}
-
 /// Looks at the fine tetrahedra around one vertex after the other.
 class Star {
   public:
@@ -59,13 +49,13 @@ class Star {
     template <class Use>
     void visit(std::uint32_t vertex, const Use& use) {
         const auto place = refinement_.place(vertex);
-        visit_coarse(refinement_, place, [&](std::uint32_t t) {
-            if (!gather(t)) return;
+        for (const std::uint32_t t : refinement_.around(place.kind, place.part)) {
+            if (!gather(t)) continue;
             const TetraPattern& pattern = refinement_.pattern(t);
             const std::uint32_t group = refinement_.group_in(t, place.kind, place.part);
             const auto local = static_cast<Local>(pattern.first_vertex[group] + place.index);
             for (const Local fine : pattern.tetra_around(local)) use(t, local, pattern.tetra[fine]);
-        });
+        }
     }
 
     /// Has the signs of a coarse tetrahedron in their place; false when they are all alike. Vertices that
@@ -116,8 +106,10 @@ void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
 std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
                                         std::span<const std::uint32_t> vertices) {
     std::vector<std::uint32_t> out;
-    for (const std::uint32_t v : vertices)
-        visit_coarse(refinement, refinement.place(v), [&](std::uint32_t t) { out.push_back(t); });
+    for (const std::uint32_t v : vertices) {
+        const auto place = refinement.place(v);
+        for (const std::uint32_t t : refinement.around(place.kind, place.part)) out.push_back(t);
+    }
     sort_unique(out);
     return out;
 }

@@ -7,7 +7,6 @@ namespace coppice::march_detail {
 namespace {
 
 using Local = TetraPattern::Local;
-using Kind = TetraRefinement::Kind;
 
 struct Target {
     std::uint32_t vertex;
@@ -44,25 +43,14 @@ class RegionSampler {
         const auto& first = refinement_.pattern(tetra).first_vertex;
         if (first[group] == first[group + 1]) return;
         const std::uint32_t vertex = refinement_.first_vertex(tetra, group);
-        const float reach = reach_of(tetra, group);
+        // How far they may be moved: those on the hull stay.
+        const float reach = snap_ * refinement_.shortest_edge(tetra, group);
         for (std::uint32_t v = first[group]; v < first[group + 1]; ++v) {
             points_[size_] = refinement_.position(tetra, static_cast<Local>(v));
             vertex_[size_] = vertex + (v - first[group]);
             reach_[size_] = reach;
             if (++size_ == kBatch) flush();
         }
-    }
-
-    /// How far the vertices of a group may be moved. Those on the hull stay.
-    float reach_of(std::uint32_t tetra, std::uint32_t group) const {
-        if (snap_ <= 0 || (refinement_.on_hull(tetra) >> group & 1) != 0) return 0;
-        float shortest = refinement_.shortest_edge(tetra);
-        if (group < TetraPattern::kInside) {
-            const auto kind = static_cast<Kind>(TetraRefinement::kKindOf[group]);
-            for (const std::uint32_t t : refinement_.around(kind, refinement_.parts(tetra)[group]))
-                shortest = std::min(shortest, refinement_.shortest_edge(t));
-        }
-        return snap_ * shortest;
     }
 
     void flush() {
@@ -183,7 +171,7 @@ std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const Ranke
     parallel_for(ctx, tetra, kGrain, [&](std::size_t i) {
         const auto t = static_cast<std::uint32_t>(i);
         for (std::uint32_t corner = 0; corner < 4; ++corner) {
-            if ((refinement.on_hull(t) >> (10 + corner) & 1) == 0 || !is_open(t, corner)) continue;
+            if (!refinement.on_hull(t, 10 + corner) || !is_open(t, corner)) continue;
             const std::uint32_t vertex = refinement.parts(t)[corner];
             const auto& own = refinement.coarse().tetra[t];
             const auto opposite = static_cast<std::uint32_t>(std::ranges::find(own, vertex) - own.begin());

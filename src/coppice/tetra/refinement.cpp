@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -19,7 +20,13 @@ constexpr std::size_t kGrain = 2048;                      // tetrahedra
 constexpr std::uint32_t kFirstEdge = 4, kFirstFace = 10;  // groups
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-Kind kind_of(std::uint32_t group) { return static_cast<Kind>(TetraRefinement::kKindOf[group]); }
+/// Whether a group of the pattern lies in the face opposite a corner.
+bool lies_in_face(std::uint32_t group, std::uint32_t opposite) {
+    if (group < kFirstEdge) return group != opposite;
+    if (group >= kFirstFace) return group == kFirstFace + opposite;
+    const auto [a, b] = kTetraEdges[group - kFirstEdge];
+    return a != opposite && b != opposite;
+}
 
 std::array<Vec3d, 4> corners_of(const TetraMesh& mesh, std::span<const std::uint32_t> vertices) {
     std::array<Vec3d, 4> p;
@@ -71,14 +78,23 @@ Extent extent(const std::array<Vec3d, 4>& p, std::uint8_t diagonal) {
     return {std::sqrt(shortest), std::abs(dot(xy, z)) / std::sqrt(widest)};
 }
 
-/// An edge or a face as one tetrahedron sees it, seen from its least vertex.
-struct Entry {
-    std::uint64_t key;  ///< the other vertices
-    std::uint32_t tetra;
-    std::uint32_t group;  ///< there
-    friend bool operator<(const Entry& a, const Entry& b) {
-        return a.key != b.key ? a.key < b.key : a.tetra < b.tetra;
+/// The edges, or the faces, of which one vertex is the least: few, so that the place of one is found by
+/// looking at all.
+class Above {
+  public:
+    void clear() { keys_.clear(); }
+    std::size_t size() const { return keys_.size(); }
+
+    /// The number of the one with these other vertices.
+    std::uint32_t find(std::uint64_t key) {
+        const auto at = std::ranges::find(keys_, key);
+        const auto number = static_cast<std::uint32_t>(at - keys_.begin());
+        if (at == keys_.end()) keys_.push_back(key);
+        return number;
     }
+
+  private:
+    std::vector<std::uint64_t> keys_;
 };
 
 /// Edges and faces whose least vertex is corner c of a tetrahedron.
@@ -111,10 +127,9 @@ TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Cont
     }
     check(ctx);
     describe(ctx);
-    find_vertex_stars();
+    find_vertex_stars(ctx);
     ctx.throw_if_cancelled();
     find_parts(ctx);
-    find_hull_and_owners(ctx);
 
     const std::uint32_t n = 1u << levels;
     per_kind_ = {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
@@ -180,142 +195,142 @@ void TetraRefinement::describe(const Context& ctx) {
         const std::uint8_t diagonal = shortest_diagonal(corners);
         const Extent e = extent(corners, diagonal);
         const double fine = 1.0 / (1 << levels_);
-        traits_[t] = {static_cast<float>(e.shortest_edge * fine),
-                      static_cast<float>(e.width * fine),
-                      0,
-                      0,
-                      diagonal,
-                      odd};
+        traits_[t] = {static_cast<float>(e.shortest_edge * fine), static_cast<float>(e.width * fine),
+                      1u << TetraPattern::kInside, diagonal, odd};
     });
 }
 
-void TetraRefinement::find_vertex_stars() {
+void TetraRefinement::find_vertex_stars(const Context& ctx) {
+    const std::size_t tetra = coarse_.tetra.size();
     first_at_vertex_.assign(coarse_.positions.size() + 1, 0);
-    for (const Tetra& t : coarse_.tetra) {
-        for (const std::uint32_t v : t) ++first_at_vertex_[v];
-    }
+    parallel_for(ctx, tetra, kGrain, [&](std::size_t t) {
+        for (const std::uint32_t v : coarse_.tetra[t])
+            std::atomic_ref(first_at_vertex_[v]).fetch_add(1, std::memory_order_relaxed);
+    });
     exclusive_scan(std::span(first_at_vertex_));
     Buffer<std::uint32_t> next(first_at_vertex_);
-    at_vertex_.resize(4 * coarse_.tetra.size());
-    for (std::size_t t = 0; t < coarse_.tetra.size(); ++t) {
-        for (const std::uint32_t v : coarse_.tetra[t]) at_vertex_[next[v]++] = static_cast<std::uint32_t>(t);
-    }
+    at_vertex_.resize(4 * tetra);
+    parallel_for(ctx, tetra, kGrain, [&](std::size_t t) {
+        for (const std::uint32_t v : coarse_.tetra[t]) {
+            const std::uint32_t at = std::atomic_ref(next[v]).fetch_add(1, std::memory_order_relaxed);
+            at_vertex_[at] = static_cast<std::uint32_t>(t);
+        }
+    });
+    // They came in the order of the threads.
+    parallel_for(ctx, coarse_.positions.size(), kGrain, [&](std::size_t v) {
+        std::sort(at_vertex_.begin() + first_at_vertex_[v], at_vertex_.begin() + first_at_vertex_[v + 1]);
+    });
 }
 
-/// Every vertex numbers the edges and faces of which it is the least vertex: the tetrahedra around it, sorted
-/// by the other vertices, name each of them some times in a row.
+/// Every vertex numbers the edges and faces of which it is the least vertex, in the order in which the
+/// tetrahedra around it name them.
 void TetraRefinement::find_parts(const Context& ctx) {
     constexpr std::size_t kVertexGrain = 512;
     const std::size_t vertices = coarse_.positions.size();
+    first_edge_.assign(vertices + 1, 0);
+    first_face_.assign(vertices + 1, 0);
     struct Found {
-        std::vector<std::uint32_t> edge_sizes;  ///< of all edges of a range of vertices
-        std::vector<std::uint32_t> at_edge;
-        std::vector<FaceSides> faces;
+        std::vector<float> edges, faces;  ///< [m] of each, the shortest fine edge about it
+        std::vector<TetraFace> hull;      ///< faces of one tetrahedron alone, opposite a vertex of `parts`
         std::uint32_t crowded = kNone;
     };
     std::vector<Found> found((vertices + kVertexGrain - 1) / kVertexGrain);
     parallel_for_ranges(ctx, vertices, kVertexGrain, [&](IndexRange r) {
         Found& f = found[r.begin / kVertexGrain];
-        std::vector<Entry> edges, faces;
+        Above edges, faces;
+        std::vector<TetraFace> first_side;
+        std::vector<std::uint32_t> sides;
         for (std::size_t v = r.begin; v < r.end; ++v) {
             edges.clear();
             faces.clear();
-            for (const std::uint32_t t : around(Kind::vertex, static_cast<std::uint32_t>(v))) {
-                const Parts& p = parts_[t];
+            first_side.clear();
+            sides.clear();
+            const std::size_t edges_before = f.edges.size(), faces_before = f.faces.size();
+            bool first = true;
+            for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v))) {
+                Parts& p = parts_[t];
+                const float shortest = traits_[t].shortest_edge;
                 const std::uint32_t c = corner_of(p, static_cast<std::uint32_t>(v));
+                // Notes one of the parts about this vertex; the first tetrahedron that names it has it.
+                const auto note = [&](Above& of_kind, std::vector<float>& all, std::size_t before,
+                                      std::uint32_t group, std::uint64_t key) {
+                    const std::uint32_t i = p[group] = of_kind.find(key);
+                    if (before + i == all.size()) {
+                        own(t, group);
+                        all.push_back(shortest);
+                        return std::pair(i, true);
+                    }
+                    all[before + i] = std::min(all[before + i], shortest);
+                    return std::pair(i, false);
+                };
+                if (std::exchange(first, false)) own(t, c);
                 for_each_edge_above(c, [&](std::uint32_t group, std::uint32_t b) {
-                    edges.push_back({p[b], t, group});
+                    note(edges, f.edges, edges_before, group, p[b]);
                 });
                 for_each_face_above(c, [&](std::uint32_t group, std::uint32_t b, std::uint32_t d) {
-                    faces.push_back({std::uint64_t{p[b]} << 32 | p[d], t, group});
+                    const auto [i, is_new] =
+                        note(faces, f.faces, faces_before, group, std::uint64_t{p[b]} << 32 | p[d]);
+                    if (is_new) {
+                        first_side.push_back({t, group - kFirstFace});
+                        sides.push_back(0);
+                    }
+                    if (++sides[i] > 2) f.crowded = std::min(f.crowded, t);
                 });
             }
-            std::ranges::sort(edges, std::less<>());
-            std::ranges::sort(faces, std::less<>());
-            for (std::size_t i = 0; i < edges.size(); ++i) {
-                if (i == 0 || edges[i].key != edges[i - 1].key) f.edge_sizes.push_back(0);
-                ++f.edge_sizes.back();
-                f.at_edge.push_back(edges[i].tetra);
-                parts_[edges[i].tetra][edges[i].group] = static_cast<std::uint32_t>(f.edge_sizes.size() - 1);
+            for (std::size_t i = 0; i < sides.size(); ++i) {
+                if (sides[i] == 1) f.hull.push_back(first_side[i]);
             }
-            for (std::size_t i = 0; i < faces.size(); ++i) {
-                if (i == 0 || faces[i].key != faces[i - 1].key) f.faces.push_back({{kNone, kNone}, 0});
-                FaceSides& sides = f.faces.back();
-                if (sides.count < 2) {
-                    sides.tetra[sides.count++] = faces[i].tetra;
-                } else {
-                    f.crowded = std::min(f.crowded, faces[i].tetra);
-                }
-                parts_[faces[i].tetra][faces[i].group] = static_cast<std::uint32_t>(f.faces.size() - 1);
-            }
+            first_edge_[v] = static_cast<std::uint32_t>(edges.size());
+            first_face_[v] = static_cast<std::uint32_t>(faces.size());
         }
     });
-
-    std::vector<std::uint32_t> first_edge, first_entry, first_face;
     std::uint32_t crowded = kNone;
-    for (const Found& f : found) {
-        first_edge.push_back(static_cast<std::uint32_t>(f.edge_sizes.size()));
-        first_entry.push_back(static_cast<std::uint32_t>(f.at_edge.size()));
-        first_face.push_back(static_cast<std::uint32_t>(f.faces.size()));
-        crowded = std::min(crowded, f.crowded);
-    }
+    for (const Found& f : found) crowded = std::min(crowded, f.crowded);
     if (crowded != kNone) {
         throw InvalidInput(fmt::format(
             "tetra refinement: tetrahedron {} has a face with more than one other; leave all but two out",
             crowded));
     }
-    const std::uint32_t edges = exclusive_scan(std::span(first_edge));
-    at_edge_.resize(exclusive_scan(std::span(first_entry)));
-    at_face_.resize(exclusive_scan(std::span(first_face)));
-    first_at_edge_.resize(edges + 1u);
-    first_at_edge_[edges] = static_cast<std::uint32_t>(at_edge_.size());
-    parallel_for(ctx, found.size(), 1, [&](std::size_t i) {
-        const Found& f = found[i];
-        std::ranges::copy(f.at_edge, at_edge_.begin() + first_entry[i]);
-        std::ranges::copy(f.faces, at_face_.begin() + first_face[i]);
-        std::uint32_t entry = first_entry[i];
-        for (std::size_t e = 0; e < f.edge_sizes.size(); ++e) {
-            first_at_edge_[first_edge[i] + e] = entry;
-            entry += f.edge_sizes[e];
-        }
-    });
+    const std::uint32_t edge_count = exclusive_scan(std::span(first_edge_));
+    shortest_at_.resize(vertices + edge_count + exclusive_scan(std::span(first_face_)));
     parallel_for(ctx, parts_.size(), kGrain, [&](std::size_t t) {
         Parts& p = parts_[t];
-        for (std::uint32_t e = 0; e < 6; ++e)
-            p[kFirstEdge + e] += first_edge[p[kTetraEdges[e][0]] / kVertexGrain];
-        for (std::uint32_t f = 0; f < 4; ++f)
-            p[kFirstFace + f] += first_face[p[f == 0 ? 1 : 0] / kVertexGrain];
+        for (std::uint32_t e = 0; e < 6; ++e) p[kFirstEdge + e] += first_edge_[p[kTetraEdges[e][0]]];
+        for (std::uint32_t f = 0; f < 4; ++f) p[kFirstFace + f] += first_face_[p[f == 0 ? 1 : 0]];
+    });
+    parallel_for(ctx, vertices, kGrain, [&](std::size_t v) {
+        float shortest = std::numeric_limits<float>::infinity();
+        for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v)))
+            shortest = std::min(shortest, traits_[t].shortest_edge);
+        shortest_at_[v] = shortest;
+    });
+    parallel_for(ctx, found.size(), 1, [&](std::size_t i) {
+        const auto out = shortest_at_.begin();
+        std::ranges::copy(found[i].edges, out + vertices + first_edge_[kVertexGrain * i]);
+        std::ranges::copy(found[i].faces, out + vertices + edge_count + first_face_[kVertexGrain * i]);
+    });
+    parallel_for(ctx, found.size(), 1, [&](std::size_t i) {
+        for (const TetraFace& f : found[i].hull) {
+            for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
+                if (lies_in_face(g, f.opposite))
+                    std::atomic_ref(shortest_at_[part_index(f.tetra, g)]).store(0, std::memory_order_relaxed);
+            }
+        }
     });
 }
 
-void TetraRefinement::find_hull_and_owners(const Context& ctx) {
-    std::vector<std::uint8_t> hull_vertex(coarse_.positions.size()), hull_edge(edge_count());
-    for (std::uint32_t f = 0; f < face_count(); ++f) {
-        if (at_face_[f].count != 1) continue;
-        const std::uint32_t t = at_face_[f].tetra[0];
-        const std::uint32_t opposite = group_in(t, Kind::face, f) - kFirstFace;
-        for (std::uint32_t c = 0; c < 4; ++c) {
-            if (c != opposite) hull_vertex[parts_[t][c]] = 1;
-        }
-        for (std::uint32_t e = 0; e < 6; ++e) {
-            if (kTetraEdges[e][0] != opposite && kTetraEdges[e][1] != opposite)
-                hull_edge[parts_[t][kFirstEdge + e]] = 1;
-        }
+std::vector<std::uint32_t> TetraRefinement::around(Kind kind, std::uint32_t part) const {
+    if (kind == Kind::inside) return {part};
+    std::uint32_t vertex = part;
+    if (kind != Kind::vertex) {
+        const auto& first = kind == Kind::edge ? first_edge_ : first_face_;
+        vertex = static_cast<std::uint32_t>(std::ranges::upper_bound(first, part) - first.begin()) - 1;
     }
-    parallel_for(ctx, parts_.size(), kGrain, [&](std::size_t i) {
-        const auto t = static_cast<std::uint32_t>(i);
-        std::uint32_t owned = 1u << TetraPattern::kInside, hull = 0;
-        for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
-            const std::uint32_t part = parts_[t][g];
-            if (around(kind_of(g), part).front() == t) owned |= 1u << g;
-            const bool on_hull = g < kFirstEdge   ? hull_vertex[part] != 0
-                                 : g < kFirstFace ? hull_edge[part] != 0
-                                                  : at_face_[part].count == 1;
-            if (on_hull) hull |= 1u << g;
-        }
-        traits_[t].owned = static_cast<std::uint16_t>(owned);
-        traits_[t].on_hull = static_cast<std::uint16_t>(hull);
-    });
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t t : at_vertex(vertex)) {
+        if (group_in(t, kind, part) < TetraPattern::kGroups) out.push_back(t);
+    }
+    return out;
 }
 
 TetraRefinement::Place TetraRefinement::place(std::uint32_t vertex) const {
@@ -337,10 +352,12 @@ Vec3 TetraRefinement::position(std::uint32_t tetra, Local local) const {
 
 std::uint32_t TetraRefinement::group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const {
     if (kind == Kind::inside) return TetraPattern::kInside;
+    constexpr std::array<std::uint32_t, 4> kFirst{0, kFirstEdge, kFirstFace, TetraPattern::kInside};
+    const auto k = static_cast<std::size_t>(kind);
     const Parts& p = parts_[tetra];
-    std::uint32_t group = kind == Kind::vertex ? 0 : kind == Kind::edge ? kFirstEdge : kFirstFace;
-    while (p[group] != part) ++group;
-    return group;
+    std::uint32_t group = kFirst[k];
+    while (group < kFirst[k + 1] && p[group] != part) ++group;
+    return group < kFirst[k + 1] ? group : TetraPattern::kGroups;
 }
 
 }  // namespace coppice

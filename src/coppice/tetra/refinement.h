@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,7 +19,7 @@ namespace coppice {
 /// The diagonal is chosen once per coarse tetrahedron, by its own shape, and kept on all levels: its
 /// descendants then have three shapes at most. It lies inside, so any choice conforms.
 ///
-/// Nothing but the coarse mesh, its edges and its faces is stored, some 130 bytes per coarse tetrahedron.
+/// Nothing but the coarse mesh, its edges and its faces is stored, some 110 bytes per coarse tetrahedron.
 /// Fine vertices are numbered in closed form: those of the coarse mesh, then those inside its edges, its
 /// faces and its tetrahedra. To every coarse tetrahedron belongs a pattern (see TetraPattern) whose corners 0
 /// to 3 are its vertices in ascending order, so that all who share an edge or a face see it in the same
@@ -46,8 +47,8 @@ class TetraRefinement {
 
     const TetraMesh& coarse() const { return coarse_; }
     int levels() const { return levels_; }
-    std::uint32_t edge_count() const { return static_cast<std::uint32_t>(first_at_edge_.size() - 1); }
-    std::uint32_t face_count() const { return static_cast<std::uint32_t>(at_face_.size()); }
+    std::uint32_t edge_count() const { return first_edge_.back(); }
+    std::uint32_t face_count() const { return first_face_.back(); }
     std::uint32_t vertex_count() const { return vertex_count_; }  ///< fine
     std::uint64_t tetra_count() const {                           ///< fine
         return std::uint64_t{coarse_.tetra.size()} << 3 * levels_;
@@ -59,9 +60,13 @@ class TetraRefinement {
     bool mirrored(std::uint32_t tetra) const { return traits_[tetra].mirrored; }
     /// Bit g is set when the part of group g has this as its first tetrahedron.
     std::uint32_t owned(std::uint32_t tetra) const { return traits_[tetra].owned; }
-    /// Bit g is set when the part of group g lies on the hull: in a face of one tetrahedron alone.
-    std::uint32_t on_hull(std::uint32_t tetra) const { return traits_[tetra].on_hull; }
+    /// Whether the part of a group lies on the hull: in a face of one tetrahedron alone.
+    bool on_hull(std::uint32_t tetra, std::uint32_t group) const { return shortest_edge(tetra, group) == 0; }
     float shortest_edge(std::uint32_t tetra) const { return traits_[tetra].shortest_edge; }  ///< [m] fine
+    /// [m] Of all tetrahedra that have the part of a group; 0 for what lies on the hull.
+    float shortest_edge(std::uint32_t tetra, std::uint32_t group) const {
+        return group == TetraPattern::kInside ? shortest_edge(tetra) : shortest_at_[part_index(tetra, group)];
+    }
     /// [m] Least distance of two parallel planes that have a fine tetrahedron between them: while each of its
     /// vertices moves by less than half of this, it keeps its orientation.
     float width(std::uint32_t tetra) const { return traits_[tetra].width; }
@@ -81,14 +86,9 @@ class TetraRefinement {
     /// [m] The same bits from every coarse tetrahedron that has the vertex.
     Vec3 position(std::uint32_t tetra, TetraPattern::Local local) const;
 
-    /// The coarse tetrahedra that have a part, ascending.
-    std::span<const std::uint32_t> around(Kind kind, std::uint32_t part) const {
-        if (kind == Kind::face) return std::span(at_face_[part].tetra).first(at_face_[part].count);
-        const bool edge = kind == Kind::edge;
-        const auto* first = (edge ? first_at_edge_ : first_at_vertex_).data() + part;
-        return {(edge ? at_edge_ : at_vertex_).data() + first[0], first[1] - first[0]};
-    }
-    /// The number of a part within a tetrahedron that has it, as a group of the pattern.
+    /// The coarse tetrahedra that have a part, ascending. O(those that have one of its vertices).
+    std::vector<std::uint32_t> around(Kind kind, std::uint32_t part) const;
+    /// The number of a part within a tetrahedron, as a group of the pattern; kGroups when it is not there.
     std::uint32_t group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const;
 
     static constexpr std::array<std::uint8_t, TetraPattern::kGroups> kKindOf{0, 0, 0, 0, 1, 1, 1, 1,
@@ -97,20 +97,30 @@ class TetraRefinement {
   private:
     struct Traits {
         float shortest_edge, width;
-        std::uint16_t owned, on_hull;
+        std::uint16_t owned;
         std::uint8_t diagonal;
         bool mirrored;
     };
-    struct FaceSides {
-        std::array<std::uint32_t, 2> tetra;
-        std::uint32_t count;
-    };
-
     void check(const Context& ctx) const;
     void describe(const Context& ctx);
-    void find_vertex_stars();
+    void find_vertex_stars(const Context& ctx);
     void find_parts(const Context& ctx);
-    void find_hull_and_owners(const Context& ctx);
+
+    std::span<const std::uint32_t> at_vertex(std::uint32_t v) const {
+        return std::span(at_vertex_)
+            .subspan(first_at_vertex_[v], first_at_vertex_[v + 1] - first_at_vertex_[v]);
+    }
+    void own(std::uint32_t tetra, std::uint32_t group) {
+        const auto bit = static_cast<std::uint16_t>(1u << group);
+        std::atomic_ref(traits_[tetra].owned).fetch_or(bit, std::memory_order_relaxed);
+    }
+    /// Place of the part of a group in `shortest_at_`.
+    std::size_t part_index(std::uint32_t tetra, std::uint32_t group) const {
+        const std::size_t part = parts_[tetra][group];
+        return group < 4    ? part
+               : group < 10 ? coarse_.positions.size() + part
+                            : coarse_.positions.size() + edge_count() + part;
+    }
 
     const TetraMesh& coarse_;
     int levels_;
@@ -118,9 +128,9 @@ class TetraRefinement {
     Buffer<Parts> parts_;
     Buffer<Traits> traits_;
     Buffer<std::uint32_t> first_at_vertex_, at_vertex_;
-    Buffer<std::uint32_t> first_at_edge_, at_edge_;
-    Buffer<FaceSides> at_face_;
-    std::array<std::uint32_t, 4> per_kind_{};  ///< fine vertices inside one part
+    Buffer<std::uint32_t> first_edge_, first_face_;  ///< per vertex: of which it is the least vertex
+    Buffer<float> shortest_at_;                      ///< vertices, edges, faces
+    std::array<std::uint32_t, 4> per_kind_{};        ///< fine vertices inside one part
     std::array<std::uint32_t, 4> first_of_kind_{};
     std::uint32_t vertex_count_ = 0;
 };
