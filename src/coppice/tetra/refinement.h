@@ -19,7 +19,7 @@ namespace coppice {
 /// The diagonal is chosen once per coarse tetrahedron, by its own shape, and kept on all levels: its
 /// descendants then have three shapes at most. It lies inside, so any choice conforms.
 ///
-/// Nothing but the coarse mesh, its edges and its faces is stored, some 110 bytes per coarse tetrahedron.
+/// Nothing but the coarse mesh, its edges and its faces is stored, some 100 bytes per coarse tetrahedron.
 /// Fine vertices are numbered in closed form: those of the coarse mesh, then those inside its edges, its
 /// faces and its tetrahedra. To every coarse tetrahedron belongs a pattern (see TetraPattern) whose corners 0
 /// to 3 are its vertices in ascending order, so that all who share an edge or a face see it in the same
