@@ -62,12 +62,11 @@ class Extractor {
     }
 
     TriMesh extract(int refinements, MarchReport& report) {
-        std::vector<std::uint64_t> triangles;
-        for (const CrossedTetra::Piece& piece : crossed_.pieces()) {
-            triangles.push_back(0);
-            for (const Crossing& crossing : piece.crossings) triangles.back() += crossing.cut().size - 2u;
-            report.crossed += piece.crossings.size();
-        }
+        std::vector<std::uint64_t> triangles(crossed_.pieces().size());
+        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
+            for (const Crossing& crossing : piece.crossings) triangles[p] += crossing.cut().size - 2u;
+        });
+        for (const CrossedTetra::Piece& piece : crossed_.pieces()) report.crossed += piece.crossings.size();
         const std::uint64_t triangle_count = exclusive_scan<std::uint64_t>(triangles);
         const std::uint64_t vertices = placed_count_ + numbers_.count();
         if (vertices >= kNone || triangle_count >= kNone)

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <atomic>
 
-#include "coppice/base/parallel.h"
 #include "coppice/tetra/march_settle_internal.h"
 
 namespace coppice::march_detail {
@@ -112,20 +110,13 @@ class FoldFinder {
 template <class Tetra>
 std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
                                       std::size_t count, const Tetra& tetra, const Context& ctx) {
-    constexpr std::size_t kGrain = 1024;
-    std::vector<std::vector<std::uint32_t>> found((count + kGrain - 1) / kGrain);
-    parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
+    const auto look_at = [&](IndexRange range, const auto& mark) {
         if (ctx.stop.stop_requested()) return;
         FoldFinder finder(refinement, samples);
-        auto& out = found[range.begin / kGrain];
-        for (std::size_t i = range.begin; i < range.end; ++i)
-            finder.look_at(tetra(i), [&](std::uint32_t vertex) { out.push_back(vertex); });
-    });
+        for (std::size_t i = range.begin; i < range.end; ++i) finder.look_at(tetra(i), mark);
+    };
+    auto out = collect_marked(refinement.vertex_count(), count, 1024, look_at, ctx);
     ctx.throw_if_cancelled();
-    std::vector<std::uint32_t> out;
-    for (const auto& part : found) out.insert(out.end(), part.begin(), part.end());
-    std::ranges::sort(out);
-    out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
 }
 

@@ -102,26 +102,27 @@ void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
     }
 }
 
+constexpr std::size_t kGrain = 256;
+
 /// The coarse tetrahedra that have one of the vertices, ascending.
 std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
-                                        std::span<const std::uint32_t> vertices) {
-    std::vector<std::uint32_t> out;
-    for (const std::uint32_t v : vertices) {
-        const auto place = refinement.place(v);
-        for (const std::uint32_t t : refinement.around(place.kind, place.part)) out.push_back(t);
-    }
-    sort_unique(out);
-    return out;
+                                        std::span<const std::uint32_t> vertices, const Context& ctx) {
+    const auto visit = [&](IndexRange range, const auto& mark) {
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            const auto place = refinement.place(vertices[i]);
+            std::ranges::for_each(refinement.around(place.kind, place.part), mark);
+        }
+    };
+    return collect_marked(refinement.coarse().tetra.size(), vertices.size(), kGrain, visit, ctx);
 }
 
 std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, const Samples& samples,
-                                         std::span<const std::uint32_t> vertices) {
-    std::vector<std::uint32_t> out;
-    Star star(refinement, samples);
-    for (const std::uint32_t v : vertices)
-        star.for_each_neighbour_on(v, [&](std::uint32_t w) { out.push_back(w); });
-    sort_unique(out);
-    return out;
+                                         std::span<const std::uint32_t> vertices, const Context& ctx) {
+    const auto visit = [&](IndexRange range, const auto& mark) {
+        Star star(refinement, samples);
+        for (std::size_t i = range.begin; i < range.end; ++i) star.for_each_neighbour_on(vertices[i], mark);
+    };
+    return collect_marked(refinement.vertex_count(), vertices.size(), kGrain, visit, ctx);
 }
 
 /// Puts vertices back until nothing is folded.
@@ -129,21 +130,21 @@ void unfold(const TetraRefinement& refinement, Samples& samples, const Context& 
     std::vector<std::uint32_t> folds = find_folds(refinement, samples, ctx);
     while (!folds.empty()) {
         put_back(folds, samples);
-        folds = find_folds(refinement, samples, tetra_around(refinement, folds), ctx);
+        folds = find_folds(refinement, samples, tetra_around(refinement, folds, ctx), ctx);
     }
 }
 
 }  // namespace
 
 Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
-    constexpr std::size_t kGrain = 256;
     unfold(refinement, samples, ctx);
     Settled out{CrossedTetra(refinement, samples, ctx), {}};
     ctx.throw_if_cancelled();
     std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
     std::vector<std::uint32_t> open, freed, folds, changed;
-    for_each_bit(samples.on, [&](std::uint32_t v) {
-        if (fans[samples.placed.rank(v)] == Fan::unknown) open.push_back(v);
+    std::uint32_t rank = 0;
+    for_each_bit(samples.placed.words(), [&](std::uint32_t v) {
+        if (fans[rank++] == Fan::unknown) open.push_back(v);
     });
     while (true) {
         parallel_for_ranges(ctx, open.size(), kGrain, [&](IndexRange r) {
@@ -160,18 +161,16 @@ Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const
         sort_unique(freed);
         put_back(freed, samples);
         // What is put back may spoil the fans of its neighbours alone, and fold what is about it.
-        open = neighbours_on(refinement, samples, freed);
-        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed);
+        for (const std::uint32_t v : freed) fans[samples.placed.rank(v)] = Fan::none;
+        open = neighbours_on(refinement, samples, freed, ctx);
+        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed, ctx);
         changed.insert(changed.end(), tetra.begin(), tetra.end());
         folds = find_folds(refinement, samples, tetra, ctx);
     }
     sort_unique(changed);
     out.crossed.update(changed, ctx);
     out.used.resize(fans.size());
-    for_each_bit(samples.on, [&](std::uint32_t v) {
-        const std::uint32_t rank = samples.placed.rank(v);
-        out.used[rank] = fans[rank] == Fan::single;
-    });
+    std::ranges::transform(fans, out.used.begin(), [](Fan fan) { return fan == Fan::single; });
     return out;
 }
 

@@ -81,8 +81,7 @@ class RankedBits {
 
 /// Calls use(i) for every set bit, in order.
 template <class Use>
-void for_each_bit(const RankedBits& bits, const Use& use) {
-    const auto words = bits.words();
+void for_each_bit(std::span<const std::uint64_t> words, const Use& use) {
     for (std::size_t w = 0; w < words.size(); ++w) {
         for (std::uint64_t rest = words[w]; rest != 0; rest &= rest - 1)
             use(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(rest)));

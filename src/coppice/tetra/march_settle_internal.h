@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -51,6 +52,21 @@ std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const S
                                       const Context& ctx);
 std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
                                       std::span<const std::uint32_t> tetra, const Context& ctx);
+
+/// The numbers below `universe` that body(range, mark) marks by calling mark(number), over ranges of [0,
+/// count): ascending, each once. O(universe / 64) besides.
+template <class Body>
+std::vector<std::uint32_t> collect_marked(std::size_t universe, std::size_t count, std::size_t grain,
+                                          const Body& body, const Context& ctx) {
+    std::vector<std::uint64_t> words(universe / 64 + 1);
+    const auto mark = [&](std::uint32_t i) {
+        std::atomic_ref(words[i / 64]).fetch_or(std::uint64_t{1} << (i % 64), std::memory_order_relaxed);
+    };
+    parallel_for_ranges(ctx, count, grain, [&](IndexRange range) { body(range, mark); });
+    std::vector<std::uint32_t> out;
+    for_each_bit(words, [&](std::uint32_t i) { out.push_back(i); });
+    return out;
+}
 
 struct Settled {
     CrossedTetra crossed;
