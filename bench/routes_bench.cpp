@@ -37,9 +37,10 @@ MeshOptions round_options(MeshMethod method) {
     return options;
 }
 
-MeshOptions tetra_options(double edge) {
+MeshOptions tetra_options(double edge, int levels = TetraOptions{}.tetra_levels) {
     MeshOptions options = round_options(MeshMethod::tetrahedra);
     options.tetra.edge = static_cast<float>(edge);
+    options.tetra.tetra_levels = levels;
     return options;
 }
 
@@ -187,9 +188,10 @@ double cell_for(std::uint64_t triangles, const Scene& scene, const Context& ctx)
                     });
 }
 
-double edge_for(std::uint64_t triangles, const Skeleton& skeleton, const Context& ctx) {
+/// The edge at which tetrahedra cut `levels` times have about as many triangles.
+double edge_for(std::uint64_t triangles, const Skeleton& skeleton, int levels, const Context& ctx) {
     return size_for(static_cast<double>(triangles), TetraOptions{}.edge, [&](double edge) {
-        return by_skeleton(skeleton, tetra_options(edge), ctx)(false).faces;
+        return by_skeleton(skeleton, tetra_options(edge, levels), ctx)(false).faces;
     });
 }
 
@@ -223,9 +225,10 @@ RoutesResult compare_routes(const Scene& scene, const RoutesOptions& options, co
     const double edge = TetraOptions{}.edge;
     const std::uint64_t triangles =
         bench.measure("tetrahedra", edge, by_skeleton(skeleton, tetra_options(edge), ctx)).figures.faces();
-    const double as_quads = edge_for(2 * quads, skeleton, ctx);
-    bench.measure("tetrahedra, as fine as quads", as_quads,
-                  by_skeleton(skeleton, tetra_options(as_quads), ctx));
+    constexpr int kLevels = 2;
+    const double as_quads = edge_for(2 * quads, skeleton, kLevels, ctx);
+    bench.measure(fmt::format("tetrahedra, {} levels, as fine as quads", kLevels), as_quads,
+                  by_skeleton(skeleton, tetra_options(as_quads, kLevels), ctx));
     measure_equal_grid(bench, scene, triangles, false, ctx);
     return bench.take();
 }
@@ -235,9 +238,11 @@ RoutesResult compare_paper(const PaperTree& tree, const RoutesOptions& options, 
     const std::uint32_t shrink = options.shrink;
     const Scene scene{tree.name, random_tree(tree.segments / (shrink * shrink), kSeed)};
     Bench bench(scene, options, ctx);
-    const double edge = edge_for(tree.tetrahedra.triangles / (shrink * shrink), scene.skeleton, ctx);
+    // The papers' triangles are small against the radius: many levels waste little then.
+    constexpr int kLevels = 3;
+    const double edge = edge_for(tree.tetrahedra.triangles / (shrink * shrink), scene.skeleton, kLevels, ctx);
     const std::uint64_t triangles =
-        bench.measure("tetrahedra", edge, by_skeleton(scene.skeleton, tetra_options(edge), ctx))
+        bench.measure("tetrahedra", edge, by_skeleton(scene.skeleton, tetra_options(edge, kLevels), ctx))
             .figures.faces();
     for (const PrintedGrid& printed : tree.grids) {
         const Grid grid = cube_about(scene.skeleton, printed.resolution / shrink);
