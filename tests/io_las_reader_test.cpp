@@ -126,12 +126,6 @@ TEST(LasReader, RefusesEveryTruncation) {
     }
 }
 
-TEST(LasReader, SaysWhyCompressedPointsAreNotRead) {
-    std::string bytes = las_file({2, 3, 34});
-    put<std::uint8_t>(bytes, 104, 0x83);
-    EXPECT_NE(error_of(bytes).find("compressed"), std::string::npos);
-}
-
 TEST(LasReader, SurvivesDamage) {
     const CounterRandom random(5, 1);
     for (std::uint64_t turn = 0; turn < 3000; ++turn) {
