@@ -155,6 +155,8 @@ ExitCode extract(Run& run, const CLI::App& command, ExtractFlags& flags) {
                                      flags.input.string()));
     }
     check_groups(command, flags.input, kind);
+    if (command.count("--ground-height") > 0 && flags.from_cloud.ground != GroundRule::height)
+        throw UsageError("--ground-height is for the rule of that name; add --ground height");
     const ExtractResult result = kind == FileKind::mesh ? from_mesh(run, flags) : from_cloud(run, flags);
     write(run, flags, result);
     fill_report(run, result);
