@@ -61,6 +61,19 @@ TEST(JoinTrees, ThinEndsHangOnThickAxes) {
     EXPECT_EQ(forks, 1u);
 }
 
+TEST(JoinTrees, ThickStartsHangOnThinAxesThatTheyHold) {
+    // A needle of twice the twig's radius whose start lies 1.3 radii of the twig beside its axis.
+    const auto joined = [](double radius, double beside) {
+        DraftTree t = chain({{0, 0, 0}, {0, 0, 3}}, 0.1);
+        t.add(DraftTree::kNoParent, {beside, 0, 2}, radius);
+        t.add(2, {beside + 1, 0, 2}, 0.01);
+        return extract_detail::join_trees(t, 1.2, {});
+    };
+    EXPECT_EQ(joined(0.2, 0.13), 1u);
+    EXPECT_EQ(joined(0.2, 0.25), 0u);   // beyond 1.2 of the thicker radius
+    EXPECT_EQ(joined(0.26, 0.05), 0u);  // a trunk beside a twig
+}
+
 TEST(Unfold, ANodePastItsForkGoes) {
     DraftTree t = chain({{0, 0, 0}, {0, 0, 1.2}, {0, 0, 1}, {0, 0, 2}}, 0.1);
     t.add(2, {1, 0, 1}, 0.1);

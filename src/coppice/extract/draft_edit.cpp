@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "coppice/spatial/box_tree.h"
@@ -83,10 +84,12 @@ struct Joint {
     double t;
 };
 
-/// For every end the segment of another tree whose axis is nearest in radii, nearest pairs first.
+/// For every end the segment of another tree whose axis is nearest in radii, nearest pairs first. They must
+/// overlap: the axis of one lies within `reach` radii of the other.
 std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint32_t> root, double reach,
                                const Context& ctx) {
-    constexpr double kThicker = 1.3;  // a branch starts on a thicker one, or one not much thinner
+    constexpr double kThicker = 1.3;      // a branch rather starts on a thicker one, or one not much thinner
+    constexpr double kMuchThicker = 2.5;  // and no trunk on a twig
     std::vector<std::uint32_t> lower;
     std::vector<Box3> boxes;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
@@ -100,14 +103,17 @@ std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint3
     if (boxes.empty() || reach <= 0) return joints;
     const BoxTree index(boxes, ctx);
     for (const std::uint32_t e : ends_of(tree, DraftLinks(tree))) {
-        Joint best{reach, e, kNone, 0};
+        const double r = tree.radius[e];
+        Joint best{std::numeric_limits<double>::infinity(), e, kNone, 0};
         Box3 at;
-        at.extend(Vec3(tree.position[e]));
+        for (const double way : {-reach * r, reach * r})
+            at.extend(Vec3(tree.position[e] + Vec3d(way, way, way)));
         index.visit_overlapping(at, [&](std::uint32_t item) {
             const std::uint32_t n = lower[item];
             if (root[n] == root[e]) return;
             const Foot f = foot_on(tree, n, tree.position[e]);
-            const double cost = f.distance / f.radius + std::max(0.0, tree.radius[e] / f.radius - kThicker);
+            if (f.distance >= reach * std::max(f.radius, r) || r > kMuchThicker * f.radius) return;
+            const double cost = f.distance / f.radius + std::max(0.0, r / f.radius - kThicker);
             if (cost < best.cost || (cost == best.cost && n < best.segment)) best = {cost, e, n, f.t};
         });
         if (best.segment != kNone) joints.push_back(best);

@@ -30,8 +30,9 @@ std::uint32_t unfold(DraftTree& tree, FitSamples& samples);
 /// their radius. O(samples + nodes).
 std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples);
 
-/// Attaches trees whose end lies within `reach` radii of the axis of another tree's segment, nearest first.
-/// Returns their number. Nodes may come before their parents afterwards.
+/// Attaches trees whose end lies within `reach` radii of the axis of another tree's segment, nearest first;
+/// radii of the thicker of both, and an end is at most 2.5 times as thick as the segment. Returns their
+/// number. Nodes may come before their parents afterwards.
 std::uint32_t join_trees(DraftTree& tree, double reach, const Context& ctx);
 
 /// Makes the end of every tree that is lowest along axis `up` its root; of the tree nearest to `wanted` the
