@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
@@ -86,7 +88,7 @@ TEST(RestoreOffsets, BringsBumpsBack) {
 TEST(RestoreOffsets, LeavesAllAsItIsWithoutAnOriginalNearby) {
     const QuadMesh before = plain_tube();
     const PolygonMesh bumps = tube_of(60, 60, bumpy);
-    for (const PolygonMesh& original : {PolygonMesh{}, tube_of(60, 60, bumpy, 50), inverted(bumps)}) {
+    for (const PolygonMesh& original : {PolygonMesh{}, tube_of(60, 60, bumpy, 50)}) {
         QuadMesh mesh = before;
         const RestoreResult result = restore_offsets(mesh, original, axes({0}));
         EXPECT_EQ(mesh.positions, before.positions);
@@ -112,6 +114,30 @@ TEST(RestoreOffsets, TakesTheNearestFaceThatLooksTheSameWay) {
     mesh = plain_tube();
     const PolygonMesh layers = both(tube_of(kSides, 8, wide), tube_of(kSides, 8, inner));
     EXPECT_NEAR(restore_offsets(mesh, layers, axes({0})).report.offset.p50, -0.05, 1e-3);
+}
+
+TEST(RestoreOffsets, TurnsOriginalsThatLookInward) {
+    QuadMesh wanted = plain_tube();
+    const PolygonMesh bumps = tube_of(200, 300, bumpy);
+    EXPECT_FALSE(restore_offsets(wanted, bumps, axes({0})).report.turned);
+    // The lower half of the tube looks inward, or all of it does.
+    PolygonMesh partly;
+    partly.positions = bumps.positions;
+    for (std::uint32_t f = 0; f < bumps.face_count(); ++f) {
+        std::vector<std::uint32_t> corners(bumps.face(f).begin(), bumps.face(f).end());
+        if (f < bumps.face_count() / 2) std::ranges::reverse(corners);
+        partly.add_face(corners);
+    }
+    for (PolygonMesh original : {inverted(bumps), partly}) {
+        original.origin = {5, 0, 0};
+        for (Vec3& p : original.positions) p.x -= 5;
+        QuadMesh mesh = plain_tube();
+        const RestoreResult result = restore_offsets(mesh, original, axes({0}));
+        EXPECT_TRUE(result.report.turned);
+        EXPECT_EQ(result.report.found, mesh.positions.size());
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+            ASSERT_LT(distance(mesh.positions[v], wanted.positions[v]), 1e-3) << v;
+    }
 }
 
 TEST(RestoreOffsets, FadeWhereThereIsNoOriginal) {

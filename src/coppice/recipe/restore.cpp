@@ -8,6 +8,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/extract/mesh_clean.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
@@ -64,7 +65,7 @@ Vec3 diagonal_normal(const Quad& q, std::span<const Vec3> x) {
 
 class Restoration {
   public:
-    Restoration(QuadMesh& mesh, const SurfaceTree& original, const CapsuleTree& capsules,
+    Restoration(QuadMesh& mesh, const SurfaceTree* original, const CapsuleTree& capsules,
                 const RestoreOptions& options, const Context& ctx)
         : mesh_(mesh),
           original_(original),
@@ -72,15 +73,17 @@ class Restoration {
           options_(options),
           ctx_(ctx),
           count_(mesh.positions.size()),
-          to_original_(mesh.origin - original.mesh().origin),
+          to_original_(mesh.origin - original->mesh().origin),
           start_(mesh.positions),
           topology_(build_cage_topology(mesh.quads, static_cast<std::uint32_t>(count_), ctx)) {}
 
-    RestoreResult run() {
+    /// `turned`: the original with other sides out, should they be wrong.
+    RestoreResult run(const SurfaceTree* turned) {
         find_normals();
         find_original();
+        if (turned != nullptr) prefer(turned);
         RestoreReport& report = result_.report;
-        report.found = static_cast<std::uint64_t>(std::count(found_.begin(), found_.end(), 1));
+        report.found = found_count();
         if (report.found == 0) return std::move(result_);
         report.distance_before = distances();
         fade();
@@ -139,12 +142,30 @@ class Restoration {
                 const Vec3d p(start_[v]), n(normal_[v]);
                 radius_[v] = local_radius(p, hint);
                 if (radius_[v] == 0 || n == Vec3d()) continue;
-                const auto t = nearest_passage(original_, p + to_original_, n, options_.reach * radius_[v]);
+                const auto t = nearest_passage(*original_, p + to_original_, n, options_.reach * radius_[v]);
                 if (!t) continue;
                 found_[v] = 1;
                 result_.offsets[v] = static_cast<float>(*t);
             }
         });
+    }
+
+    std::uint64_t found_count() const {
+        return static_cast<std::uint64_t>(std::count(found_.begin(), found_.end(), 1));
+    }
+
+    /// Takes the other surface where more vertices find it.
+    void prefer(const SurfaceTree* other) {
+        const std::uint64_t count = found_count();
+        std::swap(original_, other);
+        std::vector<std::uint8_t> found = std::move(found_);
+        Buffer<float> offsets = std::move(result_.offsets);
+        find_original();
+        result_.report.turned = found_count() > count;
+        if (result_.report.turned) return;
+        original_ = other;
+        found_ = std::move(found);
+        result_.offsets = std::move(offsets);
     }
 
     /// Averages over the neighbours where nothing was found: offsets spread from what was found, ever weaker.
@@ -251,14 +272,14 @@ class Restoration {
         std::vector<double> all(count_, -1.0);
         for_vertices([&](std::size_t v) {
             if (radius_[v] > 0)
-                all[v] = original_.distance(Vec3d(mesh_.positions[v]) + to_original_) / radius_[v];
+                all[v] = original_->distance(Vec3d(mesh_.positions[v]) + to_original_) / radius_[v];
         });
         std::erase_if(all, [](double d) { return d < 0; });
         return statistics(std::move(all));
     }
 
     QuadMesh& mesh_;
-    const SurfaceTree& original_;
+    const SurfaceTree* original_;
     const CapsuleTree& capsules_;
     const RestoreOptions& options_;
     const Context& ctx_;
@@ -272,6 +293,16 @@ class Restoration {
     RestoreResult result_;
 };
 
+/// The original with every piece facing outward; none where nothing had to be turned.
+std::optional<PolygonMesh> turned_outward(const PolygonMesh& original, const Context& ctx) {
+    if (original.face_count() == 0) return std::nullopt;
+    CleanMeshOptions options;
+    options.cards = false;
+    const CleanMeshResult cleaned = clean_mesh(original, options, ctx);
+    if (cleaned.repairs.turned == 0) return std::nullopt;
+    return to_polygons(cleaned.mesh);
+}
+
 }  // namespace
 
 RestoreResult restore_offsets(QuadMesh& mesh, const PolygonMesh& original, const Skeleton& skeleton,
@@ -280,8 +311,11 @@ RestoreResult restore_offsets(QuadMesh& mesh, const PolygonMesh& original, const
     validate(original);
     validate(to_polygons(mesh));
     const SurfaceTree surface(original, ctx);
+    const std::optional<PolygonMesh> other = turned_outward(original, ctx);
+    std::optional<SurfaceTree> turned;
+    if (other) turned.emplace(*other, ctx);
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
-    return Restoration(mesh, surface, capsules, options, ctx).run();
+    return Restoration(mesh, &surface, capsules, options, ctx).run(turned ? &*turned : nullptr);
 }
 
 }  // namespace coppice

@@ -32,6 +32,7 @@ struct RestoreReport {
     std::uint64_t faded = 0;        ///< vertices without, that move with their neighbours
     std::uint64_t pulled_back = 0;  ///< vertices that moved less, so that no face folds or crosses another
     std::uint32_t rounds = 0;       ///< of pulling back
+    bool turned = false;            ///< faces of the original that looked inward were turned
     Statistics offset;              ///< [radii] of all vertices; outward is positive
     Statistics distance_before;     ///< [radii] from vertices to the original; empty without any found
     Statistics distance_after;
@@ -53,10 +54,11 @@ struct RestoreResult {
 /// would fold, and pairs that would cross and did not before, take the offsets of their vertices back by
 /// halves, then wholly: the surface has no more folds and crossings than before. Only positions change.
 ///
-/// The original may be open, in pieces or empty, and have an origin of its own. O(n log m) for n vertices and
-/// m faces of the original; about 300 bytes per vertex meanwhile. The same bits for any number of threads.
-/// Throws InvalidInput naming an option out of range, what is wrong with either mesh, or that the surface
-/// crosses itself too often to tell new crossings from old ones.
+/// Where more vertices find the original with its pieces turned outward, as `clean_mesh` does, than as it is,
+/// it is turned. It may be open, in pieces or empty, and have an origin of its own. O(n log m) for n vertices
+/// and m faces of the original; about 300 bytes per vertex meanwhile. The same bits for any number of
+/// threads. Throws InvalidInput naming an option out of range, what is wrong with either mesh, or that the
+/// surface crosses itself too often to tell new crossings from old ones.
 RestoreResult restore_offsets(QuadMesh& mesh, const PolygonMesh& original, const Skeleton& skeleton,
                               const RestoreOptions& options = {}, const Context& ctx = {});
 
@@ -67,6 +69,7 @@ void visit_figures(const RestoreReport& r, Visitor&& visit) {
     visit("faded", r.faded);
     visit("pulled_back", r.pulled_back);
     visit("rounds", r.rounds);
+    visit("turned", r.turned);
     visit("offset", r.offset);
     visit("distance_before", r.distance_before);
     visit("distance_after", r.distance_after);
