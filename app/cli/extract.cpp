@@ -149,7 +149,7 @@ void write(Run& run, const ExtractFlags& flags, const ExtractResult& result) {
 
 ExitCode extract(Run& run, const CLI::App& command, ExtractFlags& flags) {
     check_flags(flags);
-    const FileKind kind = kind_of_input(flags.input, FileKind::points);
+    const FileKind kind = kind_of_input(flags.input);
     if (kind == FileKind::skeleton) {
         throw UsageError(fmt::format("'{}' is a skeleton already; a mesh or a cloud of points is needed",
                                      flags.input.string()));

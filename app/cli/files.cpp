@@ -60,38 +60,17 @@ bool is_one_of(const std::string& ending, std::initializer_list<std::string_view
     return std::ranges::find(endings, ending) != endings.end();
 }
 
-/// Whether the first row of a text, comments aside, is one of numbers.
-bool begins_with_number(std::string_view text) {
-    while (!text.empty()) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        const std::string_view line = text.substr(0, end);
-        text.remove_prefix(std::min(end + 1, text.size()));
-        const std::size_t first = line.find_first_not_of(" \t\r");
-        if (first == line.npos || line[first] == '#') continue;
-        const char c = line[first];
-        return (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.';
-    }
-    return false;
-}
-
-/// Of a text with any ending: a skeleton when it says so by the names of its columns or its mark, else as
-/// `numbers` says.
-FileKind kind_of_text(const std::filesystem::path& path, FileKind numbers) {
-    const std::string head = head_of(path);
-    if (!format_of_content(head)) return FileKind::points;
-    return begins_with_number(head) ? numbers : FileKind::skeleton;
-}
-
 }  // namespace
 
-FileKind kind_of_input(const std::filesystem::path& path, FileKind numbers) {
+FileKind kind_of_input(const std::filesystem::path& path) {
     const std::string ending = ending_of(path);
     std::error_code error;
     const bool readable = std::filesystem::is_regular_file(path, error);
     if (readable && ending == ".obj") return obj_holds_lines(path) ? FileKind::skeleton : FileKind::mesh;
     if (readable && ending == ".ply") return kind_of_ply(path);
     if (is_one_of(ending, {".xyz", ".asc", ".pcd", ".las", ".laz"})) return FileKind::points;
-    if (readable && is_one_of(ending, {".txt", ".csv"})) return kind_of_text(path, numbers);
+    if (readable && is_one_of(ending, {".txt", ".csv"}))
+        return format_of_content(head_of(path)) ? FileKind::skeleton : FileKind::points;
     if (mesh_format_of_name(path)) return FileKind::mesh;
     if (format_of_extension(path) || !readable) return FileKind::skeleton;
     return mesh_format_of_content(head_of(path)) ? FileKind::mesh : FileKind::skeleton;

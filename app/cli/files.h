@@ -13,9 +13,8 @@ namespace coppice::cli {
 enum class FileKind { skeleton, mesh, points };
 
 /// What a file holds, by its name, and by its content where the name leaves it open (OBJ, PLY, TXT, CSV,
-/// unknown endings). Rows of numbers without names may be points as well as nodes: they are of the kind
-/// `numbers`.
-FileKind kind_of_input(const std::filesystem::path& path, FileKind numbers = FileKind::skeleton);
+/// unknown endings): all commands agree on it.
+FileKind kind_of_input(const std::filesystem::path& path);
 
 /// What a file of this name is to hold. Throws UsageError when the ending is unknown; a name that fits both
 /// (OBJ, PLY) is of the kind `preferred`.

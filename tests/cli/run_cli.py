@@ -46,6 +46,7 @@ def make_inputs():
     rows = ["%.4f %.4f %.4f" % p for p in stem]
     write("stem.xyz", "\n".join(rows))
     write("stem.txt", "".join(row + " 1 200 90 40\n" for row in rows))
+    write("tree.txt", TREE)
     write("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
           "end_header\n" % len(rows) + "\n".join(rows) + "\n")
     write("two.xyz", "0 0 0\n0 0 1\n")
