@@ -81,6 +81,16 @@ TEST(CloudGraph, PathsPreferManyShortSteps) {
     EXPECT_NEAR(paths.distance[3], 3.02, 1e-5);
 }
 
+TEST(CloudGraph, StopsWhenAskedTo) {
+    const auto points = strewn(100, 3);
+    const Neighbours near = nearest_neighbours(points, 6, {});
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_THROW(
+        make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {}, {.stop = source.get_token()}),
+        Cancelled);
+}
+
 TEST(CloudGraph, IgnoredPointsHaveNoLinks) {
     const auto points = strewn(100, 3);
     const Neighbours near = nearest_neighbours(points, 6, {});

@@ -147,11 +147,13 @@ void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points
         const AxisFitter axes(tree, points);
         std::vector<Measured> measured(tree.size());
         parallel_for_ranges(ctx, tree.size(), 64, [&](IndexRange range) {
+            if (ctx.stop.stop_requested()) return;
             std::vector<PlanePoint> plane;
             for (std::size_t n = std::max<std::size_t>(range.begin, first); n < range.end; ++n) {
                 measured[n] = axes.measure(static_cast<std::uint32_t>(n), plane);
             }
         });
+        ctx.throw_if_cancelled();
         for (std::uint32_t n = first; n < tree.size(); ++n) {
             tree.position[n] = measured[n].position;
             tree.radius[n] = measured[n].radius;

@@ -19,8 +19,9 @@ bool lists(const Neighbours& neighbours, std::uint32_t row, std::uint32_t point)
 /// Calls visit(i, j, length) once for every link.
 template <class Visit>
 void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                   std::span<const Link> more, const Visit& visit) {
+                   std::span<const Link> more, const Context& ctx, const Visit& visit) {
     for (std::uint32_t i = 0; i < ignored.size(); ++i) {
+        if (i % 65536 == 0) ctx.throw_if_cancelled();
         if (ignored[i]) continue;
         for (std::uint32_t k = 0; k < neighbours.count; ++k) {
             const std::uint32_t j = neighbours.of(i)[k];
@@ -131,10 +132,10 @@ struct Members {
 }  // namespace
 
 Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                 std::span<const Link> more) {
+                 std::span<const Link> more, const Context& ctx) {
     Graph graph;
     graph.first.assign(ignored.size() + 1, 0);
-    for_each_link(neighbours, ignored, more, [&](std::uint32_t i, std::uint32_t j, float) {
+    for_each_link(neighbours, ignored, more, ctx, [&](std::uint32_t i, std::uint32_t j, float) {
         ++graph.first[i];
         ++graph.first[j];
     });
@@ -142,7 +143,7 @@ Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ign
     graph.to.resize(total);
     graph.length.resize(total);
     std::vector<std::uint32_t> next(graph.first.begin(), graph.first.end());
-    for_each_link(neighbours, ignored, more, [&](std::uint32_t i, std::uint32_t j, float length) {
+    for_each_link(neighbours, ignored, more, ctx, [&](std::uint32_t i, std::uint32_t j, float length) {
         graph.to[next[i]] = j;
         graph.length[next[i]++] = length;
         graph.to[next[j]] = i;

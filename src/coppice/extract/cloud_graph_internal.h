@@ -31,7 +31,7 @@ struct Graph {
 
 /// Joins every point that `ignored` does not mark to its neighbours, and the ends of `more` links. O(n k).
 Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                 std::span<const Link> more);
+                 std::span<const Link> more, const Context& ctx = {});
 
 struct Components {
     std::vector<std::uint32_t> of;    ///< of each point

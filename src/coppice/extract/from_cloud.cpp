@@ -125,11 +125,11 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     const Buffer<float> spacing = local_spacing(near, kSpacingRank);
     cleaning.spacing = median(spacing);
 
-    Graph graph = make_graph(near, stray, {});
+    Graph graph = make_graph(near, stray, {}, ctx);
     Components parts = components(graph);
     const auto bridges = bridge_gaps(points, stray, parts, gap_of(points, cleaning.spacing, options), ctx);
     if (!bridges.empty()) {
-        graph = make_graph(near, stray, bridges);
+        graph = make_graph(near, stray, bridges, ctx);
         parts = components(graph);
     }
     std::optional<Vec3d> root;
