@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "coppice/skeleton/prepare.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_detail {
@@ -244,6 +245,18 @@ std::uint32_t unfold(DraftTree& tree, FitSamples& samples) {
     return count;
 }
 
+void thin(DraftTree& tree, FitSamples& samples, double tolerance) {
+    unfold(tree, samples);
+    PrepareOptions options;
+    options.resample.tolerance = static_cast<float>(tolerance);
+    options.resample.max_length = 1e6f;
+    options.resample.bend_angle = 3.14f;
+    const PrepareResult thinned = prepare(to_skeleton(tree, {}), options);
+    tree = to_draft(thinned.skeleton);
+    for (std::uint32_t& n : samples.node)
+        if (n != kNone) n = thinned.new_of_old[n].index();
+}
+
 std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {
     constexpr double kBeside = 1.5, kRim = 0.7, kFlat = 0.25, kMoved = 0.1, kStraight = 1.2;  // [radius]
     struct End {
@@ -324,6 +337,30 @@ void choose_roots(DraftTree& tree, int up, std::optional<Vec3d> wanted) {
     }
     for (const std::uint32_t e : chosen)
         if (e != kNone) root_at(tree, e);
+}
+
+std::vector<NodeConfidence> rate_nodes(const DraftTree& tree, const FitSamples& samples, float& residual,
+                                       const Context& ctx) {
+    const std::vector<float> off = fit_residuals(tree, samples, ctx);
+    std::vector<NodeConfidence> confidence(tree.size());
+    std::vector<double> sum(tree.size(), 0);
+    double total = 0;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < off.size(); ++i) {
+        const std::uint32_t n = samples.node[i];
+        if (n == kNone) continue;
+        const double r = std::abs(off[i]) / tree.radius[n];
+        sum[n] += r;
+        total += r;
+        ++count;
+        ++confidence[n].samples;
+    }
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (confidence[n].samples > 0)
+            confidence[n].residual = static_cast<float>(sum[n] / confidence[n].samples);
+    }
+    residual = count > 0 ? static_cast<float>(total / static_cast<double>(count)) : 0;
+    return confidence;
 }
 
 }  // namespace coppice::extract_detail

@@ -7,6 +7,7 @@
 
 #include "coppice/extract/capsule_fit.h"
 #include "coppice/extract/draft_tree.h"
+#include "coppice/extract/extract_result.h"
 
 namespace coppice::extract_detail {
 
@@ -25,6 +26,10 @@ std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least);
 /// to the node below. Returns their number. O(nodes).
 std::uint32_t unfold(DraftTree& tree, FitSamples& samples);
 
+/// Unfolds, and takes away the nodes that the surface does not need to stay within `tolerance` radii. O(n log
+/// n).
+void thin(DraftTree& tree, FitSamples& samples, double tolerance);
+
 /// Moves every end along its axis to where its samples end, less its radius; where they end in a flat face,
 /// into that face, whose samples are then left out. Returns the number of ends moved by more than a tenth of
 /// their radius. O(samples + nodes).
@@ -38,5 +43,9 @@ std::uint32_t join_trees(DraftTree& tree, double reach, const Context& ctx);
 /// Makes the end of every tree that is lowest along axis `up` its root; of the tree nearest to `wanted` the
 /// end nearest to that. Nodes may come before their parents afterwards.
 void choose_roots(DraftTree& tree, int up, std::optional<Vec3d> wanted);
+
+/// How well the samples that each node has support it; `residual` takes the mean of all samples.
+std::vector<NodeConfidence> rate_nodes(const DraftTree& tree, const FitSamples& samples, float& residual,
+                                       const Context& ctx);
 
 }  // namespace coppice::extract_detail

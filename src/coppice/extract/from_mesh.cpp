@@ -10,7 +10,6 @@
 #include "coppice/extract/distance_internal.h"
 #include "coppice/extract/draft_edit_internal.h"
 #include "coppice/extract/ring_tree_internal.h"
-#include "coppice/skeleton/prepare.h"
 
 namespace coppice {
 namespace {
@@ -41,7 +40,6 @@ class Extraction {
     void draft_from_contraction();
     void assign_rest();
     void fit(int iterations, double robust);
-    void thin();
     void finish();
     ExtractReport& report() { return out_.report; }
 
@@ -162,19 +160,6 @@ void Extraction::fit(int iterations, double robust) {
     fit_capsules(tree_, samples_, options, ctx_);
 }
 
-/// Leaves out the nodes that the surface does not need.
-void Extraction::thin() {
-    unfold(tree_, samples_);
-    PrepareOptions options;
-    options.resample.tolerance = options_.tolerance;
-    options.resample.max_length = 1e6f;
-    options.resample.bend_angle = 3.14f;
-    const PrepareResult thinned = prepare(to_skeleton(tree_, {}), options);
-    tree_ = to_draft(thinned.skeleton);
-    for (std::uint32_t& n : samples_.node)
-        if (n != kNone) n = thinned.new_of_old[n].index();
-}
-
 /// Roots, order, and what each node rests on.
 void Extraction::finish() {
     report().joined = join_trees(tree_, options_.join, ctx_);
@@ -188,25 +173,8 @@ void Extraction::finish() {
     choose_roots(tree_, static_cast<int>(options_.up), root);
     sort_samples(sort_parents_first(tree_));
     fit(0, kNarrow);
-    const std::vector<float> residual = fit_residuals(tree_, samples_, ctx_);
     out_.skeleton = to_skeleton(tree_, origin_);
-    out_.confidence.assign(tree_.size(), {});
-    std::vector<double> sum(tree_.size(), 0);
-    double total = 0;
-    std::uint64_t count = 0;
-    for (std::size_t v = 0; v < residual.size(); ++v) {
-        const std::uint32_t n = samples_.node[v];
-        if (n == kNone) continue;
-        const double r = std::abs(residual[v]) / tree_.radius[n];
-        sum[n] += r;
-        total += r;
-        ++count;
-        ++out_.confidence[n].samples;
-    }
-    for (std::uint32_t n = 0; n < tree_.size(); ++n)
-        if (out_.confidence[n].samples > 0)
-            out_.confidence[n].residual = static_cast<float>(sum[n] / out_.confidence[n].samples);
-    report().residual = count > 0 ? static_cast<float>(total / static_cast<double>(count)) : 0;
+    out_.confidence = rate_nodes(tree_, samples_, report().residual, ctx_);
     report().trees = out_.skeleton.tree_count();
 }
 
@@ -222,9 +190,9 @@ FromMeshResult Extraction::run(const PolygonMesh& mesh) {
         report().pruned_twigs += prune_stubs(tree_, samples_, options_.prune);
     });
     stage("refine", 0.9f, [&] {
-        thin();
+        thin(tree_, samples_, options_.tolerance);
         fit(kLastFit, kNarrow);
-        thin();
+        thin(tree_, samples_, options_.tolerance);
         fit(kLastFit, kNarrow);
         extend_ends(tree_, samples_);
     });
