@@ -19,6 +19,21 @@ struct Measured {
     float weight, residual;
 };
 
+/// Unit directions of the axes at the nodes, away from the root.
+std::vector<Vec3d> axis_directions(const CloudTree& tree, std::span<const std::uint32_t> next) {
+    std::vector<Vec3d> direction(tree.size());
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const std::uint32_t above = tree.parent[n];
+        // A lateral's first node lies beside its parent: the way there is not its direction.
+        const bool starts = above == kNone || next[above] != n;
+        const std::uint32_t from = starts && next[n] != kNone ? n : above;
+        const std::uint32_t to = next[n] == kNone ? n : next[n];
+        const Vec3d back = from == kNone ? tree.position[n] : tree.position[from];
+        direction[n] = normalized(tree.position[to] - back);
+    }
+    return direction;
+}
+
 class AxisFitter {
   public:
     AxisFitter(const CloudTree& tree, std::span<const Vec3> points)
@@ -126,20 +141,6 @@ void smooth(CloudTree& tree, std::uint32_t first, const AxisFitter& axes) {
 
 }  // namespace
 
-std::vector<Vec3d> axis_directions(const CloudTree& tree, std::span<const std::uint32_t> next) {
-    std::vector<Vec3d> direction(tree.size());
-    for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        const std::uint32_t above = tree.parent[n];
-        // A lateral's first node lies beside its parent: the way there is not its direction.
-        const bool starts = above == kNone || next[above] != n;
-        const std::uint32_t from = starts && next[n] != kNone ? n : above;
-        const std::uint32_t to = next[n] == kNone ? n : next[n];
-        const Vec3d back = from == kNone ? tree.position[n] : tree.position[from];
-        direction[n] = normalized(tree.position[to] - back);
-    }
-    return direction;
-}
-
 void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points, int passes,
               const Context& ctx) {
     for (int pass = 0; pass < passes; ++pass) {
@@ -161,22 +162,6 @@ void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points
             tree.residual[n] = measured[n].residual;
         }
         smooth(tree, first, axes);
-    }
-}
-
-void smooth_axes(CloudTree& tree, int passes) {
-    std::vector<double> longest;
-    const auto next = axis_children(tree, longest);
-    std::vector<Vec3d> moved;
-    for (int pass = 0; pass < passes; ++pass) {
-        moved = tree.position;
-        for (std::uint32_t n = 0; n < tree.size(); ++n) {
-            const std::uint32_t a = tree.parent[n], b = next[n];
-            if (a == kNone || b == kNone || next[a] != n) continue;
-            if (tree.weight[n] > 0 && tree.residual[n] < 0.1 * tree.radius[n]) continue;
-            moved[n] = lerp(tree.position[n], 0.5 * (tree.position[a] + tree.position[b]), 0.5);
-        }
-        tree.position.swap(moved);
     }
 }
 

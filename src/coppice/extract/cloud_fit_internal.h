@@ -13,11 +13,4 @@ namespace coppice::extract_internal {
 void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points, int passes,
               const Context& ctx);
 
-/// Straightens axes where no clean fits hold their nodes: each pass draws a node halfway to the middle of its
-/// neighbours. Otherwise the scatter of a few points makes thin twigs too long.
-void smooth_axes(CloudTree& tree, int passes);
-
-/// Unit directions of the axes at the nodes, away from the root.
-std::vector<Vec3d> axis_directions(const CloudTree& tree, std::span<const std::uint32_t> next);
-
 }  // namespace coppice::extract_internal

@@ -7,26 +7,20 @@
 #include "coppice/base/column.h"
 #include "coppice/base/vec.h"
 #include "coppice/extract/cloud_graph_internal.h"
+#include "coppice/extract/draft_tree.h"
 
 namespace coppice::extract_internal {
 
-/// A skeleton in the making, and which points belong to which node.
-struct CloudTree {
-    std::vector<std::uint32_t> parent;    ///< kNone for roots; parents come first
-    std::vector<Vec3d> position;          ///< [m]
-    std::vector<double> radius;           ///< [m] 0 = not known yet
+/// A skeleton in the making, and which points belong to which node. A radius of 0 is not known yet.
+struct CloudTree : DraftTree {
     std::vector<float> weight;            ///< trust in the radius: points of the fit, 0 = none
     std::vector<float> residual;          ///< [m] root mean square of the fit
     Buffer<std::uint32_t> node_of_point;  ///< kNone = left out
 
-    std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }
-    std::uint32_t add(std::uint32_t above, Vec3d at) {
-        parent.push_back(above);
-        position.push_back(at);
-        radius.push_back(0);
+    std::uint32_t add(std::uint32_t above, Vec3d at, double r = 0) {
         weight.push_back(0);
         residual.push_back(0);
-        return size() - 1;
+        return DraftTree::add(above, at, r);
     }
 };
 

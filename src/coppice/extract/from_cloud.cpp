@@ -10,11 +10,10 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/extract/cloud_clean_internal.h"
-#include "coppice/extract/cloud_fit_internal.h"
+#include "coppice/extract/cloud_draft_internal.h"
 #include "coppice/extract/cloud_graph_internal.h"
-#include "coppice/extract/cloud_scales_internal.h"
-#include "coppice/extract/cloud_shape_internal.h"
-#include "coppice/extract/cloud_tree_internal.h"
+#include "coppice/extract/cloud_tubes_internal.h"
+#include "coppice/extract/draft_edit_internal.h"
 
 namespace coppice {
 namespace {
@@ -25,8 +24,6 @@ constexpr std::size_t kFewestPoints = 20;
 constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is taken for the spacing
 constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
 constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
-constexpr int kSmoothPasses = 3;
-constexpr double kThinnest = 0.05;  // [spacing] least radius
 
 float median(std::span<const float> values) {
     Buffer<float> sorted(values.begin(), values.end());
@@ -84,33 +81,6 @@ double gap_of(std::span<const Vec3> points, double spacing, const CloudOptions& 
     return std::max(kGapSpacings * spacing, kGapHeight * double{box.size().z});
 }
 
-CloudExtraction finish(const CloudTree& tree, Vec3d origin) {
-    std::vector<NodeId> parent;
-    std::vector<Vec3> position;
-    std::vector<float> radius;
-    std::vector<NodeConfidence> confidence(tree.size());
-    double off = 0, weight = 0;
-    for (const std::uint32_t n : tree.node_of_point) {
-        if (n != kNone) ++confidence[n].samples;
-    }
-    for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        parent.push_back(tree.parent[n] == kNone ? NodeId::none() : NodeId(tree.parent[n]));
-        position.push_back(Vec3(tree.position[n]));
-        radius.push_back(std::max(static_cast<float>(tree.radius[n]), std::numeric_limits<float>::min()));
-        confidence[n].residual = static_cast<float>(tree.residual[n] / tree.radius[n]);
-        off += double{confidence[n].residual} * confidence[n].samples;
-        weight += confidence[n].samples;
-    }
-    CloudExtraction out{{Skeleton(std::move(parent), std::move(position), std::move(radius), origin),
-                         std::move(confidence),
-                         {}},
-                        {}};
-    out.report.samples = static_cast<std::uint64_t>(weight);
-    out.report.residual = weight > 0 ? static_cast<float>(off / weight) : 0;
-    out.report.trees = out.skeleton.tree_count();
-    return out;
-}
-
 }  // namespace
 
 CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& options, const Context& ctx) {
@@ -134,27 +104,25 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     }
     std::optional<Vec3d> root;
     if (options.root) root = *options.root - set.origin;
-    const auto roots = find_roots(points, graph, parts, cleaning.spacing, root, options.max_trees);
-    if (roots.empty())
+    const auto feet = find_roots(points, graph, parts, cleaning.spacing, root, options.max_trees);
+    if (feet.empty())
         throw InvalidInput("extract: no part of the cloud is large enough for a tree; give --root");
     ctx.report(0.4f);
 
-    std::uint32_t pruned = 0;
-    CloudTree tree = grow_tree(points, graph, roots, spacing,
-                               {options.step, options.fit_passes, options.twig}, pruned, ctx);
-    if (options.bark > 0) pruned += prune_roughness(tree, options.bark);
-    smooth_axes(tree, kSmoothPasses);
-    repair_forks(tree);
-    const std::uint32_t ends = extend_ends(tree, points);
-    settle_radii(tree, kThinnest * cleaning.spacing);
-    CloudExtraction out = finish(tree, set.origin);
-    cleaning.unreached =
-        points.size() - std::min<std::uint64_t>(points.size(), cleaning.strays + out.report.samples);
-    out.cleaning = cleaning;
+    CloudTree tubes = find_tubes(points, graph, feet, spacing, {options.step, options.fit_passes}, ctx);
+    ctx.report(0.7f);
+    FitSamples samples{points, {}, {tubes.node_of_point.begin(), tubes.node_of_point.end()}};
+    const CloudDraft draft = draft_from_cloud(std::move(tubes), std::move(samples), graph, feet, spacing,
+                                              {options.step, options.twig}, ctx);
+    cleaning.unreached = points.size() - cleaning.strays - draft.reached;
+    CloudExtraction out{{to_skeleton(draft.tree, set.origin), {}, {}}, cleaning};
+    out.confidence = extract_detail::rate_nodes(draft.tree, draft.samples, out.report.residual, ctx);
+    for (const NodeConfidence& c : out.confidence) out.report.samples += c.samples;
+    out.report.trees = out.skeleton.tree_count();
     out.report.components = out.report.trees;
     out.report.joined = static_cast<std::uint32_t>(bridges.size());
-    out.report.pruned_twigs = pruned;
-    out.report.repaired_tips = ends;
+    out.report.pruned_twigs = draft.dropped;
+    out.report.repaired_tips = draft.ends;
     ctx.report(1);
     return out;
 }

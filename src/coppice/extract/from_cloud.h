@@ -34,9 +34,7 @@ struct CloudOptions {
     float gap = 0;       ///< [m] widest gap that is bridged; 0 = from the spacing and height of the tree
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
     int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
-    float twig = 0.75f;  ///< [spacing] shorter twigs are left out, beyond where they part; in [0, 100]
-    float bark = 0;      ///< [radius] what leaves a clean tube, shows none itself and ends so near to its
-                         ///< surface goes: for clouds denser than a twig's radius; 0 = none; in [0, 20]
+    float twig = 0.75f;  ///< [spacing] what rises less above the rest of the surface is no twig; in [0, 100]
     int max_trees = 0;   ///< the thickest so many are kept; 0 = all; in [0, 100000]
     std::optional<Vec3d> root;  ///< [m] world: there is one tree, and it stands at the point nearest to this
 };
@@ -61,12 +59,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 0.25, 20},
           o.step);
     visit(Field{"fit_passes", "Times that circles are fitted", Unit::none, 0, 50}, o.fit_passes);
-    visit(
-        Field{"twig", "Length below which a twig is left out, in spacings of the points", Unit::none, 0, 100},
-        o.twig);
-    visit(Field{"bark", "Height above a clean branch below which what is no branch is left out", Unit::radius,
-                0, 20},
-          o.bark);
+    visit(Field{"twig", "Height above the rest of the surface that makes a twig, in spacings of the points",
+                Unit::none, 0, 100},
+          o.twig);
     visit(Field{"max_trees", "Number of trees that are kept; 0 = all", Unit::none, 0, 100000}, o.max_trees);
 }
 
@@ -99,18 +94,20 @@ struct CloudExtraction : ExtractResult {
 /// Cleaning: exact duplicates go, cubes thin where asked for, ground goes (a smooth surface under most of the
 /// plan), then strays. Neighbours are joined in a graph, parts nearer than `gap` are bridged by shortest
 /// links. Trees stand at the lowest places as thick as a trunk; paths from there cost the square of each step
-/// in spacings. Pieces of about equal cost become nodes, circles fitted to their points along the axis move
-/// them to its middle; so half a cylinder is enough. This runs from thick to thin: tubes that fit keep their
-/// points, the rest is cut anew with a shorter step. Then loose axes are smoothed, forks are moved to where
-/// the axes meet, and ends to where points end. Radii fall along axes; where circles do not fit they follow
-/// the allometry of those that do, ln r over ln of the length beyond, capped by the spread of the points.
-/// Sources: [Xu2007] for bins of path lengths, [Livny2010] for the allometry, [Taubin1991].
+/// in spacings.
 ///
-/// Limits: twigs whose radius is less than about half the spacing merge with their neighbours near forks; of
-/// clouds much denser than the thinnest radius the crotches of forks become twigs: thin them with `voxel`,
-/// or use `bark`. Leaves are not told from wood.
+/// Tubes first, from thick to thin: pieces of about equal cost become nodes, circles are fitted to their
+/// points along the axis, so half a cylinder is enough, and clean runs keep their points. Each hangs by the
+/// path from its lowest point on what that meets. Then chains: from the point farthest along paths that lies
+/// on no surface yet, back to the tree, through the middle of the points about the path, however few. Then
+/// all segments are fitted to all points at once (see capsule_fit.h), laterals start where their axis meets
+/// the one they leave, and branches whose points the others explain go. Chains, fit and selection run three
+/// times. Sources: [Xu2007] for paths and pieces, [Taubin1991].
 ///
-/// The origin is that of the cloud. O(n log n), about 350 bytes per point, the same bits for any number of
+/// Limits: a twig needs three points, and to rise 0.75 spacings above the rest: where there are fewer than
+/// about five points on it, one in two or three is found. Leaves are not told from wood.
+///
+/// The origin is that of the cloud. O(n log n), about 400 bytes per point, the same bits for any number of
 /// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after
 /// cleaning; Cancelled.
 CloudExtraction extract_from_cloud(const PointSet& points, const CloudOptions& options = {},

@@ -1,12 +1,12 @@
-#include "coppice/extract/cloud_scales_internal.h"
+#include "coppice/extract/cloud_tubes_internal.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "coppice/base/parallel.h"
 #include "coppice/extract/cloud_fit_internal.h"
-#include "coppice/extract/cloud_shape_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -21,12 +21,56 @@ struct Scale {
 
 // Thick before thin: with steps of four spacings the rings of thick branches close, and bundles of twigs show
 // by residuals that are large for their thickness.
-constexpr std::array<Scale, 4> kScales{
-    {{4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}, {1, 1.5, 0, 0}}};
-constexpr float kFewestOfTube = 12;  // points
-constexpr double kSlack = 0.2;       // [radius] beyond a tube, up to which points are its own
+constexpr std::array<Scale, 3> kScales{{{4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
+constexpr float kFewestOfTube = 12;   // points
+constexpr double kRough = 1.4;        // times the reach that a twig on a tube must have
+constexpr std::uint32_t kFewest = 3;  // points of a twig
+constexpr double kSlack = 0.2;        // [radius] beyond a tube, up to which points are its own
 
-/// Keeps, of the nodes from `first` on, clean tubes that are thick against the spacing, and roots.
+std::vector<std::uint32_t> points_beyond(const CloudTree& tree) {
+    std::vector<std::uint32_t> count(tree.size(), 0);
+    for (const std::uint32_t n : tree.node_of_point) {
+        if (n != kNone) ++count[n];
+    }
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        if (tree.parent[n] != kNone) count[tree.parent[n]] += count[n];
+    }
+    return count;
+}
+
+/// Drops branches of nodes from `first` on that reach less than `reach` beyond where they part, along paths
+/// whose cost at each point is `level`, or hold fewer than three points. Their points fall to what they left.
+void prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const float> level, double reach) {
+    const auto beyond = points_beyond(tree);
+    std::vector<float> top(tree.size(), 0), low(tree.size(), std::numeric_limits<float>::infinity());
+    for (std::size_t i = 0; i < level.size(); ++i) {
+        const std::uint32_t n = tree.node_of_point[i];
+        if (n == kNone || n < first) continue;
+        top[n] = std::max(top[n], level[i]);
+        low[n] = std::min(low[n], level[i]);
+    }
+    std::vector<std::uint32_t> next(tree.size(), kNone);
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        const std::uint32_t above = tree.parent[n];
+        if (above == kNone) continue;
+        if (next[above] == kNone || top[n] >= top[next[above]]) next[above] = n;
+        top[above] = std::max(top[above], top[n]);
+    }
+    std::vector<std::uint8_t> kept(tree.size(), 1);
+    for (std::uint32_t n = first; n < tree.size(); ++n) {
+        const std::uint32_t above = tree.parent[n];
+        if (above == kNone) continue;
+        kept[n] = kept[above];
+        const bool on_tube = above < first;
+        if (!kept[n] || (next[above] == n && !on_tube)) continue;
+        const double least = on_tube ? kRough * reach : reach;
+        if (top[n] - low[n] >= least && beyond[n] >= kFewest) continue;
+        kept[n] = 0;
+    }
+    keep_nodes(tree, kept, true);
+}
+
+/// Keeps, of the nodes from `first` on, runs of clean ones that are thick against the spacing.
 void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spacing, const Scale& scale) {
     std::vector<double> sum(tree.size(), 0);
     std::vector<std::uint32_t> count(tree.size(), 0);
@@ -36,12 +80,20 @@ void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spa
         sum[n] += spacing[i];
         ++count[n];
     }
-    std::vector<std::uint8_t> kept(tree.size(), 1);
+    std::vector<std::uint8_t> clean(tree.size(), 1), kept(tree.size(), 1);
     for (std::uint32_t n = first; n < tree.size(); ++n) {
-        if (tree.parent[n] == kNone) continue;
         const double about = count[n] == 0 ? 0 : sum[n] / count[n];
-        kept[n] = tree.weight[n] >= kFewestOfTube && tree.radius[n] > scale.least * about &&
-                  tree.residual[n] < scale.clean * tree.radius[n];
+        clean[n] = tree.weight[n] >= kFewestOfTube && tree.radius[n] > scale.least * about &&
+                   tree.residual[n] < scale.clean * tree.radius[n];
+        kept[n] = 0;
+    }
+    for (std::uint32_t n = first; n < tree.size(); ++n) {
+        const std::uint32_t above = tree.parent[n];
+        if (above != kNone && above >= first && clean[n] && clean[above]) {
+            kept[n] = kept[above] = 1;
+        } else {
+            tree.parent[n] = kNone;
+        }
     }
     keep_nodes(tree, kept, false);
 }
@@ -88,42 +140,37 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
     });
 }
 
-/// Where paths of the next scale start: at the roots, or at all that is explained.
+/// Where paths of the next scale start: at the feet, or at all that is explained.
 std::vector<std::uint32_t> sources_of(const CloudTree& tree,
-                                      std::span<const std::vector<std::uint32_t>> roots) {
+                                      std::span<const std::vector<std::uint32_t>> feet) {
     std::vector<std::uint32_t> sources;
     for (std::uint32_t p = 0; p < tree.node_of_point.size(); ++p) {
         if (tree.node_of_point[p] != kNone) sources.push_back(p);
     }
     if (sources.empty()) {
-        for (const auto& root : roots) sources.insert(sources.end(), root.begin(), root.end());
+        for (const auto& foot : feet) sources.insert(sources.end(), foot.begin(), foot.end());
     }
     return sources;
 }
 
 }  // namespace
 
-CloudTree grow_tree(std::span<const Vec3> points, const Graph& graph,
-                    std::span<const std::vector<std::uint32_t>> roots, std::span<const float> spacing,
-                    const ScaleOptions& options, std::uint32_t& pruned, const Context& ctx) {
+CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph,
+                     std::span<const std::vector<std::uint32_t>> feet, std::span<const float> spacing,
+                     const TubeOptions& options, const Context& ctx) {
     CloudTree tree;
     tree.node_of_point.assign(points.size(), kNone);
-    for (std::size_t k = 0; k < kScales.size(); ++k) {
-        const Scale& scale = kScales[k];
-        const bool last = k + 1 == kScales.size();
+    for (const Scale& scale : kScales) {
         const std::uint32_t first = tree.size();
-        const Paths paths = shortest_paths(graph, sources_of(tree, roots), tree.node_of_point, spacing, ctx);
+        const Paths paths = shortest_paths(graph, sources_of(tree, feet), tree.node_of_point, spacing, ctx);
         const double step = scale.step * options.step;
         bin_paths(tree, points, graph, paths,
-                  first == 0 ? roots : std::span<const std::vector<std::uint32_t>>{}, spacing,
+                  first == 0 ? feet : std::span<const std::vector<std::uint32_t>>{}, spacing,
                   {step, scale.link}, ctx);
-        const std::uint32_t gone = prune_twigs(tree, first, paths.distance, last ? options.reach : step);
-        if (last) pruned = gone;
+        prune_twigs(tree, first, paths.distance, step);
         fit_axes(tree, first, points, options.passes, ctx);
-        if (last) break;
         keep_tubes(tree, first, spacing, scale);
         claim_points(tree, points, ctx);
-        ctx.report(0.4f + 0.12f * static_cast<float>(k + 1));
     }
     return tree;
 }

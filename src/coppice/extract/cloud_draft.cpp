@@ -1,0 +1,76 @@
+#include "coppice/extract/cloud_draft_internal.h"
+
+#include <limits>
+
+#include "coppice/extract/draft_edit_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr int kRounds = 3;
+constexpr int kLongFit = 8, kShortFit = 4;  // iterations
+constexpr double kRobust = 0.5;             // [radius] residuals much larger than this hardly count
+constexpr double kTolerance = 0.02;         // [radius] to which nodes are needed
+
+void fit(CloudDraft& draft, int iterations, const Context& ctx) {
+    FitOptions options;
+    options.iterations = iterations;
+    options.robust = kRobust;
+    fit_capsules(draft.tree, draft.samples, options, ctx);
+}
+
+/// Points of a foot that no segment has belong to the root that is nearest.
+void claim_feet(CloudDraft& draft, Feet feet) {
+    std::vector<std::uint32_t> roots;
+    for (std::uint32_t n = 0; n < draft.tree.size(); ++n)
+        if (draft.tree.parent[n] == kNone) roots.push_back(n);
+    for (const auto& foot : feet) {
+        const Vec3d place(draft.samples.positions[foot[0]]);
+        std::uint32_t best = kNone;
+        double least = std::numeric_limits<double>::infinity();
+        for (const std::uint32_t n : roots) {
+            const double d = length_squared(draft.tree.position[n] - place);
+            if (best != kNone && !(d < least)) continue;
+            least = d;
+            best = n;
+        }
+        for (const std::uint32_t p : foot)
+            if (draft.samples.node[p] == kNone) draft.samples.node[p] = best;
+    }
+}
+
+}  // namespace
+
+CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& graph, Feet feet,
+                            std::span<const float> spacing, const DraftOptions& options, const Context& ctx) {
+    CloudDraft draft{std::move(tubes), std::move(samples)};
+    if (draft.tree.size() > 0) {
+        fit(draft, kLongFit, ctx);
+        claim_points(draft.tree, draft.samples, spacing, ctx);
+    }
+    draft.reached = join_tubes(draft.tree, draft.samples, graph, feet, spacing, options, ctx);
+    settle_forks(draft.tree, draft.samples);
+    fit(draft, kLongFit, ctx);
+    extract_detail::extend_ends(draft.tree, draft.samples);
+    for (int round = 0; round < kRounds; ++round) {
+        ctx.throw_if_cancelled();
+        const Cover cover = claim_points(draft.tree, draft.samples, spacing, ctx);
+        claim_feet(draft, feet);
+        grow_chains(draft.tree, draft.samples, graph, spacing, cover, options, ctx);
+        settle_forks(draft.tree, draft.samples);
+        fit(draft, kLongFit, ctx);
+        extract_detail::thin(draft.tree, draft.samples, kTolerance);
+        draft.dropped += drop_needless(draft.tree, draft.samples, spacing, cover.noise, ctx);
+        settle_forks(draft.tree, draft.samples);
+        fit(draft, kShortFit, ctx);
+        draft.ends = extract_detail::extend_ends(draft.tree, draft.samples);
+        ctx.report(0.7f + 0.09f * static_cast<float>(round + 1));
+    }
+    extract_detail::thin(draft.tree, draft.samples, kTolerance);
+    settle_forks(draft.tree, draft.samples);
+    extract_detail::thin(draft.tree, draft.samples, kTolerance);
+    claim_points(draft.tree, draft.samples, spacing, ctx);
+    return draft;
+}
+
+}  // namespace coppice::extract_internal
