@@ -52,7 +52,7 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const Graph& graph, std::
                                                 kSteep * strand.length()}));
         bool good = rise_of(tree, cover, tip, Vec3d(samples.positions[tip]), owner) >= least;
         if (good) {
-            strand.shape();
+            strand.shape(tree.radius[owner]);
             good = strand.members().size() >= kFewest;
         }
         if (good) {

@@ -13,17 +13,17 @@ namespace {
 constexpr double kLook = 1;           // [spacing] beyond a surface, up to which distances are known
 constexpr double kSpacing = 0.3;      // [spacing] off a surface that is still on it
 constexpr double kRadius = 0.2;       // [radius] the same
-constexpr double kSigmas = 3;         // [noise] the same
+constexpr double kSigmas = 4;         // [noise] the same
 constexpr double kThick = 1;          // [spacing] least radius of a segment that shows the noise
 constexpr std::size_t kEnough = 100;  // points that tell how much noise there is
 
 constexpr double kRivalLook = 2;  // [spacing] beyond a surface, up to which it may explain a point
 constexpr double kRivalSpacing =
     0.5;  // [spacing] off another surface, from which on it does not explain a point
-constexpr double kRivalRadius = 0.5;  // [radius] of that, the same
+constexpr double kRivalRadius = 0.8;  // [radius] of that, the same
 constexpr double kOwnRadius = 2;      // [radius] of its own branch, more than which is never asked for
-constexpr double kLeastGain = 2;      // points that a branch must explain
-constexpr double kLeastShare = 0.3;   // of its points, which it must explain
+constexpr double kLeastGain = 1.5;    // points that a branch must explain
+constexpr double kLeastShare = 0.45;  // of its points, which it must explain
 constexpr double kThin = 0.08;        // [spacing] thinner branches within reach of others are not believed
 constexpr std::size_t kGrain = 4096;
 
@@ -126,6 +126,10 @@ class RivalFinder {
             }
         });
         if (out.first == kNone) return out;
+        if (out.second == kNone) {
+            out.gain = 1;
+            return out;
+        }
         const double slack = std::max({kSigmas * noise_, kRivalSpacing * spacing,
                                        std::min(kRivalRadius * next_radius, kOwnRadius * best_radius)});
         const auto cost = [&](double d) { return std::min(1.0, d * d / (slack * slack)); };

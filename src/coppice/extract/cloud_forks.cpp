@@ -8,9 +8,9 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kBend = 3;       // how much a detour by bending counts, against length
+constexpr double kBend = 2;       // how much a detour by bending counts, against length
 constexpr double kReach = 3;      // [radius] of what it leaves, how far from its fork a lateral may start
-constexpr double kDirection = 3;  // [radius] over which the direction of a lateral is taken
+constexpr double kDirection = 5;  // [radius] over which the direction of a lateral is taken
 constexpr int kPlaces = 8;        // on a segment, that a lateral may start from
 
 /// A place on the segment that ends at `node`.

@@ -104,7 +104,7 @@ void Joiner::hang(std::uint32_t entry, const Paths& paths) {
         tree_.parent[end] = owner;
         return;
     }
-    strand_.shape();
+    strand_.shape(tree_.radius[owner]);
     tree_.parent[end] = strand_.add_to(tree_, samples_.node, owner);
 }
 

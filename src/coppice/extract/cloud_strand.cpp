@@ -10,6 +10,8 @@ constexpr double kFirstReach = 0.75;  // [spacing] from the path, where points a
 constexpr double kWiden = 1.5;        // times the reach, as long as the branch goes on beyond it
 constexpr double kMostReach = 4;      // [spacing]
 constexpr double kGrowth = 1.25;      // times the mean distance: a branch that goes on beyond the reach
+constexpr double kOfOwner = 2.3;      // [radius] of what the branch leaves, less
+constexpr double kLess = 0.6;         // [spacing]: no branch is much thicker
 constexpr double kStep = 0.8;         // [radius] between nodes, at least
 constexpr double kMostNodes = 1e6;
 constexpr double kWindow = 1.5;  // [step] along the line, from which a node takes its points
@@ -142,16 +144,17 @@ void Strand::recentre() {
     line_.swap(next);
 }
 
-void Strand::shape() {
+void Strand::shape(double thickest) {
     smooth();
     radius_ = 0;
     double reach = kFirstReach * about_;
     gather(reach);
     recentre();
     radius_ = gather(reach);
+    const double most = std::min(kMostReach * about_, kOfOwner * thickest - kLess * about_);
     std::vector<Vec3d> line;
     std::vector<Member> members;
-    for (; kWiden * reach <= kMostReach * about_; reach *= kWiden) {
+    for (; kWiden * reach <= most; reach *= kWiden) {
         line = line_;
         members = members_;
         recentre();

@@ -29,8 +29,8 @@ class Strand {
     /// `start` may have a node itself: then the path is empty.
     std::uint32_t trace(std::uint32_t start, const Paths& paths);
     /// Gathers the free points of the branch about the path, as wide as it takes, and moves the line to their
-    /// middle: lines fitted to those near each of its nodes.
-    void shape();
+    /// middle: lines fitted to those near each of its nodes. `thickest` [m] is the radius of what it leaves.
+    void shape(double thickest);
     /// Adds the line below `owner`, and says of its points that they are its own.
     std::uint32_t add_to(DraftTree& tree, std::vector<std::uint32_t>& node, std::uint32_t owner) const;
 
