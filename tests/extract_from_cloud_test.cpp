@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stop_token>
 #include <string>
 
@@ -74,6 +75,38 @@ TEST(FromCloud, FindsForksAndTips) {
     }
     // Cones: pi/3 (2 (0.1^2 + 0.1 0.08 + 0.08^2) + 2 (0.06^2 + 0.06 0.05 + 0.05^2)) = 0.0702.
     EXPECT_NEAR(m.volume, 0.0702, 0.007);
+}
+
+/// A stem with a whorl of four branches, at `points` per square metre.
+PointSet whorl_cloud(double points) {
+    PointSet set;
+    const auto strew = [&](Vec3d a, Vec3d b, double r, std::uint64_t seed) {
+        const double area = 2 * 3.14159 * r * distance(a, b);
+        strew_cone(set, a, b, r, r, static_cast<int>(points * area), 0.001, false, seed);
+    };
+    strew({0, 0, 0}, {0, 0, 2}, 0.08, 1);
+    // They begin at the surface of the stem, as a scanner sees them.
+    for (std::uint64_t k = 0; k < 4; ++k) {
+        const double turn = 1.570796 * static_cast<double>(k);
+        const Vec3d out{std::cos(turn), std::sin(turn), 0.5};
+        strew(Vec3d{0, 0, 1.2} + out * 0.08, Vec3d{0, 0, 1.2} + out * 0.6, 0.02, k + 2);
+    }
+    return set;
+}
+
+// From a spacing of 2 mm, a tenth of a branch's radius, to one of 20 mm, its radius.
+TEST(FromCloud, FindsAWhorlAtAnyDensity) {
+    for (const double density : {200'000.0, 30'000.0, 2'500.0}) {
+        const CloudExtraction found = extract_from_cloud(whorl_cloud(density));
+        const SkeletonMeasures m = measure(found.skeleton);
+        EXPECT_EQ(m.trees, 1u) << density;
+        EXPECT_EQ(m.tips, 5u) << density;
+        // 2 m and four times 0.6 sqrt(1.25) from the axis.
+        EXPECT_NEAR(m.length, 2 + 4 * 0.6708, 0.2) << density;
+        for (const Vec3d p :
+             {Vec3d{0.3, 0, 1.35}, Vec3d{0, 0.5, 1.45}, Vec3d{-0.5, 0, 1.45}, Vec3d{0, -0.3, 1.35}})
+            EXPECT_LT(distance_to_axis(found.skeleton, p), 0.012) << density;
+    }
 }
 
 TEST(FromCloud, FindsSeveralTrees) {

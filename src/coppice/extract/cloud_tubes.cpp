@@ -20,8 +20,12 @@ struct Scale {
 };
 
 // Thick before thin: with steps of four spacings the rings of thick branches close, and bundles of twigs show
-// by residuals that are large for their thickness.
-constexpr std::array<Scale, 3> kScales{{{4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
+// by residuals that are large for their thickness. The widest steps are for clouds far denser than the
+// stem, and left out where no foot is so thick.
+constexpr std::array<Scale, 5> kScales{
+    {{16, 2, 14, 0.08}, {8, 2, 7, 0.08}, {4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
+constexpr double kAlways = 4;         // [spacing] steps that are taken in any cloud
+constexpr double kFootOfLeast = 3;    // times the least radius of a scale, that a foot has for wider steps
 constexpr float kFewestOfTube = 12;   // points
 constexpr double kRough = 1.4;        // times the reach that a twig on a tube must have
 constexpr std::uint32_t kFewest = 3;  // points of a twig
@@ -140,6 +144,24 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
     });
 }
 
+/// Half of the widest foot [spacing]; infinite where a foot is a single point that somebody chose.
+double thickest_foot(std::span<const Vec3> points, std::span<const std::vector<std::uint32_t>> feet,
+                     std::span<const float> spacing) {
+    double thickest = 0;
+    for (const auto& foot : feet) {
+        if (foot.size() == 1) return std::numeric_limits<double>::infinity();
+        Box3 box;
+        double sum = 0;
+        for (const std::uint32_t p : foot) {
+            box.extend(points[p]);
+            sum += spacing[p];
+        }
+        const double wide = 0.5 * double{std::max(box.size().x, box.size().y)};
+        thickest = std::max(thickest, wide * static_cast<double>(foot.size()) / sum);
+    }
+    return thickest;
+}
+
 /// Where paths of the next scale start: at the feet, or at all that is explained.
 std::vector<std::uint32_t> sources_of(const CloudTree& tree,
                                       std::span<const std::vector<std::uint32_t>> feet) {
@@ -160,9 +182,16 @@ CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph,
                      const TubeOptions& options, const Context& ctx) {
     CloudTree tree;
     tree.node_of_point.assign(points.size(), kNone);
+    Paths paths;
+    std::uint32_t known = 0;  // nodes of the tree that the paths start from
+    const double thickest = thickest_foot(points, feet, spacing);
     for (const Scale& scale : kScales) {
+        if (scale.step > kAlways && thickest < kFootOfLeast * scale.least) continue;
         const std::uint32_t first = tree.size();
-        const Paths paths = shortest_paths(graph, sources_of(tree, feet), tree.node_of_point, spacing, ctx);
+        // Where a scale finds nothing, the paths of the next are the same.
+        if (paths.order.empty() || first != known)
+            paths = shortest_paths(graph, sources_of(tree, feet), tree.node_of_point, spacing, ctx);
+        known = first;
         const double step = scale.step * options.step;
         bin_paths(tree, points, graph, paths,
                   first == 0 ? feet : std::span<const std::vector<std::uint32_t>>{}, spacing,
