@@ -8,6 +8,7 @@
 #include "coppice/extract/from_cloud.h"
 #include "coppice/extract/from_mesh.h"
 #include "coppice/io/mesh_writer.h"
+#include "coppice/io/point_writer.h"
 #include "coppice/io/skeleton_writer.h"
 #include "coppice/recipe/mesh_skeleton.h"
 #include "coppice/skeleton/measure.h"
@@ -22,7 +23,7 @@ constexpr const char* kMeshGroup = "From a mesh";
 constexpr const char* kCloudGroup = "From a cloud of points";
 
 struct ExtractFlags {
-    std::filesystem::path input, output, mesh_output;
+    std::filesystem::path input, output, mesh_output, leaf_output;
     std::string root;
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
@@ -56,6 +57,7 @@ void check_flags(ExtractFlags& flags) {
     }
     check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
+    if (!flags.leaf_output.empty()) check_points_output(flags.leaf_output);
     if (!flags.root.empty()) flags.from_mesh.root = flags.from_cloud.root = parse_place(flags.root, "--root");
 }
 
@@ -122,6 +124,10 @@ ExtractResult from_cloud(Run& run, const ExtractFlags& flags) {
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_json(result.cleaning);
+    if (!flags.leaf_output.empty() && !result.leaves.empty()) {
+        run.stage("write leaves",
+                  [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
+    }
     return result;
 }
 
@@ -205,6 +211,11 @@ Command extract_command(CLI::App& app) {
         ->type_name("X,Y,Z");
     add_options(*command.app, flags->from_mesh, kMeshGroup);
     add_options(*command.app, flags->from_cloud, kCloudGroup, "cloud");
+    command.app
+        ->add_option("--leaf-points", flags->leaf_output,
+                     "also write the points that are left out as leaves, if any")
+        ->type_name("POINTS")
+        ->group(kCloudGroup);
     add_options(*command.app, flags->write, "Writing the skeleton", "output");
     add_options(*command.app, flags->mesh, "Surface of --then-mesh", "mesh");
     command.run = [flags = flags, app = command.app](Run& run) { return extract(run, *app, *flags); };

@@ -12,6 +12,7 @@
 #include "coppice/extract/cloud_clean_internal.h"
 #include "coppice/extract/cloud_draft_internal.h"
 #include "coppice/extract/cloud_graph_internal.h"
+#include "coppice/extract/cloud_leaves_internal.h"
 #include "coppice/extract/cloud_tubes_internal.h"
 #include "coppice/extract/draft_edit_internal.h"
 
@@ -86,12 +87,21 @@ double gap_of(std::span<const Vec3> points, double spacing, const CloudOptions& 
 CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& options, const Context& ctx) {
     check_fields(options, "extract");
     CloudReport cleaning;
-    const Buffer<Vec3> points = clean(set, options, cleaning, ctx);
-    const Neighbours near = nearest_neighbours(points, static_cast<std::uint32_t>(options.neighbours), ctx);
+    Buffer<Vec3> points = clean(set, options, cleaning, ctx);
+    Neighbours near = nearest_neighbours(points, static_cast<std::uint32_t>(options.neighbours), ctx);
     ctx.report(0.3f);
     std::vector<std::uint8_t> stray(points.size(), 0);
     if (options.stray > 0) stray = strays(near, options.stray, ctx);
     cleaning.strays = static_cast<std::uint64_t>(std::ranges::count(stray, 1));
+    std::optional<Vec3d> root;
+    if (options.root) root = *options.root - set.origin;
+    Buffer<Vec3> leaves;
+    if (options.leaves != LeafRule::keep) {
+        const double gap = gap_of(points, median(local_spacing(near, kSpacingRank)), options);
+        leaves = split_leaves(points, near, stray, {options.leaves == LeafRule::drop, gap, root}, ctx);
+        cleaning.leaves = leaves.size();
+        check_count(points.size(), "beside leaves");
+    }
     const Buffer<float> spacing = local_spacing(near, kSpacingRank);
     cleaning.spacing = median(spacing);
 
@@ -102,8 +112,6 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
         graph = make_graph(near, stray, bridges, ctx);
         parts = components(graph);
     }
-    std::optional<Vec3d> root;
-    if (options.root) root = *options.root - set.origin;
     const auto feet = find_roots(points, graph, parts, cleaning.spacing, root, options.max_trees);
     if (feet.empty())
         throw InvalidInput("extract: no part of the cloud is large enough for a tree; give --root");
@@ -115,7 +123,8 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     const CloudDraft draft = draft_from_cloud(std::move(tubes), std::move(samples), graph, feet, spacing,
                                               {options.step, options.twig}, ctx);
     cleaning.unreached = points.size() - cleaning.strays - draft.reached;
-    CloudExtraction out{{to_skeleton(draft.tree, set.origin), {}, {}}, cleaning};
+    CloudExtraction out{
+        {to_skeleton(draft.tree, set.origin), {}, {}}, cleaning, {std::move(leaves), set.origin}};
     out.confidence = extract_detail::rate_nodes(draft.tree, draft.samples, out.report.residual, ctx);
     for (const NodeConfidence& c : out.confidence) out.report.samples += c.samples;
     out.report.trees = out.skeleton.tree_count();

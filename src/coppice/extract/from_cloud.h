@@ -24,13 +24,25 @@ struct EnumNames<GroundRule> {
     static constexpr std::array<std::string_view, 3> names{"auto", "none", "height"};
 };
 
+enum class LeafRule {
+    automatic,  ///< leaves are left out where the cloud shows some
+    keep,       ///< every point is wood
+    drop        ///< what looks most like leaves is left out, even where nothing much does
+};
+
+template <>
+struct EnumNames<LeafRule> {
+    static constexpr std::array<std::string_view, 3> names{"auto", "keep", "drop"};
+};
+
 struct CloudOptions {
     GroundRule ground = GroundRule::automatic;
     float ground_height = 0;     ///< [m] world, for GroundRule::height
     float voxel = 0;             ///< [m] edge of cubes of which one point is kept; 0 = none
     int max_points = 4'000'000;  ///< more are thinned, with cubes as large as it takes; in [100, 1e8]
     int neighbours = 12;         ///< of every point, that paths may go to; in [4, 64]
-    float stray = 4;     ///< points this many times farther from others than is usual about go; 0 = none
+    float stray = 4;  ///< points this many times farther from others than is usual about go; 0 = none
+    LeafRule leaves = LeafRule::automatic;
     float gap = 0;       ///< [m] widest gap that is bridged; 0 = from the spacing and height of the tree
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
     int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
@@ -54,6 +66,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"stray", "Points so many times farther off than their neighbours are left out; 0 = none",
                 Unit::none, 0, 1e6},
           o.stray);
+    visit(Field{"leaves", "Leaves: left out where the cloud shows some, kept as wood, or always left out"},
+          o.leaves);
     visit(Field{"gap", "Widest gap that is bridged; 0 chooses it", Unit::metre, 0, 1e6}, o.gap);
     visit(Field{"step", "Distance of nodes on the thinnest twigs, in spacings of the points", Unit::none,
                 0.25, 20},
@@ -68,7 +82,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// What was left out of a cloud, counted in points.
 struct CloudReport {
     std::uint64_t points = 0;  ///< that were given
-    std::uint64_t duplicates = 0, thinned = 0, ground = 0, strays = 0;
+    std::uint64_t duplicates = 0, thinned = 0, ground = 0, strays = 0, leaves = 0;
     std::uint64_t unreached = 0;  ///< beyond gaps too wide to bridge
     double spacing = 0;           ///< [m] median distance of the points used to their fourth neighbour
 };
@@ -81,12 +95,14 @@ void visit_figures(const CloudReport& r, Visitor&& visit) {
     visit("thinned", r.thinned);
     visit("ground", r.ground);
     visit("strays", r.strays);
+    visit("leaves", r.leaves);
     visit("unreached", r.unreached);
     visit("spacing", r.spacing);
 }
 
 struct CloudExtraction : ExtractResult {
     CloudReport cleaning;
+    PointSet leaves;  ///< the points that were left out as leaves
 };
 
 /// The skeleton of what a scanner saw of trees.
@@ -102,10 +118,13 @@ struct CloudExtraction : ExtractResult {
 /// on no surface yet, back to the tree, through the middle of the points about the path, however few. Then
 /// all segments are fitted to all points at once (see capsule_fit.h), laterals start where their axis meets
 /// the one they leave, and branches whose points the others explain go. Chains, fit and selection run three
-/// times. Sources: [Xu2007] for paths and pieces, [Taubin1991].
+/// times. Before all that, leaves go where the cloud shows some: normals about wood lie in a plane, those
+/// amid leaves point everywhere. Sources: [Xu2007] for paths and pieces, [Taubin1991].
 ///
 /// Limits: a twig needs three points, and to rise 0.75 spacings above the rest: where there are fewer than
-/// about five points on it, one in two or three is found. Leaves are not told from wood.
+/// about five points on it, one in two or three is found. Twigs amid leaves go with them
+/// unless they lead farther; fronds, and leaves wider than a few per cent of the height, are not told from
+/// wood.
 ///
 /// The origin is that of the cloud. O(n log n), about 400 bytes per point, the same bits for any number of
 /// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after
