@@ -23,9 +23,9 @@ struct Scale {
 // by residuals that are large for their thickness. The widest steps are for clouds far denser than the
 // stem, and left out where no foot is so thick.
 constexpr std::array<Scale, 5> kScales{
-    {{16, 2, 14, 0.08}, {8, 2, 7, 0.08}, {4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
+    {{16, 2, 10, 0.08}, {8, 2, 7, 0.08}, {4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
 constexpr double kAlways = 4;         // [spacing] steps that are taken in any cloud
-constexpr double kFootOfLeast = 3;    // times the least radius of a scale, that a foot has for wider steps
+constexpr double kFootOfLeast = 2.4;  // times the least radius of a scale, that a foot has for wider steps
 constexpr float kFewestOfTube = 12;   // points
 constexpr double kRough = 1.4;        // times the reach that a twig on a tube must have
 constexpr std::uint32_t kFewest = 3;  // points of a twig

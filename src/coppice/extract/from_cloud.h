@@ -122,9 +122,9 @@ struct CloudExtraction : ExtractResult {
 /// amid leaves point everywhere. Sources: [Xu2007] for paths and pieces, [Taubin1991].
 ///
 /// Limits: a twig needs three points, and to rise 0.75 spacings above the rest: where there are fewer than
-/// about five points on it, one in two or three is found. Twigs amid leaves go with them
-/// unless they lead farther; fronds, and leaves wider than a few per cent of the height, are not told from
-/// wood.
+/// about five points on it, one in two or three is found. Stems thicker than about twenty spacings can grow
+/// twigs that are not there: thin with `voxel`. Twigs amid leaves go with them unless they lead farther;
+/// fronds, and leaves wider than a few per cent of the height, are not told from wood.
 ///
 /// The origin is that of the cloud. O(n log n), about 400 bytes per point, the same bits for any number of
 /// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after
