@@ -23,7 +23,7 @@ constexpr double kRivalSpacing =
 constexpr double kRivalRadius = 0.8;  // [radius] of that, the same
 constexpr double kOwnRadius = 2;      // [radius] of its own branch, more than which is never asked for
 constexpr double kLeastGain = 1.5;    // points that a branch must explain
-constexpr double kLeastShare = 0.45;  // of its points, which it must explain
+constexpr double kLeastShare = 0.35;  // of its points, which it must explain
 constexpr double kThin = 0.08;        // [spacing] thinner branches within reach of others are not believed
 constexpr std::size_t kGrain = 4096;
 
