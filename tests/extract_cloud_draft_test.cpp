@@ -155,5 +155,51 @@ TEST(CloudStrand, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
     for (const Strand::Member& m : strand.members()) EXPECT_LT(m.point, 600u);
 }
 
+TEST(CloudDraft, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
+    DraftTree tree;
+    tree.add(kNone, {0, 0, 0}, 0.1);
+    for (std::uint32_t i = 1; i <= 10; ++i) tree.add(i - 1, {0, 0, 0.1 * i}, 0.01);
+    tree.radius[8] = 0.05;    // 0.1 m long, of 0.6 m that it may be
+    tree.radius[10] = 0.022;  // 2.2 times as thick
+    slim_clubs(tree);
+    EXPECT_EQ(tree.radius[8], 0.01);
+    EXPECT_EQ(tree.radius[10], 0.022);
+    // What is thick for longer is a branch, as is what stands on the root or beyond a thin place.
+    for (std::uint32_t i = 7; i <= 10; ++i) tree.radius[i] = 0.03;
+    tree.radius[2] = 0.002;
+    const auto before = tree.radius;
+    slim_clubs(tree);
+    EXPECT_EQ(tree.radius, before);
+}
+
+TEST(CloudJoin, ShortTubesMuchThickerThanWhatTheyHangOnAreNone) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
+    strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1}, 0.01, 0.01, 200);
+    const std::size_t first = set.size();
+    strew_cone(set, {0.5, 0, 1}, {0.7, 0, 1}, 0.06, 0.06, 100);
+    Prepared p(set);
+    std::vector<std::uint32_t> foot;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        if (p.points[i].z < 0.05f) foot.push_back(i);
+        p.samples.node[i] = 1;
+    }
+    const std::vector<std::vector<std::uint32_t>> feet{foot};
+    for (const double end : {0.7, 1.5}) {
+        Prepared q = p;
+        DraftTree tree = stem();
+        tree.add(kNone, {0.1, 0, 1}, 0.01);
+        tree.add(2, {0.5, 0, 1}, 0.01);
+        tree.add(kNone, {0.5, 0, 1}, 0.06);
+        tree.add(4, {end, 0, 1}, 0.06);  // 3 radii long, then 17
+        for (std::size_t i = 3000; i < first; ++i) q.samples.node[i] = 3;
+        for (std::size_t i = first; i < q.points.size(); ++i) q.samples.node[i] = 5;
+        join_tubes(tree, q.samples, q.graph, feet, q.spacing, {}, {});
+        const bool kept = end > 1;
+        EXPECT_EQ(std::ranges::count(tree.radius, 0.06), kept ? 2 : 0);
+        EXPECT_EQ(q.samples.node.back() == kNone, !kept);
+    }
+}
+
 }  // namespace
 }  // namespace coppice::extract_internal

@@ -1,5 +1,6 @@
 #include "coppice/extract/cloud_draft_internal.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "coppice/extract/draft_edit_internal.h"
@@ -11,6 +12,9 @@ constexpr int kRounds = 3;
 constexpr int kLongFit = 8, kShortFit = 4;  // iterations
 constexpr double kRobust = 0.5;             // [radius] residuals much larger than this hardly count
 constexpr double kTolerance = 0.02;         // [radius] to which nodes are needed
+constexpr double kClub = 2.3;               // [radius] of what bears it: a piece that is thicker,
+constexpr double kStout = 12;               // [radius] and no longer than this, is a club,
+constexpr double kClubEnd = 1.5;            // [radius] of what bears it, as far as it is thicker than this
 
 void fit(CloudDraft& draft, int iterations, const Context& ctx) {
     FitOptions options;
@@ -39,7 +43,39 @@ void claim_feet(CloudDraft& draft, Feet feet) {
     }
 }
 
+/// The greatest radius on the way down from a node, as far as a club of its thickness is long; infinite when
+/// that comes to the root.
+double radius_below(const DraftTree& tree, std::uint32_t n) {
+    double most = 0, way = 0;
+    for (std::uint32_t m = n; way < kStout * tree.radius[n];) {
+        const std::uint32_t below = tree.parent[m];
+        if (below == kNone || tree.parent[below] == kNone) return std::numeric_limits<double>::infinity();
+        most = std::max(most, tree.radius[below]);
+        way += distance(tree.position[m], tree.position[below]);
+        m = below;
+    }
+    return most;
+}
+
 }  // namespace
+
+void slim_clubs(DraftTree& tree) {
+    const DraftLinks links(tree);
+    std::vector<std::uint32_t> club;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (tree.parent[n] == kNone || tree.radius[n] <= kClub * tree.radius[tree.parent[n]]) continue;
+        const double below = radius_below(tree, n);
+        if (tree.radius[n] <= kClub * below) continue;
+        club.clear();
+        double way = 0;
+        for (std::uint32_t m = n; m != kNone && tree.radius[m] > kClubEnd * below; m = links.leader(m)) {
+            way += distance(tree.position[m], tree.position[tree.parent[m]]);
+            club.push_back(m);
+        }
+        if (way >= kStout * tree.radius[n]) continue;
+        for (const std::uint32_t m : club) tree.radius[m] = below;
+    }
+}
 
 CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& graph, Feet feet,
                             std::span<const float> spacing, const DraftOptions& options, const Context& ctx) {
@@ -66,6 +102,7 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& gr
         draft.ends = extract_detail::extend_ends(draft.tree, draft.samples);
         ctx.report(0.7f + 0.09f * static_cast<float>(round + 1));
     }
+    slim_clubs(draft.tree);
     extract_detail::thin(draft.tree, draft.samples, kTolerance);
     settle_forks(draft.tree, draft.samples);
     extract_detail::thin(draft.tree, draft.samples, kTolerance);

@@ -57,6 +57,10 @@ std::uint64_t join_tubes(DraftTree& tree, FitSamples& samples, const Graph& grap
 void grow_chains(DraftTree& tree, FitSamples& samples, const Graph& graph, std::span<const float> spacing,
                  const Cover& cover, const DraftOptions& options, const Context& ctx);
 
+/// Gives pieces that a few stray points made 2.3 times as thick as all that bears them nearby, and that are
+/// no longer than 12 radii, the radius of what bears them. O(nodes).
+void slim_clubs(DraftTree& tree);
+
 /// Moves the starts of laterals: nodes inside of what they leave go, as no points hold them, and the axis of
 /// the rest, drawn backwards, meets the axis that it leaves. O(nodes).
 void settle_forks(DraftTree& tree, FitSamples& samples);

@@ -13,6 +13,9 @@ constexpr double kStraight =
     3;  // [radius] over gaps no wider than that, and two spacings, tubes are joined straight
 constexpr double kStraightGap = 2;  // [spacing]
 constexpr double kNearEnd = 4;      // [radius + spacing] from its end, where a tube still hangs by that
+constexpr double kOfOwner = 2.3;    // [radius] of what it hangs on, less
+constexpr double kOfSpacing = 0.6;  // [spacing]: a tube that is thicker,
+constexpr double kStout = 12;       // [radius] and no longer than this, is a bundle of twigs
 
 class Joiner {
   public:
@@ -31,13 +34,23 @@ class Joiner {
             if (links.children(n).size() + (tree.parent[n] != kNone) <= 1) tube_of_end[n] = tube_[n];
         }
         ends_ = group_by(tube_of_end, tube_count_);
+        std::vector<std::uint32_t> tube_of_point(samples.node.size(), kNone);
+        length_.assign(tube_count_, 0);
+        for (std::size_t p = 0; p < samples.node.size(); ++p)
+            if (samples.node[p] != kNone) tube_of_point[p] = tube_[samples.node[p]];
+        points_ = group_by(tube_of_point, tube_count_);
+        for (std::uint32_t n = 0; n < tube_count_; ++n) {
+            if (tree.parent[n] != kNone)
+                length_[tube_[n]] += distance(tree.position[n], tree.position[tree.parent[n]]);
+        }
     }
 
     void add_root(std::span<const std::uint32_t> foot);
     void hang_all(const Paths& paths, const Context& ctx);
 
   private:
-    void hang(std::uint32_t entry, const Paths& paths);
+    bool hang(std::uint32_t entry, const Paths& paths);
+    bool is_bundle(std::uint32_t entry, std::uint32_t end, std::uint32_t owner) const;
     std::uint32_t end_near(std::uint32_t point) const;
     void stand_on(std::uint32_t root, std::uint32_t end);
 
@@ -46,7 +59,8 @@ class Joiner {
     std::span<const float> spacing_;
     std::uint32_t tube_count_;         // nodes of tubes; roots and chains come after them
     std::vector<std::uint32_t> tube_;  // per node of a tube: its first one
-    Rows ends_;                        // of each tube
+    Rows ends_, points_;               // of each tube
+    std::vector<double> length_;       // [m] of each tube
     Strand strand_;
 };
 
@@ -90,10 +104,22 @@ void Joiner::stand_on(std::uint32_t root, std::uint32_t end) {
     tree_.radius[root] = tree_.radius[end];
 }
 
-/// Hangs a tube on what the path from its lowest point meets.
-void Joiner::hang(std::uint32_t entry, const Paths& paths) {
+/// Whether a tube is so much thicker than what it hangs on that it is no branch of it.
+bool Joiner::is_bundle(std::uint32_t entry, std::uint32_t end, std::uint32_t owner) const {
+    if (tree_.parent[owner] == kNone) return false;
+    const double radius = tree_.radius[end];
+    return radius > kOfOwner * tree_.radius[owner] + kOfSpacing * double{spacing_[entry]} &&
+           length_[tube_[samples_.node[entry]]] < kStout * radius;
+}
+
+/// Hangs a tube on what the path from its lowest point meets, or takes its points from it.
+bool Joiner::hang(std::uint32_t entry, const Paths& paths) {
     const std::uint32_t end = end_near(entry), base = strand_.trace(paths.parent[entry], paths);
     const std::uint32_t owner = samples_.node[base];
+    if (is_bundle(entry, end, owner)) {
+        for (const std::uint32_t p : points_.of(tube_[samples_.node[entry]])) samples_.node[p] = kNone;
+        return false;
+    }
     root_at(tree_, end);
     const auto path = strand_.path();
     const std::uint32_t last = path.empty() ? base : path.back();
@@ -102,10 +128,11 @@ void Joiner::hang(std::uint32_t entry, const Paths& paths) {
     if (path.empty() || gap < kStraight * tree_.radius[end] + kStraightGap * strand_.spacing()) {
         if (owner >= tube_count_ && tree_.parent[owner] == kNone) stand_on(owner, end);
         tree_.parent[end] = owner;
-        return;
+        return true;
     }
     strand_.shape(tree_.radius[owner]);
     tree_.parent[end] = strand_.add_to(tree_, samples_.node, owner);
+    return true;
 }
 
 void Joiner::hang_all(const Paths& paths, const Context& ctx) {
@@ -119,7 +146,8 @@ void Joiner::hang_all(const Paths& paths, const Context& ctx) {
     }
     for (const std::uint32_t p : entries) {
         ctx.throw_if_cancelled();
-        hang(p, paths);
+        const std::uint32_t tube = tube_[samples_.node[p]];
+        if (!hang(p, paths)) gone[tube] = 1;
     }
     // Tubes without a point of their own lie inside of others.
     for (std::uint32_t n = 0; n < tube_count_; ++n) gone[n] = gone[tube_[n]];
