@@ -47,10 +47,10 @@ void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, c
     // Vertices of the hull stay where they are, so the surface should keep away from it; tetrahedra that are
     // cut reach far enough by themselves.
     const float shell = options.tetra.tetra_levels == 0 ? 0.3f : 0.2f;
-    const LatticeOptions sizes{.cell = kCellOverEdge * options.tetra.edge *
-                                       static_cast<float>(1 << options.tetra.tetra_levels),
-                               .inside = 1 - shell,
-                               .outside = 1 + shell};
+    const LatticeOptions sizes{
+        .cell = kCellOverEdge * options.tetra.edge * static_cast<float>(1 << options.tetra.tetra_levels),
+        .inside = 1 - shell,
+        .outside = 1 + shell};
     const MarchOptions marching{options.tetra.tetra_levels, options.tetra.snap, options.tetra.refinements};
     Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(segments_of(prepared), sizes, ctx); });
     ConvolutionField field = stages.run(
