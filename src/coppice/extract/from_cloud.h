@@ -126,7 +126,7 @@ struct CloudExtraction : ExtractResult {
 /// twigs that are not there: thin with `voxel`. Twigs amid leaves go with them unless they lead farther;
 /// fronds, and leaves wider than a few per cent of the height, are not told from wood.
 ///
-/// The origin is that of the cloud. O(n log n), about 400 bytes per point, the same bits for any number of
+/// The origin is that of the cloud. O(n log n), about 500 bytes per point, the same bits for any number of
 /// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after
 /// cleaning; Cancelled.
 CloudExtraction extract_from_cloud(const PointSet& points, const CloudOptions& options = {},
