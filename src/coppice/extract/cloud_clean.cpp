@@ -135,4 +135,11 @@ std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, co
     return stray;
 }
 
+float median(std::span<const float> values) {
+    Buffer<float> sorted(values.begin(), values.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return *middle;
+}
+
 }  // namespace coppice::extract_internal

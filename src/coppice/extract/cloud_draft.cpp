@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "coppice/extract/cloud_clean_internal.h"
 #include "coppice/extract/draft_edit_internal.h"
 
 namespace coppice::extract_internal {
@@ -12,6 +13,7 @@ constexpr int kRounds = 3;
 constexpr int kLongFit = 8, kShortFit = 4;  // iterations
 constexpr double kRobust = 0.5;             // [radius] residuals much larger than this hardly count
 constexpr double kTolerance = 0.02;         // [radius] to which nodes are needed
+constexpr double kLeast = 0.05;             // [spacing] median: no radius is less, which nothing could tell
 constexpr double kClub = 2.3;               // [radius] of what bears it: a piece that is thicker,
 constexpr double kStout = 12;               // [radius] and no longer than this, is a club,
 constexpr double kClubEnd = 1.5;            // [radius] of what bears it, as far as it is thicker than this
@@ -103,6 +105,8 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& gr
         ctx.report(0.7f + 0.09f * static_cast<float>(round + 1));
     }
     slim_clubs(draft.tree);
+    const double least = kLeast * double{median(spacing)};
+    for (double& r : draft.tree.radius) r = std::max(r, least);
     extract_detail::thin(draft.tree, draft.samples, kTolerance);
     settle_forks(draft.tree, draft.samples);
     extract_detail::thin(draft.tree, draft.samples, kTolerance);

@@ -26,13 +26,6 @@ constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is ta
 constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
 constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
 
-float median(std::span<const float> values) {
-    Buffer<float> sorted(values.begin(), values.end());
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return *middle;
-}
-
 void check_count(std::size_t count, const char* what) {
     if (count >= kFewestPoints) return;
     throw InvalidInput(fmt::format("extract: {} points are left {}, but a skeleton needs at least {}", count,
