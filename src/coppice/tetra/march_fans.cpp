@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 
 #include "coppice/base/parallel.h"
@@ -6,18 +7,12 @@
 namespace coppice::march_detail {
 namespace {
 
-using Local = TetraPattern::Local;
-
 /// Collects the segments that all triangles leave over by the vertex that they leave out.
 class FanFinder {
   public:
     FanFinder(const TetraRefinement& refinement, const Samples& samples, const CrossedTetra& crossed,
               const Context& ctx)
-        : refinement_(refinement),
-          samples_(samples),
-          crossed_(crossed),
-          numbers_(refinement, crossed, ctx),
-          ctx_(ctx) {}
+        : refinement_(refinement), samples_(samples), crossed_(crossed), ctx_(ctx) {}
 
     std::vector<Fan> find() {
         constexpr std::size_t kGrain = 2048;
@@ -35,37 +30,41 @@ class FanFinder {
 
   private:
     static constexpr std::uint32_t kMost = 8;
-    /// The last bits of numbers. Where two corners of a fan have the same key the walk does not see all of
-    /// it, as each corner is a start: so what looks like a single fan is one.
+    /// Where two corners of a fan have the same key the walk does not see all of it, as each corner is a
+    /// start: so what looks like a single fan is one.
     using Key = std::uint16_t;
     using Segment = LinkSegment<Key>;
     using Link = std::array<Segment, kMost>;
 
     void list_segments(std::size_t piece) {
         const CrossedTetra::Piece& p = crossed_.pieces()[piece];
-        CutEdges edges;
-        std::vector<std::uint32_t> number;  // by fine edge
         for (std::size_t i = 0; i < p.active.size(); ++i) {
-            const std::uint32_t t = p.active[i];
-            edges.assign(refinement_.pattern(t), p.of(i));
-            numbers_.number_edges(t, edges, number);
             for (const Crossing& c : p.of(i)) {
-                if (c.any_on()) list_segments(t, c, number);
+                if (c.any_on()) list_segments(p.active[i], c);
             }
         }
     }
 
-    void list_segments(std::uint32_t t, const Crossing& crossing, const std::vector<std::uint32_t>& number) {
-        const TetraPattern& pattern = refinement_.pattern(t);
-        const auto& fine = pattern.tetra[crossing.fine];
+    /// Of a fine vertex, or of the edge between two; the same in whichever order.
+    static Key key_of(std::uint32_t a, std::uint32_t b) {
+        return static_cast<Key>((std::min(a, b) * 0x9e3779b1u + std::max(a, b) * 0x85ebca77u) >> 16);
+    }
+
+    void list_segments(std::uint32_t t, const Crossing& crossing) {
+        const auto& fine = refinement_.pattern(t).tetra[crossing.fine];
         const Cut& cut = crossing.cut();
         std::array<std::uint32_t, 4> rank{};
         std::array<Key, 4> key{};
         for (std::size_t k = 0; k < cut.size; ++k) {
             const std::uint8_t c = cut.corners[k];
-            if (c >= kCutVertex) rank[k] = samples_.placed.rank(refinement_.vertex(t, fine[c - kCutVertex]));
-            key[k] = static_cast<Key>(
-                c >= kCutVertex ? 2 * rank[k] : 2 * number[pattern.tetra_edges[crossing.fine][c]] + 1);
+            if (c >= kCutVertex) {
+                const std::uint32_t v = refinement_.vertex(t, fine[c - kCutVertex]);
+                rank[k] = samples_.placed.rank(v);
+                key[k] = key_of(v, v);
+            } else {
+                key[k] = key_of(refinement_.vertex(t, fine[kTetraEdges[c][0]]),
+                                refinement_.vertex(t, fine[kTetraEdges[c][1]]));
+            }
         }
         // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
         const bool mirrored = refinement_.mirrored(t);
@@ -82,7 +81,6 @@ class FanFinder {
     const TetraRefinement& refinement_;
     const Samples& samples_;
     const CrossedTetra& crossed_;
-    CutNumbers numbers_;
     const Context& ctx_;
     std::vector<std::uint16_t> size_;  ///< by rank in `placed`; counted until it is too many
     Buffer<Link> links_;               ///< the same; segments in any order

@@ -60,7 +60,13 @@ class PatternMaker {
         const auto key = [](const Weights& w) { return std::pair(group_of(corners_of(w)), code_of(w)); };
         std::ranges::sort(out_.weights, {}, key);
         std::vector<std::uint32_t> groups;
-        for (const Weights& w : out_.weights) groups.push_back(group_of(corners_of(w)));
+        for (const Weights& w : out_.weights) {
+            groups.push_back(group_of(corners_of(w)));
+            auto& share = out_.shares.emplace_back();
+            std::ranges::transform(w, share.begin(), [&](std::uint8_t i) {
+                return static_cast<float>(i) / static_cast<float>(n_);
+            });
+        }
         out_.group.assign(groups.begin(), groups.end());
         out_.first_vertex = starts(groups);
         by_code_.assign(std::size_t{1} << 18, 0);

@@ -22,6 +22,7 @@ struct TetraPattern {
 
     using Local = std::uint16_t;                       ///< a fine vertex or edge of one tetrahedron
     std::vector<std::array<std::uint8_t, 4>> weights;  ///< of every fine vertex; they add up to n
+    std::vector<std::array<float, 4>> shares;          ///< the same, over n
     std::vector<std::uint8_t> group;                   ///< of every fine vertex
     /// Group g has the fine vertices first_vertex[g] .. first_vertex[g + 1].
     std::array<std::uint32_t, kGroups + 1> first_vertex;

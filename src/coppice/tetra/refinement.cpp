@@ -341,12 +341,11 @@ TetraRefinement::Place TetraRefinement::place(std::uint32_t vertex) const {
 }
 
 Vec3 TetraRefinement::position(std::uint32_t tetra, Local local) const {
-    const auto& w = pattern(tetra).weights[local];
+    const auto& share = pattern(tetra).shares[local];
     const Parts& p = parts_[tetra];
-    const float part = 1.0f / static_cast<float>(1 << levels_);
     Vec3 sum;
     // In ascending order of the corners; those without weight add nothing, not even an error.
-    for (std::size_t i = 0; i < 4; ++i) sum += coarse_.positions[p[i]] * (static_cast<float>(w[i]) * part);
+    for (std::size_t i = 0; i < 4; ++i) sum += coarse_.positions[p[i]] * share[i];
     return sum;
 }
 
