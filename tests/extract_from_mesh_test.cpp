@@ -14,12 +14,12 @@
 namespace coppice {
 namespace {
 
+using shapes::both;
 using shapes::card;
 using shapes::fork;
-using shapes::inside_out;
+using shapes::inverted;
 using shapes::soup;
 using shapes::surface_of;
-using shapes::together;
 using shapes::torus;
 using shapes::tube;
 using shapes::TubeOptions;
@@ -144,7 +144,7 @@ TEST_P(BothMethods, ARingIsCutOnce) {
 }
 
 TEST_P(BothMethods, TwoTreesHaveTwoRoots) {
-    const PolygonMesh two = together(tube({0, 0, 0}, {0, 0, 2}, 0.1f), tube({5, 0, 1}, {5, 0, 4}, 0.2f));
+    const PolygonMesh two = both(tube({0, 0, 0}, {0, 0, 2}, 0.1f), tube({5, 0, 1}, {5, 0, 4}, 0.2f));
     const FromMeshResult r = extract_from_mesh(two, options());
     EXPECT_EQ(r.report.components, 2u);
     EXPECT_EQ(r.skeleton.tree_count(), 2u);
@@ -178,7 +178,7 @@ TEST_P(BothMethods, AStopIsObeyed) {
 TEST(FromMesh, SplitAndInwardFacesChangeNothing) {
     const PolygonMesh mesh = surface_of(fork(), 0.05f);
     const FromMeshResult plain = extract_from_mesh(mesh);
-    const FromMeshResult mended = extract_from_mesh(inside_out(soup(mesh)));
+    const FromMeshResult mended = extract_from_mesh(inverted(soup(mesh)));
     EXPECT_GT(mended.repairs.welded, 0u);
     EXPECT_GT(mended.repairs.turned, 0u);
     EXPECT_LT(farthest(plain.skeleton, mended.skeleton), 0.02);
@@ -188,7 +188,7 @@ TEST(FromMesh, SplitAndInwardFacesChangeNothing) {
 TEST(FromMesh, LeavesAreLeftOut) {
     PolygonMesh mesh = surface_of(fork(), 0.05f);
     const FromMeshResult bare = extract_from_mesh(mesh);
-    for (int i = 0; i < 20; ++i) mesh = together(mesh, card({1, 0, 3 + 0.1f * static_cast<float>(i)}, 0.2f));
+    for (int i = 0; i < 20; ++i) mesh = both(mesh, card({1, 0, 3 + 0.1f * static_cast<float>(i)}, 0.2f));
     const FromMeshResult leafy = extract_from_mesh(mesh);
     EXPECT_EQ(leafy.repairs.cards, 20u);
     EXPECT_EQ(leafy.skeleton.tree_count(), 1u);
@@ -198,7 +198,7 @@ TEST(FromMesh, LeavesAreLeftOut) {
 // A lateral tube whose open base lies on the trunk's axis, as generators draw them.
 TEST(FromMesh, OverlappingTubesAreJoined) {
     const PolygonMesh mesh =
-        together(tube({0, 0, 0}, {0, 0, 3}, 0.2f, kOpen), tube({0, 0, 1.5f}, {1.5f, 0, 2.5f}, 0.1f, kOpen));
+        both(tube({0, 0, 0}, {0, 0, 3}, 0.2f, kOpen), tube({0, 0, 1.5f}, {1.5f, 0, 2.5f}, 0.1f, kOpen));
     const FromMeshResult r = extract_from_mesh(mesh);
     EXPECT_EQ(r.report.joined, 1u);
     EXPECT_EQ(r.skeleton.tree_count(), 1u);

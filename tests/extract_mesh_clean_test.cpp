@@ -11,10 +11,10 @@
 namespace coppice {
 namespace {
 
+using shapes::both;
 using shapes::card;
-using shapes::inside_out;
+using shapes::inverted;
 using shapes::soup;
-using shapes::together;
 using shapes::tube;
 
 PolygonMesh closed_tube() { return tube({0, 0, 0}, {0, 0, 2}, 0.1f); }
@@ -70,7 +70,7 @@ TEST(MeshClean, DegenerateAndDoubleFacesGo) {
 
 TEST(MeshClean, InwardPiecesAreTurned) {
     const PolygonMesh right = closed_tube();
-    const CleanMeshResult r = clean_mesh(inside_out(right));
+    const CleanMeshResult r = clean_mesh(inverted(right));
     EXPECT_EQ(r.repairs.turned, 672u);
     EXPECT_NEAR(volume(r.mesh), volume(clean_mesh(right).mesh), 1e-9);
     EXPECT_GT(volume(r.mesh), 0);
@@ -102,7 +102,7 @@ TEST(MeshClean, EdgesOfThreeTrianglesAreToldAndStay) {
 
 TEST(MeshClean, FlatPiecesAreLeaves) {
     PolygonMesh m = closed_tube();
-    for (int i = 0; i < 5; ++i) m = together(m, card({1, 0, static_cast<float>(i)}, 0.1f));
+    for (int i = 0; i < 5; ++i) m = both(m, card({1, 0, static_cast<float>(i)}, 0.1f));
     const CleanMeshResult r = clean_mesh(m);
     EXPECT_EQ(r.repairs.cards, 5u);
     EXPECT_EQ(r.repairs.card_faces, 10u);
@@ -114,7 +114,7 @@ TEST(MeshClean, AMeshOfLeavesHasNoWood) {
     EXPECT_THROW(
         {
             try {
-                clean_mesh(together(card({0, 0, 0}, 1), card({0, 0, 1}, 1)));
+                clean_mesh(both(card({0, 0, 0}, 1), card({0, 0, 1}, 1)));
             } catch (const InvalidInput& e) {
                 EXPECT_NE(std::string(e.what()).find("there is no wood in it"), std::string::npos);
                 throw;
@@ -124,7 +124,7 @@ TEST(MeshClean, AMeshOfLeavesHasNoWood) {
 }
 
 PolygonMesh with_groups() {
-    PolygonMesh m = together(closed_tube(), card({1, 0, 0}, 0.1f));
+    PolygonMesh m = both(closed_tube(), card({1, 0, 0}, 0.1f));
     m.group_names = {"tree/Bark", "tree/leaf"};
     m.group.assign(m.face_count(), 0);
     m.group.back() = 1;

@@ -11,6 +11,7 @@
 #include "coppice/implicit/polygonize.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/skeleton/skeleton.h"
+#include "mesh_shapes.h"
 
 namespace coppice::shapes {
 
@@ -117,18 +118,6 @@ inline PolygonMesh torus(float big, float small, std::uint32_t around, std::uint
     return m;
 }
 
-/// Adds b's faces to a, vertices apart.
-inline PolygonMesh together(PolygonMesh a, const PolygonMesh& b) {
-    const auto shift = static_cast<std::uint32_t>(a.positions.size());
-    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-    for (std::uint32_t f = 0; f < b.face_count(); ++f) {
-        std::vector<std::uint32_t> face(b.face(f).begin(), b.face(f).end());
-        for (auto& v : face) v += shift;
-        a.add_face(face);
-    }
-    return a;
-}
-
 /// Every face with corners of its own.
 inline PolygonMesh soup(const PolygonMesh& m) {
     PolygonMesh out;
@@ -140,14 +129,6 @@ inline PolygonMesh soup(const PolygonMesh& m) {
         }
         out.add_face(face);
     }
-    return out;
-}
-
-inline PolygonMesh inside_out(const PolygonMesh& m) {
-    PolygonMesh out;
-    out.positions = m.positions;
-    for (std::uint32_t f = 0; f < m.face_count(); ++f)
-        out.add_face(std::vector<std::uint32_t>(m.face(f).rbegin(), m.face(f).rend()));
     return out;
 }
 

@@ -78,7 +78,7 @@ TEST(MarchDistances, OnAPlaneTheyAreStraight) {
 
 TEST(MarchDistances, OtherPiecesAreNotReached) {
     const Surface s =
-        surface(shapes::together(tube({0, 0, 0}, {0, 0, 1}, 0.1f), tube({2, 0, 0}, {2, 0, 1}, 0.1f)));
+        surface(shapes::both(tube({0, 0, 0}, {0, 0, 1}, 0.1f), tube({2, 0, 0}, {2, 0, 1}, 0.1f)));
     const std::vector<std::uint32_t> source{0};
     const std::vector<double> d = march_distances(s, source, {});
     for (std::uint32_t v = 0; v < s.size(); ++v)
