@@ -6,6 +6,12 @@
 
 namespace coppice {
 
+/// Parameter in [0, 1] of the point of the segment from a to a + d that is closest to p; `none` where d is 0.
+inline double closest_parameter(Vec3d p, Vec3d a, Vec3d d, double none = 0) {
+    const double squared = length_squared(d);
+    return squared > 0 ? std::clamp(dot(p - a, d) / squared, 0.0, 1.0) : none;
+}
+
 /// Parameters in [0, 1] of the closest points of the segments a0 a1 and b0 b1; points without length are
 /// allowed. Source: [Ericson2005] 5.1.9.
 struct ClosestParameters {

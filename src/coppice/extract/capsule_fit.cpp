@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
 
 namespace coppice {
 namespace {
@@ -58,9 +59,8 @@ Foot Fit::foot(std::uint32_t n, Vec3d p) const {
     const Vec3d b = t_.position[n], a = q == kNone ? b : t_.position[q];
     const double rb = t_.radius[n], ra = q == kNone || links_.leader(q) != n ? rb : t_.radius[q];
     const Vec3d d = b - a;
-    const double l2 = length_squared(d);
     Foot f;
-    f.t = l2 > 0 ? std::clamp(dot(p - a, d) / l2, 0.0, 1.0) : 1;
+    f.t = closest_parameter(p, a, d, 1);
     const Vec3d v = p - lerp(a, b, f.t);
     f.distance = length(v);
     f.direction = f.distance > 0 ? v / f.distance : Vec3d{};

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud_draft_internal.h"
 #include "coppice/extract/cloud_strand_internal.h"
 
@@ -22,7 +23,7 @@ double rise_of(const DraftTree& tree, const Cover& cover, std::uint32_t point, V
     for (int k = 0; n != kNone && k < kSegments; n = tree.parent[n], ++k) {
         const std::uint32_t q = tree.parent[n] == kNone ? n : tree.parent[n];
         const Vec3d a = tree.position[q], d = tree.position[n] - a;
-        const double l2 = length_squared(d), t = l2 > 0 ? std::clamp(dot(p - a, d) / l2, 0.0, 1.0) : 1;
+        const double t = closest_parameter(p, a, d, 1);
         rise = std::min(rise, distance(p, a + d * t) - std::min(tree.radius[n], tree.radius[q]));
     }
     return rise;

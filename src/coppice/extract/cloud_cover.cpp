@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud_draft_internal.h"
 #include "coppice/extract/cloud_tree_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -30,17 +31,16 @@ constexpr std::size_t kGrain = 4096;
 /// The segment that ends at a node, as a cone with round ends.
 struct Cone {
     Vec3d a, d;
-    double ra, rb, squared;
+    double ra, rb;
     Cone(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
         const std::uint32_t q = tree.parent[n] == kNone ? n : tree.parent[n];
         a = tree.position[q];
         d = tree.position[n] - a;
         rb = tree.radius[n];
         ra = links.leader(q) == n ? tree.radius[q] : rb;
-        squared = dot(d, d);
     }
     double distance(Vec3d p, double& radius) const {
-        const double t = squared > 0 ? std::clamp(dot(p - a, d) / squared, 0.0, 1.0) : 1.0;
+        const double t = closest_parameter(p, a, d, 1);
         radius = ra + (rb - ra) * t;
         return length(p - a - d * t) - radius;
     }

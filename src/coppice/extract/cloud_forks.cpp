@@ -3,6 +3,7 @@
 #include <limits>
 #include <numeric>
 
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud_draft_internal.h"
 
 namespace coppice::extract_internal {
@@ -101,8 +102,7 @@ class ForkSettler {
             bool inside = false;
             visit_host(fork, p, [&](std::uint32_t q) {
                 const Vec3d a = tree_.position[tree_.parent[q]], d = tree_.position[q] - a;
-                const double l2 = length_squared(d),
-                             t = l2 > 0 ? std::clamp(dot(p - a, d) / l2, 0.0, 1.0) : 1;
+                const double t = closest_parameter(p, a, d, 1);
                 const double r = std::lerp(tree_.radius[tree_.parent[q]], tree_.radius[q], t);
                 inside = inside || distance(p, a + d * t) <= r;
             });

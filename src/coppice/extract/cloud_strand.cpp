@@ -1,3 +1,4 @@
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud_strand_internal.h"
 
 #include <algorithm>
@@ -67,8 +68,7 @@ Strand::Member Strand::foot(std::uint32_t point, double about) const {
         const std::size_t first = k < kAside ? 0 : k - kAside, last = std::min(k + kAside, most);
         for (std::size_t j = first; j <= last; ++j) {
             const Vec3d d = line_[j + 1] - line_[j];
-            const double l2 = length_squared(d);
-            const double t = l2 > 0 ? std::clamp(dot(p - line_[j], d) / l2, 0.0, 1.0) : 0;
+            const double t = closest_parameter(p, line_[j], d);
             const double squared = length_squared(p - line_[j] - d * t);
             if (squared < best.squared) best = {point, static_cast<double>(j) + t, squared};
         }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud_fit_internal.h"
 #include "coppice/spatial/box_tree.h"
 
@@ -133,8 +134,7 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
         index.visit_overlapping({points[i], points[i]}, [&](std::uint32_t item) {
             const std::uint32_t n = owner[item];
             const Tube tube(tree, n);
-            const double squared = dot(tube.d, tube.d);
-            const double t = squared > 0 ? std::clamp(dot(p - tube.a, tube.d) / squared, 0.0, 1.0) : 0.0;
+            const double t = closest_parameter(p, tube.a, tube.d);
             const double rho = length(p - tube.a - tube.d * t) / std::lerp(tube.ra, tube.rb, t);
             if (rho > best || (rho == best && found != kNone)) return;
             best = rho;

@@ -8,6 +8,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/collapse_internal.h"
 
 namespace coppice::extract_detail {
@@ -136,8 +137,7 @@ void measure_radii(const Surface& s, const Context& ctx, Contraction& c) {
         double best = distance(p, t.position[n]);
         const auto look = [&](std::uint32_t m) {
             const Vec3d d = t.position[m] - t.position[n];
-            const double l2 = length_squared(d);
-            const double k = l2 > 0 ? std::clamp(dot(p - t.position[n], d) / l2, 0.0, 1.0) : 0;
+            const double k = closest_parameter(p, t.position[n], d);
             best = std::min(best, distance(p, t.position[n] + d * k));
         };
         if (t.parent[n] != DraftTree::kNoParent) look(t.parent[n]);

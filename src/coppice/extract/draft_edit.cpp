@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/spatial/box_tree.h"
 
@@ -74,7 +75,7 @@ struct Foot {
 };
 Foot foot_on(const DraftTree& t, std::uint32_t n, Vec3d p) {
     const Vec3d a = t.position[t.parent[n]], d = t.position[n] - a;
-    const double l2 = length_squared(d), k = l2 > 0 ? std::clamp(dot(p - a, d) / l2, 0.0, 1.0) : 1;
+    const double k = closest_parameter(p, a, d, 1);
     return {k, distance(p, a + d * k), t.radius[t.parent[n]] + (t.radius[n] - t.radius[t.parent[n]]) * k};
 }
 

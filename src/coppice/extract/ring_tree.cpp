@@ -1,3 +1,4 @@
+#include "coppice/base/segment_distance.h"
 #include "coppice/extract/ring_tree_internal.h"
 
 #include <algorithm>
@@ -84,7 +85,7 @@ void Stringing::drop_rings_inside(Strand& s, const Strand& o, Window w) const {
     const auto inside = [&](Vec3d p) {
         for (std::uint32_t k = w.begin; k < w.end; ++k) {
             const Vec3d a = o.points[k], d = o.points[std::min(k + 1, o.last())] - a;
-            const double l2 = length_squared(d), t = l2 > 0 ? std::clamp(dot(p - a, d) / l2, 0.0, 1.0) : 0;
+            const double t = closest_parameter(p, a, d);
             if (distance(p, o.at(k + t)) < o.radius_at(k + t)) return true;
         }
         return false;

@@ -8,6 +8,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
 #include "coppice/field/weight_constraints_internal.h"
 #include "coppice/spatial/box_tree.h"
 
@@ -90,8 +91,7 @@ class Cones {
     Foot foot(std::uint32_t i, Vec3 p) const {
         const Segment s = segment_of(skeleton_, names_[i]);
         const Vec3d a(s.a), axis = Vec3d(s.b) - a, w = Vec3d(p) - a;
-        const double squared = length_squared(axis);
-        const double t = squared > 0 ? std::clamp(dot(w, axis) / squared, 0.0, 1.0) : 0.0;
+        const double t = closest_parameter(Vec3d(p), a, axis);
         return {length(w - axis * t), s.radius_a + t * (double{s.radius_b} - s.radius_a)};
     }
 
