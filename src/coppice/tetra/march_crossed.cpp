@@ -63,12 +63,12 @@ CutNumbers::CutNumbers(const TetraRefinement& refinement, const CrossedTetra& cr
             const std::uint32_t t = piece.active[a];
             const TetraPattern& pattern = refinement_.pattern(t);
             edges.assign(pattern, piece.of(a));
-            for (std::uint32_t g = kFirstHolder; g < TetraPattern::kGroups; ++g) {
-                if ((refinement_.owned(t) >> g & 1) == 0) continue;
+            for_each_holder(t, [&](std::uint32_t group, std::size_t holder) {
+                if ((refinement_.owned(t) >> group & 1) == 0) return;
                 std::uint32_t cuts = 0;
-                edges.for_each(pattern, g, [&](std::uint32_t) { ++cuts; });
-                first_[holder(t, g)] = cuts;
-            }
+                edges.for_each(pattern, group, [&](std::uint32_t) { ++cuts; });
+                first_[holder] = cuts;
+            });
         }
     });
     for (std::uint32_t& first : first_) count_ += std::exchange(first, static_cast<std::uint32_t>(count_));
@@ -77,7 +77,8 @@ CutNumbers::CutNumbers(const TetraRefinement& refinement, const CrossedTetra& cr
 void CutNumbers::number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& out) const {
     const TetraPattern& pattern = refinement_.pattern(t);
     out.resize(pattern.edges.size());
-    for_each_group(t, [&](std::uint32_t group, std::uint32_t number) {
+    for_each_holder(t, [&](std::uint32_t group, std::size_t holder) {
+        std::uint32_t number = first_[holder];
         edges.for_each(pattern, group, [&](std::uint32_t e) { out[e] = number++; });
     });
 }

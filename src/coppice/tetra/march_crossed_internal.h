@@ -89,32 +89,27 @@ class CutNumbers {
 
     std::uint64_t count() const { return count_; }
 
-    /// Calls use(group, number) for the groups of a coarse tetrahedron that hold fine edges, with the number
-    /// of the first that is cut: the others follow.
-    template <class Use>
-    void for_each_group(std::uint32_t t, const Use& use) const {
-        for (std::uint32_t g = kFirstHolder; g < TetraPattern::kGroups; ++g) use(g, first_[holder(t, g)]);
-    }
-    /// The same for those groups that have this as their first tetrahedron.
+    /// Calls use(group, number) for the groups of fine edges that have a coarse tetrahedron as their first,
+    /// with the number of the first edge that is cut: the others follow.
     template <class Use>
     void for_each_owned(std::uint32_t t, const Use& use) const {
-        for (std::uint32_t g = kFirstHolder; g < TetraPattern::kGroups; ++g) {
-            if ((refinement_.owned(t) >> g & 1) != 0) use(g, first_[holder(t, g)]);
-        }
+        for_each_holder(t, [&](std::uint32_t group, std::size_t holder) {
+            if ((refinement_.owned(t) >> group & 1) != 0) use(group, first_[holder]);
+        });
     }
 
     /// Writes the numbers of a coarse tetrahedron's cut edges to `out`, by its own number of the edge.
     void number_edges(std::uint32_t t, const CutEdges& edges, std::vector<std::uint32_t>& out) const;
 
   private:
-    static constexpr std::uint32_t kFirstHolder = 4;
-
-    /// Number of the part of a group among those that hold fine edges: edges, faces, insides.
-    std::size_t holder(std::uint32_t t, std::uint32_t group) const {
-        if (group < 10) return refinement_.parts(t)[group];
-        if (group < TetraPattern::kInside)
-            return std::size_t{refinement_.edge_count()} + refinement_.parts(t)[group];
-        return std::size_t{refinement_.edge_count()} + refinement_.face_count() + t;
+    /// Calls use(group, holder) for the parts of a coarse tetrahedron that hold fine edges: edges, faces, and
+    /// the whole.
+    template <class Use>
+    void for_each_holder(std::uint32_t t, const Use& use) const {
+        const auto& parts = refinement_.parts(t);
+        const std::size_t faces = refinement_.edge_count(), insides = faces + refinement_.face_count();
+        for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g)
+            use(g, g < 10 ? parts[g] : g < TetraPattern::kInside ? faces + parts[g] : insides + t);
     }
 
     const TetraRefinement& refinement_;

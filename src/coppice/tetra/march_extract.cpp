@@ -9,7 +9,6 @@ namespace coppice::march_detail {
 namespace {
 
 using Local = TetraPattern::Local;
-using Kind = TetraRefinement::Kind;
 
 /// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
 constexpr float kEndShare = 0.01f;
