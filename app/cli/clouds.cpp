@@ -14,20 +14,10 @@ namespace {
 constexpr std::size_t kSpacingSample = 2000;
 constexpr std::size_t kMostDrawn = 500'000;
 
-double distance_to_box(Vec3 p, const Box3& box) {
-    double squares = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double beyond = std::max(
-            {double{box.low[axis]} - double{p[axis]}, double{p[axis]} - double{box.high[axis]}, 0.0});
-        squares += beyond * beyond;
-    }
-    return std::sqrt(squares);
-}
-
 double distance_to_nearest_other(const BoxTree& tree, const Buffer<Vec3>& points, std::size_t i) {
     double nearest = std::numeric_limits<double>::infinity();
     const auto bound = [&](std::uint32_t level, std::uint32_t box) {
-        return distance_to_box(points[i], tree.level(level)[box]);
+        return std::sqrt(distance_squared(tree.level(level)[box], Vec3d(points[i])));
     };
     tree.search(bound, nearest, [&](std::uint32_t item) {
         if (item == i) return;
