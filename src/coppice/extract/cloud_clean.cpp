@@ -14,11 +14,6 @@ namespace {
 constexpr std::size_t kGrain = 16384;
 constexpr double kCells = 2097151;  // 2^21 - 1 along each axis, so that three numbers fit 63 bits
 
-struct Place {
-    std::uint64_t key;
-    std::uint32_t index;
-};
-
 Box3 bounds_of(std::span<const Vec3> points) {
     Box3 box;
     for (const Vec3 p : points) box.extend(p);
@@ -34,21 +29,6 @@ std::uint64_t spread(std::uint64_t x) {
     return (x | x << 2) & 0x1249249249249249ull;
 }
 
-/// The points in the order of the cubes of this edge that they lie in.
-Buffer<Place> by_cube(std::span<const Vec3> points, Vec3 low, double edge, const Context& ctx) {
-    Buffer<Place> place(points.size());
-    parallel_for(ctx, points.size(), kGrain, [&](std::size_t i) {
-        std::uint64_t key = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double at = (double{points[i][axis]} - double{low[axis]}) / edge;
-            key |= spread(static_cast<std::uint64_t>(std::clamp(at, 0.0, kCells))) << axis;
-        }
-        place[i] = {key, static_cast<std::uint32_t>(i)};
-    });
-    radix_sort(ctx, place, 63, [](const Place& p) { return p.key; });
-    return place;
-}
-
 double widest(const Box3& box) {
     const Vec3d size = Vec3d(box.high) - Vec3d(box.low);
     return std::max({size.x, size.y, size.z});
@@ -58,10 +38,24 @@ bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y <
 
 }  // namespace
 
-Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Context& ctx) {
+Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Context& ctx) {
     const Box3 box = bounds_of(points);
-    const double edge = std::max(widest(box) / kCells, 1e-30);
-    const Buffer<Place> place = by_cube(points, box.low, edge, ctx);
+    edge = std::max(edge, widest(box) / kCells);
+    Buffer<CubePlace> place(points.size());
+    parallel_for(ctx, points.size(), kGrain, [&](std::size_t i) {
+        std::uint64_t key = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double at = (double{points[i][axis]} - double{box.low[axis]}) / edge;
+            key |= spread(static_cast<std::uint64_t>(std::clamp(at, 0.0, kCells))) << axis;
+        }
+        place[i] = {key, static_cast<std::uint32_t>(i)};
+    });
+    radix_sort(ctx, place, 63, [](const CubePlace& p) { return p.key; });
+    return place;
+}
+
+Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Context& ctx) {
+    const Buffer<CubePlace> place = by_cube(points, 1e-30, ctx);
     Buffer<Vec3> sorted;
     sorted.reserve(points.size());
     for (std::size_t first = 0; first < place.size();) {
@@ -79,8 +73,7 @@ Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Conte
 }
 
 Buffer<Vec3> thinned(std::span<const Vec3> points, double edge, const Context& ctx) {
-    const Box3 box = bounds_of(points);
-    const Buffer<Place> place = by_cube(points, box.low, std::max(edge, widest(box) / kCells), ctx);
+    const Buffer<CubePlace> place = by_cube(points, edge, ctx);
     Buffer<Vec3> kept;
     for (std::size_t first = 0; first < place.size();) {
         std::size_t last = first;

@@ -11,6 +11,16 @@
 
 namespace coppice::extract_internal {
 
+/// A point and the cube that it lies in; cubes are named along the Morton curve.
+struct CubePlace {
+    std::uint64_t key;
+    std::uint32_t index;
+};
+
+/// The points in the order of their cubes of this edge [m], those of one cube in their own order. Of edges
+/// too short for the extent of the points the least that will do. O(n).
+Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Context& ctx);
+
 /// Orders points along a Morton curve, so that neighbours in space are near in memory, and drops those at
 /// the place of another one. O(n log n).
 Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Context& ctx);

@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "coppice/base/box.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/sort.h"
+#include "coppice/extract/cloud_clean_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -17,7 +16,6 @@ constexpr std::uint32_t kNormalNeighbours = 8;  // of which a normal is made
 constexpr std::uint32_t kSpacingRank = 4;       // the neighbour whose distance is the spacing
 constexpr int kPasses = 8;                      // of averaging
 constexpr float kHigh = 0.15f;                  // beyond it a point counts for the share
-constexpr std::uint64_t kCells = 2097151;       // 2^21 - 1 along each axis, so that three numbers fit 63 bits
 
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 using Tensor = std::array<float, 6>;
@@ -60,15 +58,6 @@ void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& 
     tensor.swap(scratch);
 }
 
-double median_spacing(const Neighbours& near, std::size_t count) {
-    const std::uint32_t rank = std::min(kSpacingRank, near.count) - 1;
-    Buffer<float> spacing(count);
-    for (std::size_t i = 0; i < count; ++i) spacing[i] = near.distances(i)[rank];
-    const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(count / 2);
-    std::nth_element(spacing.begin(), middle, spacing.end());
-    return *middle;
-}
-
 /// Divides the values such that the variance within both parts is least.
 void divide(Disorder& d) {
     constexpr std::size_t kBins = 256;
@@ -95,28 +84,11 @@ void divide(Disorder& d) {
 
 /// For every point the first point in its cube.
 Buffer<std::uint32_t> first_in_cube(std::span<const Vec3> points, double edge, const Context& ctx) {
-    struct Entry {
-        std::uint64_t key;
-        std::uint32_t point;
-    };
-    Box3 box;
-    for (const Vec3 p : points) box.extend(p);
-    const Vec3d size = Vec3d(box.high) - Vec3d(box.low);
-    edge = std::max(edge, std::max({size.x, size.y, size.z}) / static_cast<double>(kCells));
-    Buffer<Entry> sorted(points.size());
-    parallel_for(ctx, points.size(), kGrain, [&](std::size_t i) {
-        std::uint64_t key = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double at = (double{points[i][axis]} - double{box.low[axis]}) / edge;
-            key = key << 21 | std::min(static_cast<std::uint64_t>(at), kCells);
-        }
-        sorted[i] = {key, static_cast<std::uint32_t>(i)};
-    });
-    radix_sort(ctx, sorted, 63, [](const Entry& e) { return e.key; });
+    const Buffer<CubePlace> sorted = by_cube(points, edge, ctx);
     Buffer<std::uint32_t> first(points.size());
     for (std::size_t begin = 0, i = 0; i < sorted.size(); ++i) {
         if (sorted[i].key != sorted[begin].key) begin = i;
-        first[sorted[i].point] = sorted[begin].point;
+        first[sorted[i].index] = sorted[begin].index;
     }
     return first;
 }
@@ -134,7 +106,7 @@ Disorder disorder(std::span<const Vec3> points, const Neighbours& near, const Co
     }
     out.value.resize(count);
     parallel_for(ctx, count, kGrain, [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
-    out.spacing = median_spacing(near, count);
+    out.spacing = median(local_spacing(near, kSpacingRank));
     out.share = static_cast<double>(std::ranges::count_if(out.value, [](float v) { return v > kHigh; })) /
                 static_cast<double>(count);
     divide(out);

@@ -14,9 +14,7 @@ constexpr int kLongFit = 8, kShortFit = 4;  // iterations
 constexpr double kRobust = 0.5;             // [radius] residuals much larger than this hardly count
 constexpr double kTolerance = 0.02;         // [radius] to which nodes are needed
 constexpr double kLeast = 0.05;             // [spacing] median: no radius is less, which nothing could tell
-constexpr double kClub = 2.3;               // [radius] of what bears it: a piece that is thicker,
-constexpr double kStout = 12;               // [radius] and no longer than this, is a club,
-constexpr double kClubEnd = 1.5;            // [radius] of what bears it, as far as it is thicker than this
+constexpr double kClubEnd = 1.5;  // [radius] of what bears it, as far as a club is thicker than this
 
 void fit(CloudDraft& draft, int iterations, const Context& ctx) {
     FitOptions options;
@@ -65,9 +63,10 @@ void slim_clubs(DraftTree& tree) {
     const DraftLinks links(tree);
     std::vector<std::uint32_t> club;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        if (tree.parent[n] == kNone || tree.radius[n] <= kClub * tree.radius[tree.parent[n]]) continue;
+        if (tree.parent[n] == kNone || tree.radius[n] <= kThickerThanBearer * tree.radius[tree.parent[n]])
+            continue;
         const double below = radius_below(tree, n);
-        if (tree.radius[n] <= kClub * below) continue;
+        if (tree.radius[n] <= kThickerThanBearer * below) continue;
         club.clear();
         double way = 0;
         for (std::uint32_t m = n; m != kNone && tree.radius[m] > kClubEnd * below; m = links.leader(m)) {

@@ -10,6 +10,10 @@
 
 namespace coppice::extract_internal {
 
+/// What is more than this many times as thick as what bears it, and no longer than so many of its own radii,
+/// is no branch but a few twigs, or stray points, taken for one.
+inline constexpr double kThickerThanBearer = 2.3, kStout = 12;
+
 using Feet = std::span<const std::vector<std::uint32_t>>;  ///< points of the lowest slice of each tree
 
 struct DraftOptions {

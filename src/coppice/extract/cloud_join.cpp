@@ -13,9 +13,8 @@ constexpr double kStraight =
     3;  // [radius] over gaps no wider than that, and two spacings, tubes are joined straight
 constexpr double kStraightGap = 2;  // [spacing]
 constexpr double kNearEnd = 4;      // [radius + spacing] from its end, where a tube still hangs by that
-constexpr double kOfOwner = 2.3;    // [radius] of what it hangs on, less
-constexpr double kOfSpacing = 0.6;  // [spacing]: a tube that is thicker,
-constexpr double kStout = 12;       // [radius] and no longer than this, is a bundle of twigs
+constexpr double kOfSpacing =
+    0.6;  // [spacing] that a tube may be thicker still, before it is a bundle of twigs
 
 class Joiner {
   public:
@@ -108,7 +107,7 @@ void Joiner::stand_on(std::uint32_t root, std::uint32_t end) {
 bool Joiner::is_bundle(std::uint32_t entry, std::uint32_t end, std::uint32_t owner) const {
     if (tree_.parent[owner] == kNone) return false;
     const double radius = tree_.radius[end];
-    return radius > kOfOwner * tree_.radius[owner] + kOfSpacing * double{spacing_[entry]} &&
+    return radius > kThickerThanBearer * tree_.radius[owner] + kOfSpacing * double{spacing_[entry]} &&
            length_[tube_[samples_.node[entry]]] < kStout * radius;
 }
 
