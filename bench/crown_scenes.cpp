@@ -7,8 +7,8 @@
 
 #include "coppice/growth/radii.h"
 #include "coppice/growth/tidy.h"
-#include "coppice/implicit/solid_field.h"
-#include "coppice/points/generate.h"
+#include "coppice/implicit/solid/solid_field.h"
+#include "coppice/points/sampling/generate.h"
 
 namespace coppice::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "coppice/growth/grow.h"
-#include "coppice/implicit/solid.h"
+#include "coppice/implicit/solid/solid.h"
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/skeleton.h"
 

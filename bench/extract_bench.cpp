@@ -9,11 +9,11 @@
 #include <iterator>
 
 #include "clock.h"
-#include "coppice/extract/from_cloud.h"
-#include "coppice/extract/from_mesh.h"
-#include "coppice/io/mesh_writer.h"
-#include "coppice/io/point_writer.h"
-#include "coppice/io/skeleton_reader.h"
+#include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/points/writer.h"
+#include "coppice/io/skeleton/reader.h"
 #include "machine.h"
 
 namespace coppice::bench {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "coppice/io/file.h"
-#include "coppice/io/skeleton_writer.h"
+#include "coppice/io/skeleton/writer.h"
 #include "extract_bench.h"
 #include "machine.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/scan.h"
 #include "coppice/skeleton/measure.h"
 #include "damage.h"

@@ -12,7 +12,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/measure/surface_tree.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/scan.h"
 #include "coppice/skeleton/measure.h"
 

@@ -12,7 +12,7 @@
 
 #include "clock.h"
 #include "coppice/base/error.h"
-#include "coppice/extract/from_cloud.h"
+#include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/measure/skeleton_match.h"
 #include "leafy_tree.h"
 #include "machine.h"

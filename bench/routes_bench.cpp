@@ -9,7 +9,7 @@
 
 #include "clock.h"
 #include "coppice/io/file.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/skeleton/random_tree.h"

@@ -8,8 +8,8 @@
 
 #include "coppice/base/box.h"
 #include "coppice/base/context.h"
-#include "coppice/implicit/polygonize.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/implicit/polygonize/polygonize.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice::bench {

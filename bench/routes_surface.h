@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "coppice/base/context.h"
-#include "coppice/implicit/polygonize.h"
+#include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/skeleton/skeleton.h"

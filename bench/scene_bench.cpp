@@ -6,8 +6,8 @@
 
 #include "clock.h"
 #include "coppice/base/hash.h"
-#include "coppice/io/mesh_writer.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "machine.h"

@@ -7,10 +7,10 @@
 
 #include "clock.h"
 #include "coppice/base/random.h"
-#include "coppice/field/global_weights.h"
-#include "coppice/field/nnls.h"
+#include "coppice/field/weights/global_weights.h"
+#include "coppice/field/weights/nnls.h"
 #include "coppice/measure/surface_report.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "scenes.h"
 
 namespace coppice::bench {

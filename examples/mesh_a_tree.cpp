@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <exception>
 
-#include "coppice/io/mesh_writer.h"
-#include "coppice/io/skeleton_reader.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 
 int main(int argc, char** argv) {
     if (argc != 3) {

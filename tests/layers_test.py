@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Holds the #includes of src/coppice, app and bench against layers.txt, and the length of every source file against 600.
+"""Holds the #includes of src/coppice, app and bench against layers.txt, both ways: no module includes what its line does not
+name, and none is permitted what it does not include. Source files have at most 600 lines.
 
     layers_test.py [SOURCE_DIR]    prints one line per fault; exit code 1 when there is one
     layers_test.py --self-test     makes a small tree of files with known faults and expects exactly these
@@ -47,7 +48,8 @@ def source_files(root):
                 yield path
 
 
-def faults_of(path, root, allowed):
+def faults_of(path, root, allowed, used):
+    """Faults of one file; adds what its module includes to used, module -> modules."""
     relative = path.relative_to(root)
     lines = path.read_text(errors="replace").splitlines()
     if len(lines) > LONGEST:
@@ -60,6 +62,8 @@ def faults_of(path, root, allowed):
         return
     for number, line in enumerate(lines, 1):
         match = INCLUDE.match(line)
+        if match:
+            used.setdefault(module, set()).add(match[1])
         if match and match[1] not in allowed[module]:
             yield f"{relative}:{number}: forbidden arrow {module} -> {match[1]}: {line.strip()}"
 
@@ -69,7 +73,12 @@ def all_faults(root):
     files = list(source_files(root))
     if not files:
         sys.exit(f"{root}: no sources found")
-    return [fault for path in files for fault in faults_of(path, root, allowed)]
+    used = {}
+    faults = [fault for path in files for fault in faults_of(path, root, allowed, used)]
+    for module, targets in allowed.items():
+        for target in sorted(targets - used.get(module, set()) - {"base", module}):
+            faults.append(f"layers.txt: {module} is permitted {target}, which it does not include")
+    return faults
 
 
 def self_test():
@@ -93,6 +102,8 @@ def self_test():
         "src/coppice/io/c.cpp: 601 lines",
         "src/coppice/mesh/d.cpp:2: forbidden arrow mesh -> io",
         "src/coppice/new/e.h: the module new is missing",
+        "layers.txt: io is permitted mesh",
+        "layers.txt: app is permitted mesh",
     ]
     if len(found) != len(expected) or any(not f.startswith(e) for f, e in zip(found, expected)):
         sys.exit("self-test: expected\n  " + "\n  ".join(expected) + "\nbut found\n  " + "\n  ".join(found))

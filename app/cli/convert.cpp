@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/mesh_writer.h"
-#include "coppice/io/point_writer.h"
-#include "coppice/io/skeleton_writer.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/points/writer.h"
+#include "coppice/io/skeleton/writer.h"
 #include "files.h"
 #include "options.h"
 

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "command.h"
-#include "coppice/extract/from_cloud.h"
-#include "coppice/extract/from_mesh.h"
-#include "coppice/io/mesh_writer.h"
-#include "coppice/io/point_writer.h"
-#include "coppice/io/skeleton_writer.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/points/writer.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 #include "files.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "coppice/recipe/json.h"
+#include "coppice/pipeline/json.h"
 
 namespace coppice::cli {
 

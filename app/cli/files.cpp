@@ -6,9 +6,9 @@
 #include <cctype>
 #include <fstream>
 
-#include "coppice/io/mesh_format.h"
-#include "coppice/io/mesh_reader.h"
-#include "coppice/io/point_reader.h"
+#include "coppice/io/mesh/format.h"
+#include "coppice/io/mesh/reader.h"
+#include "coppice/io/points/reader.h"
 #include "options.h"
 
 namespace coppice::cli {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "coppice/io/skeleton_reader.h"
+#include "coppice/io/skeleton/reader.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
 #include "run.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/recipe/quantity.h"
+#include "coppice/pipeline/quantity.h"
 
 namespace coppice::cli::detail {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coppice/recipe/json.h"
+#include "coppice/pipeline/json.h"
 
 namespace coppice::cli {
 

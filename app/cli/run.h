@@ -10,7 +10,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
-#include "coppice/recipe/json.h"
+#include "coppice/pipeline/json.h"
 #include "signals.h"
 
 namespace coppice::cli {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/io/mesh_writer.h"
+#include "coppice/io/mesh/writer.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/save.h"
 #include "files.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/io/mesh_reader.h"
+#include "coppice/io/mesh/reader.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/io/point_reader.h"
+#include "coppice/io/points/reader.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "coppice/base/error.h"
-#include "coppice/io/skeleton_reader.h"
-#include "coppice/io/skeleton_writer.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/io/skeleton/writer.h"
 
 namespace {
 

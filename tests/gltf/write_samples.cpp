@@ -3,7 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "coppice/io/mesh_writer.h"
+#include "coppice/io/mesh/writer.h"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include "coppice/field/candidate_lists.h"
 #include "coppice/field/contact_lists.h"
 #include "coppice/field/field_options.h"
-#include "coppice/field/kernel_constants.h"
-#include "coppice/field/segment_kernel.h"
+#include "coppice/field/kernel/kernel_constants.h"
+#include "coppice/field/kernel/segment_kernel.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/skeleton/skeleton.h"
 

@@ -20,11 +20,11 @@ HWY_BEFORE_NAMESPACE();
 #define COPPICE_KERNEL_PER_TARGET
 #undef COPPICE_KERNEL_NAMESPACE
 #define COPPICE_KERNEL_NAMESPACE HWY_NAMESPACE
-#include "coppice/field/segment_kernel.h"
+#include "coppice/field/kernel/segment_kernel.h"
 
-#include "coppice/field/cauchy_kernel.h"
-#include "coppice/field/quartic_kernel.h"
-#include "coppice/field/scalis_kernel.h"
+#include "coppice/field/kernel/cauchy_kernel.h"
+#include "coppice/field/kernel/quartic_kernel.h"
+#include "coppice/field/kernel/scalis_kernel.h"
 
 namespace coppice::HWY_NAMESPACE {
 

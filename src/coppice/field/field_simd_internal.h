@@ -5,8 +5,8 @@
 #include <span>
 
 #include "coppice/base/vec.h"
-#include "coppice/field/kernel_constants.h"
-#include "coppice/field/segment_kernel.h"
+#include "coppice/field/kernel/kernel_constants.h"
+#include "coppice/field/kernel/segment_kernel.h"
 #include "coppice/implicit/field_ref.h"
 
 namespace coppice {

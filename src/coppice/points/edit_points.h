@@ -7,8 +7,8 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/implicit/field_ref.h"
-#include "coppice/points/lane.h"
 #include "coppice/points/point_set.h"
+#include "coppice/points/sampling/lane.h"
 
 namespace coppice {
 

@@ -4,7 +4,7 @@
 
 #include "coppice/base/box.h"
 #include "coppice/implicit/field_ref.h"
-#include "coppice/points/density.h"
+#include "coppice/points/sampling/density.h"
 
 namespace coppice {
 

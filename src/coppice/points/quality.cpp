@@ -10,7 +10,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/points/nearest_internal.h"
-#include "coppice/points/point_hash_internal.h"
+#include "coppice/points/sampling/point_hash_internal.h"
 
 namespace coppice {
 namespace {

@@ -11,7 +11,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
-#include "coppice/points/near_mesh.h"
+#include "coppice/points/sampling/near_mesh.h"
 #include "coppice/render/embree_internal.h"
 
 namespace coppice {

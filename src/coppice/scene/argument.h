@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "coppice/base/fields.h"
-#include "coppice/recipe/json.h"
-#include "coppice/recipe/quantity.h"
+#include "coppice/pipeline/json.h"
+#include "coppice/pipeline/quantity.h"
 #include "coppice/scene/object.h"
 #include "coppice/scene/words.h"
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/implicit/solid_field.h"
+#include "coppice/implicit/solid/solid_field.h"
 #include "coppice/scene/argument.h"
 #include "coppice/scene/object.h"
 

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include "coppice/implicit/mesh_solid.h"
-#include "coppice/implicit/revolution.h"
-#include "coppice/implicit/skin.h"
-#include "coppice/implicit/sweep.h"
-#include "coppice/implicit/variational.h"
-#include "coppice/io/mesh_reader.h"
+#include "coppice/implicit/shape/revolution.h"
+#include "coppice/implicit/shape/skin.h"
+#include "coppice/implicit/shape/sweep.h"
+#include "coppice/implicit/shape/variational.h"
+#include "coppice/implicit/solid/mesh_solid.h"
+#include "coppice/io/mesh/reader.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/scene/tables_internal.h"
 

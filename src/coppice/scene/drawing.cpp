@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "coppice/implicit/polygonize.h"
-#include "coppice/implicit/solid_field.h"
+#include "coppice/implicit/polygonize/polygonize.h"
+#include "coppice/implicit/solid/solid_field.h"
 #include "coppice/scene/drawing_internal.h"
 
 namespace coppice {

@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "coppice/base/fields.h"
-#include "coppice/implicit/curve.h"
-#include "coppice/implicit/profile.h"
-#include "coppice/implicit/solid.h"
+#include "coppice/implicit/shape/curve.h"
+#include "coppice/implicit/shape/profile.h"
+#include "coppice/implicit/solid/solid.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/skeleton.h"

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "coppice/implicit/cached_field.h"
-#include "coppice/implicit/solid_field.h"
+#include "coppice/implicit/polygonize/cached_field.h"
+#include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io/file.h"
-#include "coppice/io/point_reader.h"
-#include "coppice/io/point_writer.h"
+#include "coppice/io/points/reader.h"
+#include "coppice/io/points/writer.h"
 #include "coppice/points/edit_points.h"
-#include "coppice/points/generate.h"
-#include "coppice/points/near_mesh.h"
 #include "coppice/points/quality.h"
+#include "coppice/points/sampling/generate.h"
+#include "coppice/points/sampling/near_mesh.h"
 #include "coppice/scene/tables_internal.h"
 
 namespace coppice {

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "coppice/implicit/solid.h"
+#include "coppice/implicit/solid/solid.h"
 #include "coppice/scene/tables_internal.h"
 
 namespace coppice {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "coppice/io/mesh_writer.h"
-#include "coppice/io/point_reader.h"
-#include "coppice/io/point_writer.h"
-#include "coppice/io/skeleton_writer.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/points/reader.h"
+#include "coppice/io/points/writer.h"
+#include "coppice/io/skeleton/writer.h"
 
 namespace coppice {
 namespace {

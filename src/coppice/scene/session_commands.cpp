@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "coppice/implicit/polygonize.h"
-#include "coppice/implicit/solid_field.h"
+#include "coppice/implicit/polygonize/polygonize.h"
+#include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io/file.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"

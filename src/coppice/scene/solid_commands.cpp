@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "coppice/implicit/polygonize.h"
-#include "coppice/implicit/solid_field.h"
-#include "coppice/recipe/quantity.h"
+#include "coppice/implicit/polygonize/polygonize.h"
+#include "coppice/implicit/solid/solid_field.h"
+#include "coppice/pipeline/quantity.h"
 #include "coppice/scene/tables_internal.h"
 
 namespace coppice {

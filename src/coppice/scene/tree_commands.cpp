@@ -7,9 +7,9 @@
 #include "coppice/growth/grow.h"
 #include "coppice/growth/radii.h"
 #include "coppice/growth/tidy.h"
-#include "coppice/implicit/solid_field.h"
-#include "coppice/io/skeleton_reader.h"
-#include "coppice/recipe/mesh_skeleton.h"
+#include "coppice/implicit/solid/solid_field.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/scene/tables_internal.h"
 
 namespace coppice {

@@ -5,7 +5,7 @@
 #include "coppice/skeleton/repair_internal.h"
 
 namespace coppice {
-namespace repair_detail {
+namespace skeleton_internal {
 
 std::string place(const std::string& source, std::uint32_t line, std::size_t index) {
     return line > 0 ? fmt::format("{}, line {}", source, line)
@@ -220,9 +220,9 @@ double extent(const std::vector<Vec3d>& points) {
 
 Skeleton assemble(const NodeList& nodes, RepairReport& report) { return Assembler(nodes).run(report); }
 
-}  // namespace repair_detail
+}  // namespace skeleton_internal
 
-using namespace repair_detail;
+using namespace skeleton_internal;
 
 RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source) {
     if (nodes.empty()) throw InvalidInput(fmt::format("{}: there are no nodes", source));

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-using namespace repair_detail;
+using namespace skeleton_internal;
 
 constexpr double kShortest = 0.01;      // [radius] cylinders shorter than this have no length
 constexpr double kSnapToEnd = 0.5;      // [parent's radius] laterals nearer to the end leave from the end

@@ -13,7 +13,7 @@
 #include "coppice/base/error.h"
 #include "coppice/skeleton/raw.h"
 
-namespace coppice::repair_detail {
+namespace coppice::skeleton_internal {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kGreatest = 1e15;      // squares of lengths stay finite in single precision
@@ -66,4 +66,4 @@ double extent(const std::vector<Vec3d>& points);
 /// Merges what coincides, moves to the local origin.
 Skeleton assemble(const NodeList& nodes, RepairReport& report);
 
-}  // namespace coppice::repair_detail
+}  // namespace coppice::skeleton_internal

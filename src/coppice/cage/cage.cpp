@@ -1,0 +1,369 @@
+#include "coppice/cage/cage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "coppice/base/parallel.h"
+#include "coppice/cage/hub_internal.h"
+#include "coppice/cage/sides_internal.h"
+
+namespace coppice {
+namespace {
+
+using cage_internal::Branch;
+using cage_internal::Frame;
+using cage_internal::Hub;
+using cage_internal::QuadKind;
+using cage_internal::Ring;
+
+constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
+// A closed cubic B-spline with corners at radius 1 on a square, octagon or 16-gon has this mean radius; the
+// cage is larger by the inverse.
+float shrinkage(int sides) { return sides == 4 ? 0.657f : sides == 8 ? 0.902f : 0.975f; }
+// Where the last ring of a round end lies, in radii: ahead of the end node and away from the axis.
+constexpr float kRoundEndAhead = 1.0f;
+constexpr float kRoundEndOut = 1.1f;
+// The rings of a flat end, in radii of the tube's ring: the inner one keeps the cap's faces square, and the
+// rim is so wide that subdivision brings it to the tube's radius.
+constexpr float kInnerRing = 0.5f;
+constexpr float kRim = (6 - 1 - kInnerRing) / 4;
+constexpr std::uint32_t kFlatEndQuads = 5;
+constexpr std::size_t kGrain = 256;
+
+class CageBuilder {
+  public:
+    CageBuilder(const Skeleton& s, std::span<const NodeId> source, const ControlOptions& options,
+                const Context& ctx)
+        : s_(s),
+          source_(source),
+          options_(options),
+          ctx_(ctx),
+          shrinkage_(shrinkage(options.sides)),
+          node_(s.size()) {}
+
+    ControlMesh build() && {
+        make_hubs();
+        count();
+        fill_hubs();
+        fill_chains();
+        fill_tubes();
+        for (int sides = 4; sides < options_.sides; sides *= 2) cage_internal::double_sides(out_, kind_);
+        return std::move(out_);
+    }
+
+  private:
+    struct Node {
+        std::uint32_t first_vertex = 0;
+        std::uint32_t first_quad = 0;
+        std::uint32_t hub = 0;  ///< index + 1
+        Ring upper{};           ///< where the tube from the parent begins, at the parent
+        Ring lower{};           ///< where it ends, at this node; both counter-clockwise about its direction
+    };
+
+    Node& at(NodeId n) { return node_[n.index()]; }
+    std::uint32_t degree(NodeId n) const {
+        return static_cast<std::uint32_t>(s_.children(n).size()) + (s_.is_root(n) ? 0 : 1);
+    }
+    // A ring or hub whose orientation does not depend on the chains that meet there.
+    bool is_fixed(NodeId n) const { return degree(n) >= 3 || (degree(n) == 2 && s_.is_root(n)); }
+
+    Branch branch_to_parent(NodeId n) const {
+        const Segment seg = s_.segment(n);
+        return {normalized(seg.a - seg.b), seg.radius_b, distance(seg.a, seg.b)};
+    }
+    Branch branch_to_child(NodeId c) const {
+        const Segment seg = s_.segment(c);
+        return {normalized(seg.b - seg.a), seg.radius_a, distance(seg.a, seg.b)};
+    }
+
+    void make_hubs() {
+        std::vector<NodeId> branching;
+        for (const NodeId n : nodes(s_)) {
+            if (degree(n) < 3) continue;
+            branching.push_back(n);
+            at(n).hub = static_cast<std::uint32_t>(branching.size());
+        }
+        hub_.resize(branching.size());
+        parallel_for(ctx_, branching.size(), kGrain,
+                     [&](std::size_t i) { hub_[i] = make_hub(branching[i]); });
+    }
+
+    Hub make_hub(NodeId n) const {
+        std::vector<Branch> branch;
+        branch.reserve(degree(n));
+        for (const NodeId c : s_.children(n)) branch.push_back(branch_to_child(c));
+        const auto straightest_from = [&](std::uint32_t from, std::size_t count) {
+            std::uint32_t best = from == 0 ? 1 : 0;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                if (i != from && dot(branch[i].direction, branch[from].direction) <
+                                     dot(branch[best].direction, branch[from].direction)) {
+                    best = i;
+                }
+            }
+            return best;
+        };
+        const auto children = static_cast<std::uint32_t>(branch.size());
+        if (!s_.is_root(n)) {
+            branch.push_back(branch_to_parent(n));
+            return cage_internal::build_hub(branch, children, straightest_from(children, children));
+        }
+        const auto thickest = static_cast<std::uint32_t>(
+            std::find(s_.children(n).begin(), s_.children(n).end(), s_.leader(n)) - s_.children(n).begin());
+        return cage_internal::build_hub(branch, thickest, straightest_from(thickest, children));
+    }
+
+    std::uint32_t vertex_count(NodeId n) {
+        if (degree(n) == 0 || is_flat(n)) return 8;
+        return degree(n) < 3 ? 4 : static_cast<std::uint32_t>(hub_[at(n).hub - 1].position.size());
+    }
+    std::uint32_t quad_count(NodeId n) {
+        const std::uint32_t tube = s_.is_root(n) ? 0 : 4;
+        if (degree(n) == 0) return 6;
+        if (degree(n) == 1) return tube + (is_open(n) ? 0 : is_flat(n) ? kFlatEndQuads : 1);
+        return tube;
+    }
+    bool is_open(NodeId n) const {
+        return s_.is_root(n) && degree(n) == 1 && options_.base == BaseShape::open;
+    }
+    bool is_flat(NodeId n) const {
+        if (degree(n) != 1) return false;
+        const bool wanted =
+            s_.is_root(n) ? options_.base == BaseShape::flat : options_.tips == TipShape::flat;
+        return wanted;
+    }
+    Vec3 outward(NodeId end) const {
+        return s_.is_root(end) ? -branch_to_child(s_.children(end)[0]).direction
+                               : branch_to_child(end).direction;
+    }
+
+    void count() {
+        std::uint32_t vertices = 0, quads = 0;
+        for (const NodeId n : nodes(s_)) {
+            at(n).first_vertex = vertices;
+            at(n).first_quad = quads;
+            if (is_flat(n)) {
+                const Vec3 normal = outward(n);
+                out_.clip.push_back({normal, dot(normal, s_.position(n)), first_cap_quad(n), kFlatEndQuads});
+            }
+            vertices += vertex_count(n);
+            quads += quad_count(n);
+        }
+        out_.cage.positions.resize(vertices);
+        out_.cage.origin = s_.origin();
+        out_.anchors.resize(vertices);
+        out_.cage.quads.resize(quads);
+        out_.region.resize(quads);
+        kind_.resize(quads);
+        out_.region_node.assign(source_.begin(), source_.end());
+    }
+
+    void set_vertex(std::uint32_t v, Vec3 position, Vec3 anchor) {
+        out_.cage.positions[v] = position;
+        out_.anchors[v] = anchor;
+    }
+    void set_quad(std::uint32_t q, const Ring& corners, NodeId region, QuadKind kind) {
+        out_.cage.quads[q] = corners;
+        kind_[q] = kind;
+        out_.region[q] = region.index();
+    }
+
+    static Ring reversed(const Ring& r) { return {r[0], r[3], r[2], r[1]}; }
+
+    // Rings whose orientation is their own: branch nodes, roots in the middle of a chain, single nodes.
+    void fill_hubs() {
+        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+            const NodeId n(static_cast<std::uint32_t>(i));
+            if (degree(n) == 0) {
+                fill_ball(n);
+            } else if (degree(n) >= 3) {
+                fill_hub(n);
+            } else if (is_fixed(n)) {
+                const auto c = s_.children(n);
+                const Frame frame(
+                    normalized(branch_to_child(c[0]).direction - branch_to_child(c[1]).direction));
+                fill_ring(n, frame, 0);
+                at(c[0]).upper = ring_of(n);
+                at(c[1]).upper = reversed(ring_of(n));
+            }
+        });
+    }
+
+    void fill_hub(NodeId n) {
+        const Hub& hub = hub_[at(n).hub - 1];
+        const std::uint32_t first = at(n).first_vertex;
+        for (std::uint32_t v = 0; v < hub.position.size(); ++v) {
+            set_vertex(first + v, s_.position(n) + hub.position[v], s_.position(n));
+        }
+        const auto shifted = [&](Ring r) {
+            for (auto& v : r) v += first;
+            return r;
+        };
+        const auto children = s_.children(n);
+        for (std::size_t i = 0; i < children.size(); ++i) at(children[i]).upper = shifted(hub.cell[i]);
+        if (!s_.is_root(n)) at(n).lower = reversed(shifted(hub.cell.back()));
+    }
+
+    void fill_ball(NodeId n) {
+        const std::uint32_t v = at(n).first_vertex;
+        const float r = s_.radius(n) / shrinkage_ / std::numbers::sqrt3_v<float>;
+        for (std::uint32_t k = 0; k < 8; ++k) {
+            const Vec3 corner{k & 1 ? r : -r, k & 2 ? r : -r, k & 4 ? r : -r};
+            set_vertex(v + k, s_.position(n) + corner, s_.position(n));
+        }
+        constexpr Ring kCube[6] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                   {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+        for (std::uint32_t k = 0; k < 6; ++k) {
+            Ring face = kCube[k];
+            for (auto& corner : face) corner += v;
+            set_quad(at(n).first_quad + k, face, n, QuadKind::face);
+        }
+    }
+
+    Ring ring_of(NodeId n) {
+        const std::uint32_t v = at(n).first_vertex;
+        return {v, v + 1, v + 2, v + 3};
+    }
+
+    void fill_ring(NodeId n, const Frame& frame, float phase) {
+        const float r = s_.radius(n) / shrinkage_;
+        const auto out = frame.quarters(phase);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            set_vertex(at(n).first_vertex + k, s_.position(n) + out[k] * r, s_.position(n));
+        }
+    }
+
+    // Chains run from a root or branch node to the next branch node or tip.
+    void fill_chains() {
+        std::vector<NodeId> heads;
+        for (const NodeId n : nodes(s_)) {
+            if (!s_.is_root(n) && (is_fixed(s_.parent(n)) || s_.is_root(s_.parent(n)))) heads.push_back(n);
+        }
+        parallel_for(ctx_, heads.size(), kGrain / 4, [&](std::size_t i) { fill_chain(heads[i]); });
+    }
+
+    void fill_chain(NodeId head) {
+        const NodeId start = s_.parent(head);
+        std::vector<NodeId> chain{head};
+        while (degree(chain.back()) == 2) chain.push_back(s_.children(chain.back())[0]);
+        const NodeId end = chain.back();
+        std::vector<Frame> frame;
+        frame.reserve(chain.size());
+        float total = 0;
+        for (const NodeId n : chain) {
+            const Vec3 d = branch_to_child(n).direction;
+            frame.push_back(frame.empty() ? Frame(d) : frame.back().turned(d));
+            total += branch_to_child(n).length;
+        }
+        const bool start_fixed = is_fixed(start), end_fixed = is_fixed(end);
+        float phase = 0, end_phase = 0;
+        if (start_fixed) phase = ring_phase(at(head).upper, start, frame.front());
+        if (end_fixed) {
+            end_phase = ring_phase(at(end).lower, end, frame.back());
+            if (!start_fixed) phase = end_phase;
+        }
+        const float twist = end_fixed ? std::remainder(end_phase - phase, kHalfPi) : 0;
+        if (!start_fixed) {
+            fill_end(start, Frame(-frame.front().axis, frame.front().x), -phase, head);
+            Ring& upper = at(head).upper = reversed(ring_of(start));
+            align(upper, phase - ring_phase(upper, start, frame.front()));
+        }
+        float way = 0;
+        for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+            way += branch_to_child(chain[i]).length;
+            const Vec3 tangent = normalized(frame[i].axis + frame[i + 1].axis, frame[i].x);
+            fill_ring(chain[i], frame[i].turned(tangent), phase + twist * way / std::max(total, 1e-30f));
+            at(chain[i]).lower = ring_of(chain[i]);
+            at(chain[i + 1]).upper = ring_of(chain[i]);
+        }
+        if (end_fixed) {
+            align(at(end).lower, phase + twist - end_phase);
+        } else {
+            fill_end(end, frame.back(), phase, end);
+            at(end).lower = ring_of(end);
+        }
+    }
+
+    float ring_phase(const Ring& ring, NodeId n, const Frame& frame) const {
+        return frame.quarters_azimuth([&](std::size_t k) { return out_.cage.positions[ring[k]]; },
+                                      s_.position(n));
+    }
+
+    // Renumbers a ring so that its first corner lies farther on by an angle, a multiple of a quarter turn.
+    static void align(Ring& ring, float by) {
+        const int shift = (static_cast<int>(std::lround(cage_internal::wrap_angle(by) / kHalfPi)) + 4) % 4;
+        std::rotate(ring.begin(), ring.begin() + shift, ring.end());
+    }
+
+    std::uint32_t first_cap_quad(NodeId end) { return at(end).first_quad + (s_.is_root(end) ? 0 : 4); }
+
+    // The end of a tube at a tip or base, whose last ring becomes ring_of(n). The frame looks outward.
+    void fill_end(NodeId n, const Frame& frame, float phase, NodeId region) {
+        if (is_flat(n)) return fill_flat_end(n, frame, phase, region);
+        const float r = s_.radius(n);
+        if (is_open(n)) return fill_end_ring(n, 0, frame.quarters(phase), r / shrinkage_, {});
+        fill_end_ring(n, 0, frame.quarters(phase), kRoundEndOut * r, kRoundEndAhead * r * frame.axis);
+        set_quad(first_cap_quad(n), ring_of(n), region, QuadKind::face);
+    }
+
+    void fill_end_ring(NodeId n, std::uint32_t first, const std::array<Vec3, 4>& around, float out,
+                       Vec3 ahead) {
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            set_vertex(at(n).first_vertex + first + k, s_.position(n) + around[k] * out + ahead,
+                       s_.position(n));
+        }
+    }
+
+    // The rim and a ring within it, both in the plane of the cut. Anchors lie behind the inner ring, so that
+    // the cap knows which way is out.
+    void fill_flat_end(NodeId n, const Frame& frame, float phase, NodeId region) {
+        const float r = s_.radius(n);
+        const auto around = frame.quarters(phase);
+        fill_end_ring(n, 0, around, kRim * r / shrinkage_, {});
+        fill_end_ring(n, 4, around, kInnerRing * r / shrinkage_, {});
+        const std::uint32_t v = at(n).first_vertex;
+        const std::uint32_t q = first_cap_quad(n);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const std::uint32_t next = (k + 1) % 4;
+            out_.anchors[v + 4 + k] -= frame.axis * r;
+            set_quad(q + k, {v + k, v + next, v + 4 + next, v + 4 + k}, region, QuadKind::tube);
+        }
+        set_quad(q + 4, {v + 4, v + 5, v + 6, v + 7}, region, QuadKind::face);
+    }
+
+    void fill_tubes() {
+        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+            const NodeId n(static_cast<std::uint32_t>(i));
+            if (s_.is_root(n)) return;
+            const Ring &p = at(n).upper, &q = at(n).lower;
+            for (std::uint32_t k = 0; k < 4; ++k) {
+                const std::uint32_t next = (k + 1) % 4;
+                set_quad(at(n).first_quad + k, {p[k], p[next], q[next], q[k]}, n, QuadKind::tube);
+            }
+        });
+    }
+
+    const Skeleton& s_;
+    std::span<const NodeId> source_;
+    const ControlOptions& options_;
+    const Context& ctx_;
+    const float shrinkage_;
+    std::vector<Node> node_;
+    std::vector<Hub> hub_;
+    std::vector<QuadKind> kind_;
+    ControlMesh out_;
+};
+
+}  // namespace
+
+ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
+                               const ControlOptions& options, const Context& ctx) {
+    COPPICE_ASSERT(source.size() == skeleton.size());
+    if (options.sides != 4 && options.sides != 8 && options.sides != 16) {
+        throw InvalidInput(fmt::format("control: sides must be 4, 8 or 16, but is {}", options.sides));
+    }
+    return CageBuilder(skeleton, source, options, ctx).build();
+}
+
+}  // namespace coppice

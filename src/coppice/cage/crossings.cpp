@@ -1,0 +1,116 @@
+#include <algorithm>
+
+#include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
+#include "coppice/cage/crossings_internal.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::cage_internal {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+// Looks at so many pairs of boxes at most: per group, or on average where that is more.
+constexpr std::size_t kLooksPerGroup = std::size_t{1} << 12;
+constexpr std::size_t kLooks = std::size_t{1} << 24;
+constexpr std::size_t kMostPerGroup = 64 * BoxTree::kWidth;
+// Segments of one axis are neighbours while the way between them is shorter than this many times the sum of
+// their radii.
+constexpr float kNeighbours = 5;
+constexpr int kBisections = 14;
+
+float greatest_radius(const Segment& s) { return std::max(s.radius_a, s.radius_b); }
+
+class Search {
+  public:
+    Search(const Skeleton& s, const Axes& axes, const Insideness& inside)
+        : s_(s), axes_(axes), inside_(inside), root_(s.size()) {
+        for (const NodeId n : nodes(s)) root_[n.index()] = s.is_root(n) ? n : root_[s.parent(n).index()];
+    }
+
+    void add(NodeId a, NodeId b, std::vector<Crossing>& out) const {
+        if (s_.is_root(a) || s_.is_root(b) || root_[a.index()] != root_[b.index()]) return;
+        if (axes_.rank(a) < axes_.rank(b)) std::swap(a, b);
+        const Segment own = s_.segment(a);
+        const Part host{s_.segment(b)};
+        if (axes_.axis_of(a) == axes_.axis_of(b)) {
+            const float way = axes_.arc(a) - axes_.arc(b) - distance(own.a, own.b);
+            if (way < kNeighbours * (greatest_radius(own) + greatest_radius(host.segment))) return;
+        }
+        if (inside_.see(host, own, Insideness::nearest(own, host)).gap >= 0) return;
+        out.push_back({a, b, is_ordinary(a, b, own, host)});
+    }
+
+  private:
+    // Whether a lateral is out of a branch that meets its beginning before it has passed that branch's end.
+    bool is_ordinary(NodeId a, NodeId b, const Segment& own, const Part& host) const {
+        const NodeId base = s_.parent(a);
+        if (!axes_.is_first(a) || (b != base && s_.parent(b) != base)) return false;
+        const float gap = kClear * own.radius_b;
+        const Sight end = inside_.see(host, own, 1);
+        if (end.gap < gap) return false;
+        const auto is_before_end = [&](float t) { return b == base ? t > 0.0f : t < 1.0f; };
+        return is_before_end(end.t) ||
+               is_before_end(inside_.see(host, own, inside_.leave(host, own, 0, 1, gap)).t);
+    }
+
+    const Skeleton& s_;
+    const Axes& axes_;
+    const Insideness& inside_;
+    std::vector<NodeId> root_;
+};
+
+}  // namespace
+
+Sight Insideness::see(const Part& host, const Segment& own, float at) const {
+    const Segment& h = host.segment;
+    const Vec3 p = lerp(own.a, own.b, at), axis = h.b - h.a;
+    const float t =
+        std::clamp(dot(p - h.a, axis) / std::max(length_squared(axis), 1e-30f), host.from, host.to);
+    const Vec3 across = p - lerp(h.a, h.b, t);
+    return {length(across) - least_distance(radius_at(h, t), radius_at(own, at)), t, across};
+}
+
+float Insideness::nearest(const Segment& own, const Part& host) {
+    const Segment& h = host.segment;
+    return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(lerp(h.a, h.b, host.from)),
+                                                 Vec3d(lerp(h.a, h.b, host.to)))
+                                  .on_a);
+}
+
+float Insideness::leave(const Part& host, const Segment& own, float in, float out, float gap) const {
+    for (int i = 0; i < kBisections; ++i) {
+        const float middle = 0.5f * (in + out);
+        (see(host, own, middle).gap < gap ? in : out) = middle;
+    }
+    return out;
+}
+
+std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const Insideness& inside,
+                                     const Context& ctx) {
+    const Search search(s, axes, inside);
+    std::vector<Box3> boxes(s.size());
+    parallel_for(ctx, s.size(), kGrain, [&](std::size_t i) {
+        const NodeId n(static_cast<std::uint32_t>(i));
+        const NodeId from = s.is_root(n) ? n : s.parent(n);
+        const float r = s.is_root(n) ? 0.0f : greatest_radius(s.segment(n));
+        boxes[i] = capsule_box(s.position(from), s.position(n), r);
+    });
+    const BoxTree tree(boxes, ctx);
+    std::vector<std::vector<Crossing>> found(tree.group_count());
+    const std::size_t most_looks = std::max(kLooksPerGroup, kLooks / found.size());
+    parallel_for(ctx, found.size(), kGrain / BoxTree::kWidth, [&](std::size_t g) {
+        std::size_t looks = 0;
+        tree.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t p, std::uint32_t q) {
+            search.add(NodeId(tree.item(p)), NodeId(tree.item(q)), found[g]);
+            return ++looks < most_looks && found[g].size() < kMostPerGroup;
+        });
+    });
+    std::vector<Crossing> all;
+    for (const auto& f : found) all.insert(all.end(), f.begin(), f.end());
+    std::sort(all.begin(), all.end(), [](const Crossing& x, const Crossing& y) {
+        return x.junior != y.junior ? x.junior < y.junior : x.senior < y.senior;
+    });
+    return all;
+}
+
+}  // namespace coppice::cage_internal

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "coppice/cage/frame_internal.h"
+
+namespace coppice::cage_internal {
+
+/// A segment as seen from the node it leaves.
+struct Branch {
+    Vec3 direction;  ///< unit, away from the node
+    float radius;    ///< [m] at the node
+    float length;    ///< [m]
+};
+
+/// The cage about one branch node: vertices, and the ring with which each branch starts.
+struct Hub {
+    std::vector<Vec3> position;  ///< [m] relative to the node
+    std::vector<Ring> cell;      ///< per branch: counter-clockwise about its direction; local vertex numbers
+};
+
+/// Divides the surface about a node among its branches: three or more. `stem` is the one that leads to the
+/// parent, `leader` the one that continues it; a node without a parent names any two. O(k^3) for k branches,
+/// linear beyond 256.
+Hub build_hub(std::span<const Branch> branches, std::uint32_t stem, std::uint32_t leader);
+
+}  // namespace coppice::cage_internal

@@ -1,0 +1,408 @@
+#include "coppice/cage/part.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/fast_atan2.h"
+
+namespace coppice {
+namespace {
+
+// A crotch must lie within this share of a segment, so that the next ring comes after it.
+constexpr float kCrotchShare = 0.75f;
+// A crotch beyond this share of the way to the leader's next branch node moves the branch on to that node.
+constexpr float kMoveShare = 1.0f;
+// A branch node is shifted until its crotches are at most this many radii away.
+constexpr float kCrotchReach = 1.8f;
+// A shift that leaves the way from the parent by more than this many radii keeps a ring at the node.
+constexpr float kCorner = 0.5f;
+// A leader shorter than this many radii leaves no room for a tube between two branch nodes.
+constexpr float kShortest = 0.8f;
+
+// Children of a branch node beyond which nothing is moved: the search for pairs is quadratic.
+constexpr std::size_t kMostChildren = 64;
+// Two children are bundled when their stem would be this many radii long, and leave the other crotches
+// behind.
+constexpr float kBundleStem = 1.0f;
+
+// The point where two cylinders that leave one point part: its distance, and its angle from the first.
+struct Crotch {
+    float distance;
+    float angle_a, angle_b;
+};
+
+Crotch crotch(Vec3 a, float radius_a, Vec3 b, float radius_b) {
+    const float s = length(cross(a, b)), c = dot(a, b), along = radius_b / radius_a + c;
+    const float sine_a = s / std::max(std::sqrt(s * s + along * along), 1e-30f);
+    const float angle_a = fast_atan2(s, along);
+    return {radius_a / std::max(sine_a, 1e-3f), angle_a, fast_atan2(s, c) - angle_a};
+}
+
+class Parting {
+  public:
+    Parting(const Skeleton& s, const Context& ctx) : s_(s), ctx_(ctx) {
+        node_.reserve(s.size() + s.size() / 8);
+        for (const NodeId n : nodes(s)) {
+            const auto children = s.children(n);
+            node_.push_back(
+                {s.position(n), s.radius(n), n, s.parent(n), {children.begin(), children.end()}, {}});
+        }
+    }
+
+    PartResult run() && {
+        for (const NodeId n : nodes(s_)) halve_lone_segment(n);
+        for (const NodeId n : nodes(s_)) {
+            if (n.index() % 4096 == 0) ctx_.throw_if_cancelled();
+            settle(n);
+        }
+        // Nodes made by `settle` follow the given ones and may be settled further.
+        for (std::uint32_t i = s_.size(); i < node_.size(); ++i) settle(NodeId(i));
+        for (std::uint32_t i = 0, size = static_cast<std::uint32_t>(node_.size()); i < size; ++i)
+            shift(NodeId(i));
+        return finish();
+    }
+
+  private:
+    struct Node {
+        Vec3 position;
+        float radius;
+        NodeId source;
+        NodeId parent;
+        std::vector<NodeId> children;
+        NodeId dissolved_into;  ///< whose tube wraps the segment of a node that was taken out
+    };
+    struct View {  // a child as its branch node sees it
+        NodeId node;
+        Vec3 direction;
+        float radius;
+        float length;
+        bool tip;
+    };
+
+    // The only segment of a tree gets a node in its middle: each end is a tube of its own, and may be cut by
+    // its own plane.
+    void halve_lone_segment(NodeId n) {
+        if (!s_.is_root(n) || s_.children(n).size() != 1 || !s_.is_tip(s_.children(n)[0])) return;
+        const NodeId tip = s_.children(n)[0], m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({lerp(s_.position(n), s_.position(tip), 0.5f),
+                         0.5f * (s_.radius(n) + s_.radius(tip)),
+                         tip,
+                         n,
+                         {tip},
+                         {}});
+        kids(n) = {m};
+        adopt(m, tip);
+    }
+
+    Node& at(NodeId n) { return node_[n.index()]; }
+    const Node& at(NodeId n) const { return node_[n.index()]; }
+    std::vector<NodeId>& kids(NodeId n) { return at(n).children; }
+    View view(NodeId n, NodeId c) const {
+        const Vec3 d = at(c).position - at(n).position;
+        return {c, normalized(d), at(c).radius, length(d), is_tip(c)};
+    }
+    bool is_bundle(NodeId n) const { return n.index() >= s_.size(); }
+    bool is_tip(NodeId n) const { return at(n).children.empty(); }
+
+    NodeId leader(NodeId n) const {
+        NodeId best;
+        for (const NodeId c : at(n).children) {
+            if (!best || at(c).radius > at(best).radius) best = c;
+        }
+        return best;
+    }
+
+    // Each step removes a node, moves a branch towards the tips or lessens the children of n, so this ends.
+    void settle(NodeId n) {
+        if (kids(n).size() > kMostChildren) return;
+        while (kids(n).size() > 1 && (absorb_one(n) || advance_one(n) || bundle_one(n))) {
+        }
+    }
+
+    void adopt(NodeId n, NodeId c) { at(c).parent = n; }
+
+    // Replaces child c of n by the children of c.
+    void dissolve(NodeId n, NodeId c) {
+        const std::vector<NodeId> grandchildren = std::move(kids(c));
+        kids(c).clear();
+        at(c).dissolved_into = grandchildren.size() == 1 ? grandchildren[0] : n;
+        for (const NodeId g : grandchildren) adopt(n, g);
+        auto& list = kids(n);
+        const auto place = list.erase(std::find(list.begin(), list.end(), c));
+        list.insert(place, grandchildren.begin(), grandchildren.end());
+    }
+
+    // A child inside the union about n joins n.
+    bool absorb_one(NodeId n) {
+        const NodeId lead = leader(n);
+        for (const NodeId c : kids(n)) {
+            const View v = view(n, c);
+            float inside = kShortest * std::max(v.radius, c == lead ? at(n).radius : 0.0f);
+            if (c != lead) inside = std::max(inside, root_distance(n, v) + 0.4f * v.radius);
+            if (v.tip) {
+                if (!is_swallowed(n, c, lead)) continue;
+                kids(n).erase(std::find(kids(n).begin(), kids(n).end(), c));
+                at(c).dissolved_into = n;
+                ++report_.swallowed;
+                return true;
+            }
+            if (v.length >= inside || is_bundle(c)) continue;
+            dissolve(n, c);
+            ++report_.absorbed;
+            return true;
+        }
+        return false;
+    }
+
+    // A tip that hardly shows: inside the union, or so near a longer sibling all the way that rays from the
+    // sibling's axis see what shows of it.
+    bool is_swallowed(NodeId n, NodeId c, NodeId lead) const {
+        const View v = view(n, c);
+        if (c != lead && v.length + 0.7f * v.radius <= root_distance(n, v)) return true;
+        for (const NodeId o : at(n).children) {
+            const View s = view(n, o);
+            if (o == c || is_bundle(o) || s.length < v.length) continue;
+            const Vec3 tip = v.direction * v.length;
+            const Vec3 off = tip - s.direction * std::clamp(dot(tip, s.direction), 0.0f, s.length);
+            if (length_squared(off) < s.radius * s.radius + v.radius * v.radius) return true;
+        }
+        return false;
+    }
+
+    // Where the axis of a child leaves the other branches of n.
+    float root_distance(NodeId n, const View& child) const {
+        float t = 0;
+        for (const NodeId o : at(n).children) {
+            if (o == child.node) continue;
+            const View other = view(n, o);
+            t = std::max(t, axis_exit(other.direction, other.radius, other.length, child.direction));
+        }
+        if (const NodeId p = at(n).parent) {
+            const Vec3 up = at(p).position - at(n).position;
+            t = std::max(t, axis_exit(normalized(up), at(n).radius, length(up), child.direction));
+        }
+        return t;
+    }
+    static float axis_exit(Vec3 axis, float radius, float length, Vec3 direction) {
+        const float c = dot(axis, direction);
+        if (c <= 0) return radius;
+        return std::min(radius / std::max(std::sqrt(std::max(0.0f, 1 - c * c)), 1e-3f),
+                        std::max(radius, length));
+    }
+
+    // A branch that parts from the leader only beyond the leader's next node goes on to that node.
+    bool advance_one(NodeId n) {
+        const NodeId lead = leader(n);
+        const View a = view(n, lead);
+        for (const NodeId c : kids(n)) {
+            if (c == lead) continue;
+            const View b = view(n, c);
+            const Crotch k = crotch(a.direction, a.radius, b.direction, b.radius);
+            const float along_a = k.distance * std::cos(k.angle_a),
+                        along_b = k.distance * std::cos(k.angle_b);
+            if (along_a > kCrotchShare * a.length && !a.tip && !is_bundle(lead)) {
+                if (kids(lead).size() == 1) {
+                    slide(n, lead, along_a / kCrotchShare);
+                    return true;
+                }
+                if (along_a < kMoveShare * a.length) continue;
+                if (!b.tip || dot(at(c).position - at(lead).position, a.direction) > b.radius) {
+                    move_on(n, c, lead);
+                    return true;
+                }
+            }
+            if (along_b > kCrotchShare * b.length && kids(c).size() == 1) {
+                slide(n, c, along_b / kCrotchShare);
+                return true;
+            }
+        }
+        return false;
+    }
+
+    // Moves a node in the middle of a chain on along the chain until it is `away` from n; one that would come
+    // too near the next node gives way to it.
+    void slide(NodeId n, NodeId c, float away) {
+        const NodeId next = kids(c)[0];
+        const Vec3 rest = at(next).position - at(c).position;
+        const float room = length(rest), missing = 1.02f * away - distance(at(n).position, at(c).position);
+        if (missing + at(c).radius > room) {
+            dissolve(n, c);
+            ++report_.absorbed;
+        } else {
+            at(c).position += rest * (std::max(missing, 0.05f * at(c).radius) / room);
+        }
+    }
+
+    void move_on(NodeId n, NodeId c, NodeId lead) {
+        kids(n).erase(std::find(kids(n).begin(), kids(n).end(), c));
+        kids(lead).push_back(c);
+        adopt(lead, c);
+        ++report_.advanced;
+        const Vec3 axis = normalized(at(lead).position - at(n).position);
+        const float ahead = dot(at(c).position - at(lead).position, axis);
+        if (ahead < 0.5f * at(c).radius && !is_tip(c)) dissolve(lead, c);
+    }
+
+    // How far the crotch of two children lies, at most where their ends part.
+    float crotch_distance(const View& a, const View& b, const Crotch& k) const {
+        float d = k.distance;
+        for (const auto& [v, angle] : {std::pair{a, k.angle_a}, std::pair{b, k.angle_b}}) {
+            const float off = v.length * std::sin(angle);
+            const float end =
+                v.length * std::cos(angle) + std::sqrt(std::max(0.0f, v.radius * v.radius - off * off));
+            if (d * std::cos(angle) > v.length) d = std::min(d, end);
+        }
+        return d;
+    }
+    static Vec3 crotch_direction(const View& a, const View& b, const Crotch& k) {
+        const Vec3 across =
+            normalized(b.direction - a.direction * dot(a.direction, b.direction), perpendicular(a.direction));
+        return a.direction * std::cos(k.angle_a) + across * std::sin(k.angle_a);
+    }
+
+    // Two children that part from each other later than from the rest go together to a node of their own.
+    bool bundle_one(NodeId n) {
+        const auto& list = kids(n);
+        if (list.size() < 3) return false;
+        std::vector<View> v;
+        for (const NodeId c : list) v.push_back(view(n, c));
+        float best = 0, second = 0;
+        std::size_t best_i = 0, best_j = 0;
+        for (std::size_t i = 0; i < v.size(); ++i) {
+            for (std::size_t j = i + 1; j < v.size(); ++j) {
+                const float d = crotch_distance(
+                    v[i], v[j], crotch(v[i].direction, v[i].radius, v[j].direction, v[j].radius));
+                if (d > best) {
+                    second = best;
+                    best = d;
+                    best_i = i;
+                    best_j = j;
+                } else {
+                    second = std::max(second, d);
+                }
+            }
+        }
+        const View &a = v[best_i], &b = v[best_j];
+        const float r = std::max(a.radius, b.radius);
+        const float way = best - kCrotchReach * r;
+        if (way < std::max(kBundleStem * r, second)) return false;
+        const Vec3 direction = crotch_direction(a, b, crotch(a.direction, a.radius, b.direction, b.radius));
+        const NodeId m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({at(n).position + direction * std::min(way, 0.6f * std::min(a.length, b.length)),
+                         r,
+                         at(a.radius >= b.radius ? a.node : b.node).source,
+                         n,
+                         {a.node, b.node},
+                         {}});
+        auto& rest = kids(n);
+        std::erase_if(rest, [&](NodeId c) { return c == a.node || c == b.node; });
+        rest.push_back(m);
+        adopt(m, a.node);
+        adopt(m, b.node);
+        ++report_.bundled;
+        return true;
+    }
+
+    // Rays from the branch node should see its crotches near at hand.
+    void shift(NodeId n) {
+        if (kids(n).size() < 2 || kids(n).size() > kMostChildren) return;
+        const View a = view(n, leader(n));
+        Vec3 sum;
+        int count = 0;
+        for (const NodeId c : kids(n)) {
+            if (c == a.node) continue;
+            const View b = view(n, c);
+            const Crotch k = crotch(a.direction, a.radius, b.direction, b.radius);
+            float longest = 1e30f;
+            for (const View& v : {a, b})
+                longest = std::min(longest, v.tip ? v.length : kCrotchShare * v.length);
+            const float beyond =
+                std::min(crotch_distance(a, b, k), longest) - kCrotchReach * std::max(a.radius, b.radius);
+            if (beyond <= 0) continue;
+            sum += crotch_direction(a, b, k) * beyond;
+            ++count;
+        }
+        if (count == 0) return;
+        const Vec3 by = sum * (room_to_shift(n, sum / static_cast<float>(count)) / static_cast<float>(count));
+        if (turns(n, by)) {
+            push_ahead(n, by);
+        } else {
+            at(n).position += by;
+        }
+    }
+
+    // Whether the way from the parent to the shifted node would cut a corner of the skeleton.
+    bool turns(NodeId n, Vec3 by) const {
+        const NodeId p = at(n).parent;
+        if (!p) return false;
+        const Vec3 in = normalized(at(n).position - at(p).position);
+        return length(by - in * dot(by, in)) > kCorner * at(n).radius;
+    }
+
+    // The node stays as a ring, and a new one takes its branches.
+    void push_ahead(NodeId n, Vec3 by) {
+        const NodeId m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({at(n).position + by, at(leader(n)).radius, at(leader(n)).source, n, {}, {}});
+        std::swap(kids(m), kids(n));
+        for (const NodeId c : kids(m)) adopt(m, c);
+        kids(n).push_back(m);
+    }
+
+    // The share of a shift after which the way from the node to every child still leaves the union through
+    // that child's tube.
+    float room_to_shift(NodeId n, Vec3 by) const {
+        float share = 1;
+        for (const NodeId c : at(n).children) {
+            const View v = view(n, c);
+            const float off = length(by - v.direction * dot(by, v.direction));
+            const float left_over =
+                off * std::max(0.0f, 1 - root_distance(n, v) / std::max(v.length, 1e-30f));
+            if (left_over > 0.4f * v.radius) share = std::min(share, 0.4f * v.radius / left_over);
+        }
+        return share;
+    }
+
+    PartResult finish() const {
+        std::vector<NodeId> parent, source;
+        std::vector<Vec3> position;
+        std::vector<float> radius;
+        std::vector<NodeId> new_id(node_.size());
+        std::vector<std::pair<NodeId, NodeId>> stack;  // node, new parent
+        for (std::uint32_t i = s_.size(); i-- > 0;) {
+            if (s_.is_root(NodeId(i))) stack.push_back({NodeId(i), NodeId::none()});
+        }
+        while (!stack.empty()) {
+            const auto [n, p] = stack.back();
+            stack.pop_back();
+            const NodeId id(static_cast<std::uint32_t>(parent.size()));
+            new_id[n.index()] = id;
+            parent.push_back(p);
+            source.push_back(at(n).source);
+            position.push_back(at(n).position);
+            radius.push_back(at(n).radius);
+            const auto& list = at(n).children;
+            for (auto c = list.rbegin(); c != list.rend(); ++c) stack.push_back({*c, id});
+        }
+        std::vector<NodeId> tube(s_.size());
+        for (const NodeId n : nodes(s_)) {
+            NodeId t = n;
+            while (at(t).dissolved_into) t = at(t).dissolved_into;
+            tube[n.index()] = new_id[t.index()];
+        }
+        return {Skeleton(std::move(parent), std::move(position), std::move(radius), s_.origin()),
+                std::move(source), std::move(tube), report_};
+    }
+
+    const Skeleton& s_;
+    const Context& ctx_;
+    std::vector<Node> node_;
+    PartReport report_;
+};
+
+}  // namespace
+
+PartResult part_branches(const Skeleton& skeleton, const Context& ctx) {
+    return Parting(skeleton, ctx).run();
+}
+
+}  // namespace coppice

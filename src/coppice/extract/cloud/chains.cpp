@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/segment_distance.h"
+#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/strand_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::size_t kFewest = 3;   // points of a branch
+constexpr double kHigh = 0.5;        // [radius] of what it leaves, above which a tip is no bark
+constexpr double kHighSpacings = 4;  // [spacing] above which it is none either
+constexpr double kSteep = 0.85;      // of its length, which bark does not rise
+constexpr std::size_t kPoll = 1024;
+
+/// Height of a point above what is there: above all that `cover` knows, and the few segments towards the root
+/// from where its path ends.
+double rise_of(const DraftTree& tree, const Cover& cover, std::uint32_t point, Vec3d p, std::uint32_t owner) {
+    constexpr int kSegments = 3;
+    double rise = cover.distance[point];
+    std::uint32_t n = owner;
+    for (int k = 0; n != kNone && k < kSegments; n = tree.parent[n], ++k) {
+        const std::uint32_t q = tree.parent[n] == kNone ? n : tree.parent[n];
+        const Vec3d a = tree.position[q], d = tree.position[n] - a;
+        const double t = closest_parameter(p, a, d, 1);
+        rise = std::min(rise, distance(p, a + d * t) - std::min(tree.radius[n], tree.radius[q]));
+    }
+    return rise;
+}
+
+std::vector<std::uint32_t> points_with_nodes(const FitSamples& samples) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t p = 0; p < samples.node.size(); ++p)
+        if (samples.node[p] != kNone) out.push_back(p);
+    return out;
+}
+
+}  // namespace
+
+void grow_chains(DraftTree& tree, FitSamples& samples, const Graph& graph, std::span<const float> spacing,
+                 const Cover& cover, const DraftOptions& options, const Context& ctx) {
+    const Paths paths = shortest_paths(graph, points_with_nodes(samples), samples.node, spacing, ctx);
+    Strand strand(samples.positions, graph, spacing, samples.node, options.step);
+    std::vector<std::uint8_t> dead(samples.node.size(), 0);  // no branch starts there
+    for (std::size_t i = paths.order.size(), turn = 0; i-- > 0;) {
+        const std::uint32_t tip = paths.order[i];
+        if (dead[tip] || samples.node[tip] != kNone) continue;
+        if (turn++ % kPoll == 0) ctx.throw_if_cancelled();
+        const std::uint32_t owner = samples.node[strand.trace(tip, paths)];
+        const double least = std::max(options.reach * strand.spacing(),
+                                      std::min({kHigh * tree.radius[owner], kHighSpacings * strand.spacing(),
+                                                kSteep * strand.length()}));
+        bool good = rise_of(tree, cover, tip, Vec3d(samples.positions[tip]), owner) >= least;
+        if (good) {
+            strand.shape(tree.radius[owner]);
+            good = strand.members().size() >= kFewest;
+        }
+        if (good) {
+            strand.add_to(tree, samples.node, owner);
+        } else {
+            for (const std::uint32_t p : strand.path()) dead[p] = 1;
+        }
+    }
+}
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/base/vec.h"
+#include "coppice/extract/cloud/neighbours_internal.h"
+
+namespace coppice::extract_internal {
+
+/// A point and the cube that it lies in; cubes are named along the Morton curve.
+struct CubePlace {
+    std::uint64_t key;
+    std::uint32_t index;
+};
+
+/// The points in the order of their cubes of this edge [m], those of one cube in their own order. Of edges
+/// too short for the extent of the points the least that will do. O(n).
+Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Context& ctx);
+
+/// Orders points along a Morton curve, so that neighbours in space are near in memory, and drops those at
+/// the place of another one. O(n log n).
+Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Context& ctx);
+
+/// One point, the mean, for all points in a cube of this edge [m] > 0. O(n).
+Buffer<Vec3> thinned(std::span<const Vec3> points, double edge, const Context& ctx);
+
+/// Thins with ever larger cubes until at most `limit` > 0 points are left.
+Buffer<Vec3> thinned_to(Buffer<Vec3> points, std::size_t limit, const Context& ctx);
+
+/// The distance to the `rank`-th neighbour of every point [m].
+Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank);
+
+/// Of one value or more; of an even number the upper one of the two in the middle. O(n).
+float median(std::span<const float> values);
+
+/// Marks points that lie far from everything: their mean distance to the six nearest is more than `factor`
+/// times what is usual about those, so that a density that falls with distance is no reason.
+std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, const Context& ctx);
+
+/// Height of the ground below a place, a smooth surface of second degree.
+struct Ground {
+    bool found = false;
+    double share = 0;  ///< of the cells of the plan whose lowest point lies on it
+    double x0 = 0, y0 = 0, scale = 1;
+    double c[6] = {};
+    double height(double x, double y) const {
+        const double u = (x - x0) / scale, v = (y - y0) / scale;
+        return c[0] + c[1] * u + c[2] * v + c[3] * u * u + c[4] * u * v + c[5] * v * v;
+    }
+    double clearance = 0;  ///< [m] above it, up to which points belong to the ground
+};
+
+/// Looks for ground: the lowest points in the cells of a plan lie on a smooth surface, in most of the cells.
+/// A tree alone has its lowest points all over the crown. O(n).
+Ground find_ground(std::span<const Vec3> points);
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
+#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/tree_internal.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr double kLook = 1;           // [spacing] beyond a surface, up to which distances are known
+constexpr double kSpacing = 0.3;      // [spacing] off a surface that is still on it
+constexpr double kRadius = 0.2;       // [radius] the same
+constexpr double kSigmas = 4;         // [noise] the same
+constexpr double kThick = 1;          // [spacing] least radius of a segment that shows the noise
+constexpr std::size_t kEnough = 100;  // points that tell how much noise there is
+
+constexpr double kRivalLook = 2;  // [spacing] beyond a surface, up to which it may explain a point
+constexpr double kRivalSpacing =
+    0.5;  // [spacing] off another surface, from which on it does not explain a point
+constexpr double kRivalRadius = 0.8;  // [radius] of that, the same
+constexpr double kOwnRadius = 2;      // [radius] of its own branch, more than which is never asked for
+constexpr double kLeastGain = 1.5;    // points that a branch must explain
+constexpr double kLeastShare = 0.35;  // of its points, which it must explain
+constexpr double kThin = 0.08;        // [spacing] thinner branches within reach of others are not believed
+constexpr std::size_t kGrain = 4096;
+
+/// The segment that ends at a node, as a cone with round ends.
+struct Cone {
+    Vec3d a, d;
+    double ra, rb;
+    Cone(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
+        const std::uint32_t q = tree.parent[n] == kNone ? n : tree.parent[n];
+        a = tree.position[q];
+        d = tree.position[n] - a;
+        rb = tree.radius[n];
+        ra = links.leader(q) == n ? tree.radius[q] : rb;
+    }
+    double distance(Vec3d p, double& radius) const {
+        const double t = closest_parameter(p, a, d, 1);
+        radius = ra + (rb - ra) * t;
+        return length(p - a - d * t) - radius;
+    }
+};
+
+/// All segments of a tree, found by place.
+class Cones {
+  public:
+    Cones(const DraftTree& tree, const DraftLinks& links, const Context& ctx)
+        : cones_(cones_of(tree, links)), index_(boxes_of(cones_), ctx) {}
+    const Cone& operator[](std::uint32_t n) const { return cones_[n]; }
+    /// Visits those whose surface may be within reach of p.
+    template <class Visit>
+    void visit(Vec3 p, float reach, const Visit& visit) const {
+        index_.visit_overlapping(Box3{p, p}.inflated(reach), visit);
+    }
+
+  private:
+    static std::vector<Cone> cones_of(const DraftTree& tree, const DraftLinks& links) {
+        std::vector<Cone> cones;
+        for (std::uint32_t n = 0; n < tree.size(); ++n) cones.emplace_back(tree, links, n);
+        return cones;
+    }
+    static std::vector<Box3> boxes_of(std::span<const Cone> cones) {
+        std::vector<Box3> boxes;
+        for (const Cone& c : cones) {
+            const auto r = static_cast<float>(1.0001 * std::max(c.ra, c.rb));
+            boxes.push_back(capsule_box(Vec3(c.a), Vec3(c.a + c.d), r));
+        }
+        return boxes;
+    }
+    std::vector<Cone> cones_;
+    BoxTree index_;
+};
+
+/// The standard deviation of the points about segments that are thick against their spacing.
+double noise_of(std::span<const float> distance, std::span<const float> radius,
+                std::span<const float> spacing) {
+    std::vector<float> off;
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+        if (radius[i] > kThick * spacing[i] && std::abs(distance[i]) < kRadius * radius[i])
+            off.push_back(std::abs(distance[i]));
+    }
+    if (off.size() < kEnough) return 0;
+    const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+    std::nth_element(off.begin(), middle, off.end());
+    return 1.4826 * *middle;
+}
+
+/// What explains a point, what would without that, and what the first is worth: from 0 to 1.
+struct Rivals {
+    std::uint32_t first = kNone, second = kNone;
+    float gain = 0;
+};
+
+/// Looks up the segments about points, for branches named by their last nodes.
+class RivalFinder {
+  public:
+    RivalFinder(const Cones& cones, std::span<const std::uint32_t> branch, double noise)
+        : cones_(cones), branch_(branch), noise_(noise) {}
+
+    Rivals find(Vec3 point, double spacing) const {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        const Vec3d p(point);
+        double best = kInfinity, next = kInfinity, best_radius = 0, next_radius = 0;
+        Rivals out;
+        cones_.visit(point, static_cast<float>(kRivalLook * spacing), [&](std::uint32_t n) {
+            double r = 0;
+            const double d = cones_[n].distance(p, r);
+            if (d < best) {
+                if (out.first != kNone && branch_[out.first] != branch_[n]) {
+                    next = best;
+                    next_radius = best_radius;
+                    out.second = out.first;
+                }
+                best = d;
+                best_radius = r;
+                out.first = n;
+            } else if (d < next && branch_[n] != branch_[out.first]) {
+                next = d;
+                next_radius = r;
+                out.second = n;
+            }
+        });
+        if (out.first == kNone) return out;
+        if (out.second == kNone) {
+            out.gain = 1;
+            return out;
+        }
+        const double slack = std::max({kSigmas * noise_, kRivalSpacing * spacing,
+                                       std::min(kRivalRadius * next_radius, kOwnRadius * best_radius)});
+        const auto cost = [&](double d) { return std::min(1.0, d * d / (slack * slack)); };
+        out.gain = static_cast<float>(cost(std::max(next, 0.0)) - cost(best));
+        return out;
+    }
+
+  private:
+    const Cones& cones_;
+    std::span<const std::uint32_t> branch_;
+    double noise_;
+};
+
+/// The branch of every node: a run of segments between forks, named by its last node.
+std::vector<std::uint32_t> branches_of(const DraftTree& tree, const DraftLinks& links) {
+    std::vector<std::uint32_t> branch(tree.size());
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        const auto children = links.children(n);
+        branch[n] = children.size() == 1 ? branch[children[0]] : n;
+    }
+    return branch;
+}
+
+}  // namespace
+
+Cover claim_points(const DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
+                   const Context& ctx) {
+    const std::size_t count = samples.positions.size();
+    const DraftLinks links(tree);
+    const Cones cones(tree, links, ctx);
+    Cover cover;
+    cover.distance.assign(count, std::numeric_limits<float>::infinity());
+    Buffer<float> radius;
+    radius.assign(count, 0);
+    samples.node.assign(count, kNone);
+    parallel_for(ctx, count, kGrain, [&](std::size_t i) {
+        double best = std::numeric_limits<double>::infinity();
+        const Vec3d p(samples.positions[i]);
+        cones.visit(samples.positions[i], static_cast<float>(kLook * spacing[i]), [&](std::uint32_t n) {
+            double r = 0;
+            const double d = cones[n].distance(p, r);
+            if (!(d < best || (d == best && n < samples.node[i]))) return;
+            best = d;
+            radius[i] = static_cast<float>(r);
+            samples.node[i] = n;
+        });
+        cover.distance[i] = static_cast<float>(best);
+    });
+    cover.noise = noise_of(cover.distance, radius, spacing);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double tolerance =
+            std::max({kSigmas * cover.noise, kRadius * radius[i], kSpacing * double{spacing[i]}});
+        if (!(cover.distance[i] <= tolerance)) samples.node[i] = kNone;
+    }
+    return cover;
+}
+
+std::uint32_t drop_needless(DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
+                            double noise, const Context& ctx) {
+    const DraftLinks links(tree);
+    const Cones cones(tree, links, ctx);
+    const auto branch = branches_of(tree, links);
+    const RivalFinder finder(cones, branch, noise);
+    std::vector<Rivals> rivals(samples.positions.size());
+    std::vector<std::uint32_t> key(rivals.size(), kNone);
+    parallel_for(ctx, rivals.size(), kGrain, [&](std::size_t i) {
+        rivals[i] = finder.find(samples.positions[i], spacing[i]);
+        if (rivals[i].first != kNone) key[i] = branch[rivals[i].first];
+    });
+    const Rows members = group_by(key, tree.size());
+    struct Candidate {
+        double gain;
+        std::uint32_t tip;
+    };
+    std::vector<Candidate> order;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (!links.is_tip(n) || tree.parent[n] == kNone) continue;
+        Candidate c{0, n};
+        bool near = true;
+        double about = 0;
+        for (const std::uint32_t i : members.of(n)) {
+            c.gain += rivals[i].gain;
+            about += spacing[i];
+            near = near && rivals[i].second != kNone;
+        }
+        about /= static_cast<double>(members.of(n).size());
+        if (near && tree.radius[n] < kThin * about) c.gain = 0;
+        order.push_back(c);
+    }
+    std::ranges::stable_sort(order, {}, &Candidate::gain);
+    std::vector<char> gone(tree.size(), 0);
+    std::uint32_t count = 0;
+    for (const Candidate& c : order) {
+        // A rival that has gone itself explains nothing.
+        double gain = 0;
+        for (const std::uint32_t i : members.of(c.tip))
+            if (c.gain > 0)
+                gain += rivals[i].second != kNone && gone[rivals[i].second] ? 1.0 : double{rivals[i].gain};
+        if (gain >= std::max(kLeastGain, kLeastShare * static_cast<double>(members.of(c.tip).size())))
+            continue;
+        for (std::uint32_t n = c.tip; tree.parent[n] != kNone && branch[n] == c.tip; n = tree.parent[n])
+            gone[n] = 1;
+        for (const std::uint32_t i : members.of(c.tip)) rivals[i].first = rivals[i].second;
+        ++count;
+    }
+    const auto new_of_old = sort_parents_first(tree, gone);
+    for (std::size_t i = 0; i < rivals.size(); ++i) {
+        const std::uint32_t n = rivals[i].first;
+        samples.node[i] = n != kNone && samples.node[i] != kNone && !gone[n] ? new_of_old[n] : kNone;
+    }
+    return count;
+}
+
+}  // namespace coppice::extract_internal

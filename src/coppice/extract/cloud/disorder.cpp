@@ -1,0 +1,137 @@
+#include "coppice/extract/cloud/disorder_internal.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "coppice/base/parallel.h"
+#include "coppice/extract/cloud/clean_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr std::uint32_t kNormalNeighbours = 8;  // of which a normal is made
+constexpr std::uint32_t kSpacingRank = 4;       // the neighbour whose distance is the spacing
+constexpr int kPasses = 8;                      // of averaging
+constexpr float kHigh = 0.15f;                  // beyond it a point counts for the share
+
+/// A symmetric matrix: xx, yy, zz, xy, xz, yz.
+using Tensor = std::array<float, 6>;
+
+Tensor normal_squared(std::span<const Vec3> points, const Neighbours& near, std::size_t i) {
+    const std::uint32_t count = std::min(kNormalNeighbours, near.count);
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const std::uint32_t j : near.of(i).first(count)) {
+        const Vec3d d = Vec3d(points[j]) - Vec3d(points[i]);
+        const Eigen::Vector3d v(d.x, d.y, d.z);
+        mean += v;
+        sum += v * v.transpose();
+    }
+    sum -= mean * mean.transpose() / (count + 1.0);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(sum);
+    const Eigen::Vector3f n = solver.eigenvectors().col(0).cast<float>();
+    return {n[0] * n[0], n[1] * n[1], n[2] * n[2], n[0] * n[1], n[0] * n[2], n[1] * n[2]};
+}
+
+float least_eigenvalue(const Tensor& t) {
+    Eigen::Matrix3f m;
+    m << t[0], t[3], t[4], t[3], t[1], t[5], t[4], t[5], t[2];
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+    solver.computeDirect(m, Eigen::EigenvaluesOnly);
+    return std::max(solver.eigenvalues()[0], 0.0f);
+}
+
+void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& near, const Context& ctx) {
+    const std::uint32_t count = std::min(kDisorderNeighbours, near.count);
+    parallel_for(ctx, tensor.size(), kGrain, [&](std::size_t i) {
+        Tensor sum = tensor[i];
+        for (const std::uint32_t j : near.of(i).first(count)) {
+            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += tensor[j][k];
+        }
+        for (float& s : sum) s /= static_cast<float>(count + 1);
+        scratch[i] = sum;
+    });
+    tensor.swap(scratch);
+}
+
+/// Divides the values such that the variance within both parts is least.
+void divide(Disorder& d) {
+    constexpr std::size_t kBins = 256;
+    constexpr double kWidth = 1.0 / (3 * kBins);
+    std::array<double, kBins> count{};
+    for (const float v : d.value) ++count[std::min(static_cast<std::size_t>(v / kWidth), kBins - 1)];
+    double sum = 0;
+    for (std::size_t b = 0; b < kBins; ++b) sum += (static_cast<double>(b) + 0.5) * count[b];
+    const auto all = static_cast<double>(d.value.size());
+    double count_below = 0, sum_below = 0, best = -1;
+    for (std::size_t b = 0; b + 1 < kBins; ++b) {
+        count_below += count[b];
+        sum_below += (static_cast<double>(b) + 0.5) * count[b];
+        if (count_below == 0 || count_below == all) continue;
+        const double below = sum_below / count_below, above = (sum - sum_below) / (all - count_below);
+        const double between = count_below * (all - count_below) * (above - below) * (above - below);
+        if (between <= best) continue;
+        best = between;
+        d.threshold = static_cast<float>(kWidth * static_cast<double>(b + 1));
+        d.below = kWidth * below;
+        d.above = kWidth * above;
+    }
+}
+
+/// For every point the first point in its cube.
+Buffer<std::uint32_t> first_in_cube(std::span<const Vec3> points, double edge, const Context& ctx) {
+    const Buffer<CubePlace> sorted = by_cube(points, edge, ctx);
+    Buffer<std::uint32_t> first(points.size());
+    for (std::size_t begin = 0, i = 0; i < sorted.size(); ++i) {
+        if (sorted[i].key != sorted[begin].key) begin = i;
+        first[sorted[i].index] = sorted[begin].index;
+    }
+    return first;
+}
+
+}  // namespace
+
+Disorder disorder(std::span<const Vec3> points, const Neighbours& near, const Context& ctx) {
+    Disorder out;
+    const std::size_t count = points.size();
+    Buffer<Tensor> tensor(count), scratch(count);
+    parallel_for(ctx, count, kGrain, [&](std::size_t i) { tensor[i] = normal_squared(points, near, i); });
+    for (int pass = 0; pass < kPasses; ++pass) {
+        ctx.throw_if_cancelled();
+        average(tensor, scratch, near, ctx);
+    }
+    out.value.resize(count);
+    parallel_for(ctx, count, kGrain, [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
+    out.spacing = median(local_spacing(near, kSpacingRank));
+    out.share = static_cast<double>(std::ranges::count_if(out.value, [](float v) { return v > kHigh; })) /
+                static_cast<double>(count);
+    divide(out);
+    return out;
+}
+
+Places places_of(std::span<const Vec3> points, double edge, const Context& ctx) {
+    const Buffer<std::uint32_t> first = first_in_cube(points, edge, ctx);
+    Places places;
+    places.of.resize(points.size());
+    std::vector<std::uint32_t> count;
+    std::vector<Vec3d> sum;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (first[i] == i) {
+            places.of[i] = static_cast<std::uint32_t>(sum.size());
+            sum.emplace_back();
+            count.push_back(0);
+        }
+        const std::uint32_t k = places.of[i] = places.of[first[i]];
+        sum[k] += Vec3d(points[i]);
+        ++count[k];
+    }
+    places.at.resize(sum.size());
+    for (std::size_t k = 0; k < sum.size(); ++k) places.at[k] = Vec3(sum[k] / static_cast<double>(count[k]));
+    return places;
+}
+
+}  // namespace coppice::extract_internal

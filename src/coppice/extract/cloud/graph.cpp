@@ -1,0 +1,257 @@
+#include "coppice/extract/cloud/graph_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <utility>
+
+#include "coppice/base/parallel.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+bool lists(const Neighbours& neighbours, std::uint32_t row, std::uint32_t point) {
+    return std::ranges::find(neighbours.of(row), point) != neighbours.of(row).end();
+}
+
+/// Calls visit(i, j, length) once for every link.
+template <class Visit>
+void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
+                   std::span<const Link> more, const Context& ctx, const Visit& visit) {
+    for (std::uint32_t i = 0; i < ignored.size(); ++i) {
+        if (i % 65536 == 0) ctx.throw_if_cancelled();
+        if (ignored[i]) continue;
+        for (std::uint32_t k = 0; k < neighbours.count; ++k) {
+            const std::uint32_t j = neighbours.of(i)[k];
+            if (ignored[j] || (j < i && lists(neighbours, j, i))) continue;
+            visit(i, j, neighbours.distances(i)[k]);
+        }
+    }
+    for (const Link& link : more) visit(link.from, link.to, link.length);
+}
+
+class Sets {
+  public:
+    explicit Sets(std::size_t count) : above_(count) {
+        for (std::size_t i = 0; i < count; ++i) above_[i] = static_cast<std::uint32_t>(i);
+    }
+    std::uint32_t find(std::uint32_t i) {
+        while (above_[i] != i) i = above_[i] = above_[above_[i]];
+        return i;
+    }
+    bool join(std::uint32_t a, std::uint32_t b) {
+        a = find(a);
+        b = find(b);
+        if (a == b) return false;
+        above_[std::max(a, b)] = std::min(a, b);
+        return true;
+    }
+
+  private:
+    std::vector<std::uint32_t> above_;
+};
+
+/// Nearest points of other parts, by a tree of boxes that knows which boxes belong to one part alone.
+class NearestOther {
+  public:
+    NearestOther(std::span<const Vec3> points, std::span<const std::uint8_t> ignored, const Context& ctx)
+        : points_(points), tree_(boxes_of(points, ignored, used_), ctx) {
+        for (std::uint32_t l = 0; l < tree_.level_count(); ++l) part_.emplace_back(tree_.level(l).size());
+    }
+
+    std::span<const std::uint32_t> used() const { return used_; }
+
+    void set_parts(std::span<const std::uint32_t> part_of) {
+        part_of_ = part_of;
+        for (std::uint32_t i = 0; i < part_[0].size(); ++i) part_[0][i] = part_of[used_[tree_.item(i)]];
+        for (std::uint32_t l = 1; l < part_.size(); ++l) {
+            for (std::uint32_t i = 0; i < part_[l].size(); ++i) {
+                const std::uint32_t begin = BoxTree::kWidth * i;
+                const auto end = std::min<std::uint32_t>(begin + BoxTree::kWidth,
+                                                         static_cast<std::uint32_t>(part_[l - 1].size()));
+                part_[l][i] = part_[l - 1][begin];
+                for (std::uint32_t c = begin; c < end; ++c) {
+                    if (part_[l - 1][c] != part_[l][i]) part_[l][i] = kNone;
+                }
+            }
+        }
+    }
+
+    /// Lowers `squared` and sets `found` where a point of another part is nearer.
+    void search(std::uint32_t point, double& squared, std::uint32_t& found) const {
+        const Vec3d p(points_[point]);
+        const std::uint32_t own = part_of_[point];
+        const auto bound = [&](std::uint32_t level, std::uint32_t i) {
+            if (part_[level][i] == own) return std::numeric_limits<double>::infinity();
+            return distance_squared(tree_.level(level)[i], p);
+        };
+        tree_.search(bound, squared, [&](std::uint32_t item) {
+            const double d = length_squared(Vec3d(points_[used_[item]]) - p);
+            if (d >= squared) return;
+            squared = d;
+            found = used_[item];
+        });
+    }
+
+  private:
+    static std::vector<Box3> boxes_of(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
+                                      std::vector<std::uint32_t>& used) {
+        std::vector<Box3> boxes;
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            if (ignored[i]) continue;
+            used.push_back(i);
+            boxes.push_back({points[i], points[i]});
+        }
+        return boxes;
+    }
+
+    std::span<const Vec3> points_;
+    std::span<const std::uint32_t> part_of_;
+    std::vector<std::uint32_t> used_;
+    BoxTree tree_;
+    std::vector<std::vector<std::uint32_t>> part_;  ///< of each box of a level; kNone = several
+};
+
+/// The points of each part one after the other.
+struct Members {
+    std::vector<std::uint32_t> first, point;
+    Members(std::span<const std::uint32_t> used, std::span<const std::uint32_t> part_of, std::size_t parts)
+        : first(parts + 1), point(used.size()) {
+        for (const std::uint32_t i : used) ++first[part_of[i]];
+        exclusive_scan(std::span(first));
+        std::vector<std::uint32_t> next = first;
+        for (const std::uint32_t i : used) point[next[part_of[i]]++] = i;
+    }
+    std::span<const std::uint32_t> of(std::size_t part) const {
+        return {point.data() + first[part], point.data() + first[part + 1]};
+    }
+};
+
+}  // namespace
+
+Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
+                 std::span<const Link> more, const Context& ctx) {
+    Graph graph;
+    graph.first.assign(ignored.size() + 1, 0);
+    for_each_link(neighbours, ignored, more, ctx, [&](std::uint32_t i, std::uint32_t j, float) {
+        ++graph.first[i];
+        ++graph.first[j];
+    });
+    const std::uint32_t total = exclusive_scan(std::span(graph.first));
+    graph.to.resize(total);
+    graph.length.resize(total);
+    std::vector<std::uint32_t> next(graph.first.begin(), graph.first.end());
+    for_each_link(neighbours, ignored, more, ctx, [&](std::uint32_t i, std::uint32_t j, float length) {
+        graph.to[next[i]] = j;
+        graph.length[next[i]++] = length;
+        graph.to[next[j]] = i;
+        graph.length[next[j]++] = length;
+    });
+    return graph;
+}
+
+Components components(const Graph& graph) {
+    Components parts;
+    parts.of.assign(graph.size(), kNone);
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+        if (parts.of[i] != kNone) continue;
+        const auto part = static_cast<std::uint32_t>(parts.size.size());
+        parts.size.push_back(0);
+        parts.of[i] = part;
+        open.assign(1, i);
+        while (!open.empty()) {
+            const std::uint32_t p = open.back();
+            open.pop_back();
+            ++parts.size[part];
+            for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
+                if (parts.of[graph.to[e]] != kNone) continue;
+                parts.of[graph.to[e]] = part;
+                open.push_back(graph.to[e]);
+            }
+        }
+    }
+    return parts;
+}
+
+std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
+                              const Components& parts, double limit, const Context& ctx) {
+    std::vector<Link> bridges;
+    if (parts.size.size() < 2) return bridges;
+    NearestOther nearest(points, ignored, ctx);
+    Sets sets(parts.size.size());
+    std::vector<std::uint32_t> part_of = parts.of;
+    const Members members(nearest.used(), parts.of, parts.size.size());
+    for (bool joined = true; joined;) {
+        ctx.throw_if_cancelled();
+        for (std::uint32_t i = 0; i < part_of.size(); ++i) part_of[i] = sets.find(parts.of[i]);
+        nearest.set_parts(part_of);
+        std::vector<Link> best(parts.size.size(), {kNone, kNone, 0});
+        parallel_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
+            double squared = limit * limit;
+            for (const std::uint32_t p : members.of(part)) {
+                std::uint32_t found = kNone;
+                nearest.search(p, squared, found);
+                if (found != kNone) best[part] = {p, found, static_cast<float>(std::sqrt(squared))};
+            }
+        });
+        // Of the parts that are one already only the shortest way out counts; ties go to the lower number.
+        std::vector<Link> chosen(parts.size.size(), {kNone, kNone, 0});
+        for (std::uint32_t part = 0; part < best.size(); ++part) {
+            Link& out = chosen[sets.find(part)];
+            if (best[part].from != kNone && (out.from == kNone || best[part].length < out.length))
+                out = best[part];
+        }
+        joined = false;
+        for (const Link& link : chosen) {
+            if (link.from == kNone || !sets.join(parts.of[link.from], parts.of[link.to])) continue;
+            bridges.push_back(link);
+            joined = true;
+        }
+    }
+    return bridges;
+}
+
+Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
+                     std::span<const std::uint32_t> taken, std::span<const float> spacing,
+                     const Context& ctx) {
+    struct Entry {
+        double cost;
+        std::uint32_t point;
+        bool operator>(const Entry& b) const { return cost != b.cost ? cost > b.cost : point > b.point; }
+    };
+    Paths paths;
+    paths.parent.assign(graph.size(), kNone);
+    paths.distance.assign(graph.size(), std::numeric_limits<float>::infinity());
+    Buffer<double> cost(graph.size(), std::numeric_limits<double>::infinity());
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    for (const std::uint32_t p : sources) {
+        cost[p] = 0;
+        open.push({0, p});
+    }
+    for (std::size_t turn = 0; !open.empty(); ++turn) {
+        const auto [at, p] = open.top();
+        open.pop();
+        if (at > cost[p]) continue;
+        if (turn % 65536 == 0) ctx.throw_if_cancelled();
+        if (taken[p] == kNone) {
+            paths.order.push_back(p);
+            paths.distance[p] = static_cast<float>(at);
+        }
+        for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
+            const std::uint32_t q = graph.to[e];
+            if (taken[q] != kNone) continue;
+            const double share = graph.length[e] / (0.5 * (double{spacing[p]} + double{spacing[q]}));
+            const double next = at + share * share;
+            if (!(next < cost[q])) continue;
+            cost[q] = next;
+            paths.parent[q] = p;
+            open.push({next, q});
+        }
+    }
+    return paths;
+}
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/base/vec.h"
+#include "coppice/extract/cloud/neighbours_internal.h"
+
+namespace coppice::extract_internal {
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+struct Link {
+    std::uint32_t from, to;
+    float length;  ///< [m]
+};
+
+/// Undirected, as rows of both directions.
+struct Graph {
+    Buffer<std::uint32_t> first;  ///< size + 1 offsets
+    Buffer<std::uint32_t> to;
+    Buffer<float> length;  ///< [m]
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(first.size() - 1); }
+};
+
+/// Joins every point that `ignored` does not mark to its neighbours, and the ends of `more` links. O(n k).
+Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
+                 std::span<const Link> more, const Context& ctx = {});
+
+struct Components {
+    std::vector<std::uint32_t> of;    ///< of each point
+    std::vector<std::uint32_t> size;  ///< points of each, in order of their first points
+};
+Components components(const Graph& graph);
+
+/// The shortest links that join what lies nearer together than `limit` [m] into one component, as a minimal
+/// spanning tree does: Boruvka's rounds over a hierarchy of boxes. O(n log n) per round.
+std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
+                              const Components& parts, double limit, const Context& ctx);
+
+/// Shortest paths from sources, where a link costs the square of its length in spacings: many short steps go
+/// before one long jump, which keeps paths on the wood, and a cost is about a number of points passed.
+struct Paths {
+    Buffer<std::uint32_t> parent;      ///< of each point; kNone for sources and what is not reached
+    Buffer<float> distance;            ///< the cost; infinite for what is not reached
+    std::vector<std::uint32_t> order;  ///< the points that are reached and not taken, parents first
+};
+/// Sources may be points that are `taken` (not kNone there), which paths leave but do not enter. O(n log n).
+Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
+                     std::span<const std::uint32_t> taken, std::span<const float> spacing,
+                     const Context& ctx);
+
+/// Where trees stand: for each the points of its lowest slice. With `given`, the one tree whose point is
+/// nearest to that place. Else for each part with enough points: the lowest places as thick as a trunk.
+std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points, const Graph& graph,
+                                                   const Components& parts, double spacing,
+                                                   const std::optional<Vec3d>& given, int most_trees);
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/extract/cloud/graph_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr double kBand = 0.06;         // of a tree's height, where trunks are looked for
+constexpr double kTrunkShare = 0.4;    // of the points of the largest trunk, at least, for another one
+constexpr double kTreeShare = 0.1;     // of the points of the largest part, at least, for another tree
+constexpr std::uint32_t kFewest = 20;  // points of a tree
+
+struct Slice {
+    std::vector<std::uint32_t> points;
+    float low = 0, high = 0;
+};
+
+/// The points of one part with z <= top, as pieces that hang together.
+std::vector<Slice> pieces_below(std::span<const Vec3> points, const Graph& graph,
+                                std::span<const std::uint32_t> members, float top,
+                                std::vector<std::uint8_t>& seen) {
+    std::vector<Slice> pieces;
+    std::vector<std::uint32_t> open;
+    for (const std::uint32_t start : members) {
+        if (points[start].z > top || seen[start]) continue;
+        Slice piece{{}, points[start].z, points[start].z};
+        open.assign(1, start);
+        seen[start] = 1;
+        while (!open.empty()) {
+            const std::uint32_t p = open.back();
+            open.pop_back();
+            piece.points.push_back(p);
+            piece.low = std::min(piece.low, points[p].z);
+            piece.high = std::max(piece.high, points[p].z);
+            for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
+                const std::uint32_t q = graph.to[e];
+                if (seen[q] || points[q].z > top) continue;
+                seen[q] = 1;
+                open.push_back(q);
+            }
+        }
+        pieces.push_back(std::move(piece));
+    }
+    return pieces;
+}
+
+/// The lowest slice of a trunk: wide enough to hold a ring of points.
+std::vector<std::uint32_t> foot_of(std::span<const Vec3> points, const Slice& trunk, double spacing) {
+    std::vector<std::uint32_t> foot;
+    const double top = trunk.low + std::min(std::max(1.5 * spacing, 0.05 * (trunk.high - trunk.low)),
+                                            0.5 * double{trunk.high - trunk.low});
+    for (const std::uint32_t p : trunk.points) {
+        if (points[p].z <= top) foot.push_back(p);
+    }
+    std::ranges::sort(foot);
+    return foot;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points, const Graph& graph,
+                                                   const Components& parts, double spacing,
+                                                   const std::optional<Vec3d>& given, int most_trees) {
+    std::vector<std::vector<std::uint32_t>> roots;
+    if (given) {
+        std::uint32_t nearest = kNone;
+        double least = std::numeric_limits<double>::infinity();
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            const double squared = length_squared(Vec3d(points[i]) - *given);
+            if (graph.first[i] == graph.first[i + 1] || squared >= least) continue;
+            least = squared;
+            nearest = i;
+        }
+        if (nearest == kNone) return roots;
+        roots.push_back({nearest});
+        return roots;
+    }
+    const std::uint32_t largest = *std::ranges::max_element(parts.size);
+    std::vector<std::vector<std::uint32_t>> members(parts.size.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        const std::uint32_t part = parts.of[i];
+        if (parts.size[part] >= std::min(kFewest, largest) && parts.size[part] >= kTreeShare * largest) {
+            members[part].push_back(i);
+        }
+    }
+    std::vector<std::pair<std::size_t, std::vector<std::uint32_t>>> found;
+    std::vector<std::uint8_t> seen(points.size(), 0);
+    for (const auto& part : members) {
+        if (part.empty()) continue;
+        float low = points[part[0]].z, high = low;
+        for (const std::uint32_t p : part) {
+            low = std::min(low, points[p].z);
+            high = std::max(high, points[p].z);
+        }
+        const auto band = static_cast<float>(std::max(kBand * (high - low), 3 * spacing));
+        const auto pieces = pieces_below(points, graph, part, low + band, seen);
+        std::size_t most = 0;
+        for (const Slice& piece : pieces) most = std::max(most, piece.points.size());
+        for (const Slice& piece : pieces) {
+            const bool whole = piece.high - piece.low > 0.6f * band;
+            if (piece.points.size() != most && !(whole && static_cast<double>(piece.points.size()) >
+                                                              kTrunkShare * static_cast<double>(most)))
+                continue;
+            found.emplace_back(piece.points.size(), foot_of(points, piece, spacing));
+        }
+    }
+    // Thickest first, so that a limit keeps the trees that matter.
+    std::ranges::stable_sort(found, [](const auto& a, const auto& b) { return a.first > b.first; });
+    if (most_trees > 0 && found.size() > static_cast<std::size_t>(most_trees))
+        found.resize(static_cast<std::size_t>(most_trees));
+    for (auto& [size, foot] : found) roots.push_back(std::move(foot));
+    return roots;
+}
+
+}  // namespace coppice::extract_internal

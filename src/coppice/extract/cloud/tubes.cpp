@@ -1,0 +1,207 @@
+#include "coppice/extract/cloud/tubes_internal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
+#include "coppice/extract/cloud/fit_internal.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+struct Scale {
+    double step;   ///< [spacing] between nodes
+    double link;   ///< [spacing] longest that holds a node's points together
+    double least;  ///< [spacing] radius of the thinnest tube that is kept
+    double clean;  ///< [radius] greatest residual of a tube that is kept
+};
+
+// Thick before thin: with steps of four spacings the rings of thick branches close, and bundles of twigs show
+// by residuals that are large for their thickness. The widest steps are for clouds far denser than the
+// stem, and left out where no foot is so thick.
+constexpr std::array<Scale, 5> kScales{
+    {{16, 2, 10, 0.08}, {8, 2, 7, 0.08}, {4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
+constexpr double kAlways = 4;         // [spacing] steps that are taken in any cloud
+constexpr double kFootOfLeast = 2.4;  // times the least radius of a scale, that a foot has for wider steps
+constexpr float kFewestOfTube = 12;   // points
+constexpr double kRough = 1.4;        // times the reach that a twig on a tube must have
+constexpr std::uint32_t kFewest = 3;  // points of a twig
+constexpr double kSlack = 0.2;        // [radius] beyond a tube, up to which points are its own
+
+std::vector<std::uint32_t> points_beyond(const CloudTree& tree) {
+    std::vector<std::uint32_t> count(tree.size(), 0);
+    for (const std::uint32_t n : tree.node_of_point) {
+        if (n != kNone) ++count[n];
+    }
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        if (tree.parent[n] != kNone) count[tree.parent[n]] += count[n];
+    }
+    return count;
+}
+
+/// Drops branches of nodes from `first` on that reach less than `reach` beyond where they part, along paths
+/// whose cost at each point is `level`, or hold fewer than three points. Their points fall to what they left.
+void prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const float> level, double reach) {
+    const auto beyond = points_beyond(tree);
+    std::vector<float> top(tree.size(), 0), low(tree.size(), std::numeric_limits<float>::infinity());
+    for (std::size_t i = 0; i < level.size(); ++i) {
+        const std::uint32_t n = tree.node_of_point[i];
+        if (n == kNone || n < first) continue;
+        top[n] = std::max(top[n], level[i]);
+        low[n] = std::min(low[n], level[i]);
+    }
+    std::vector<std::uint32_t> next(tree.size(), kNone);
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        const std::uint32_t above = tree.parent[n];
+        if (above == kNone) continue;
+        if (next[above] == kNone || top[n] >= top[next[above]]) next[above] = n;
+        top[above] = std::max(top[above], top[n]);
+    }
+    std::vector<std::uint8_t> kept(tree.size(), 1);
+    for (std::uint32_t n = first; n < tree.size(); ++n) {
+        const std::uint32_t above = tree.parent[n];
+        if (above == kNone) continue;
+        kept[n] = kept[above];
+        const bool on_tube = above < first;
+        if (!kept[n] || (next[above] == n && !on_tube)) continue;
+        const double least = on_tube ? kRough * reach : reach;
+        if (top[n] - low[n] >= least && beyond[n] >= kFewest) continue;
+        kept[n] = 0;
+    }
+    keep_nodes(tree, kept, true);
+}
+
+/// Keeps, of the nodes from `first` on, runs of clean ones that are thick against the spacing.
+void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spacing, const Scale& scale) {
+    std::vector<double> sum(tree.size(), 0);
+    std::vector<std::uint32_t> count(tree.size(), 0);
+    for (std::size_t i = 0; i < spacing.size(); ++i) {
+        const std::uint32_t n = tree.node_of_point[i];
+        if (n == kNone || n < first) continue;
+        sum[n] += spacing[i];
+        ++count[n];
+    }
+    std::vector<std::uint8_t> clean(tree.size(), 1), kept(tree.size(), 1);
+    for (std::uint32_t n = first; n < tree.size(); ++n) {
+        const double about = count[n] == 0 ? 0 : sum[n] / count[n];
+        clean[n] = tree.weight[n] >= kFewestOfTube && tree.radius[n] > scale.least * about &&
+                   tree.residual[n] < scale.clean * tree.radius[n];
+        kept[n] = 0;
+    }
+    for (std::uint32_t n = first; n < tree.size(); ++n) {
+        const std::uint32_t above = tree.parent[n];
+        if (above != kNone && above >= first && clean[n] && clean[above]) {
+            kept[n] = kept[above] = 1;
+        } else {
+            tree.parent[n] = kNone;
+        }
+    }
+    keep_nodes(tree, kept, false);
+}
+
+/// The part of the axis between a node and its parent, as tubes claim points.
+struct Tube {
+    Vec3d a, d;
+    double ra, rb;
+    explicit Tube(const CloudTree& tree, std::uint32_t n)
+        : a(tree.position[tree.parent[n]]),
+          d(tree.position[n] - a),
+          // A thin branch does not start as thick as what it leaves.
+          ra(std::min(tree.radius[tree.parent[n]], 1.5 * tree.radius[n])),
+          rb(tree.radius[n]) {}
+};
+
+/// Gives the points on kept branches to them, and takes the others back.
+void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& ctx) {
+    std::vector<Box3> boxes;
+    std::vector<std::uint32_t> owner;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (tree.parent[n] == kNone) continue;
+        const Tube tube(tree, n);
+        const auto reach = static_cast<float>((1 + kSlack) * std::max(tube.ra, tube.rb));
+        boxes.push_back(capsule_box(Vec3(tube.a), Vec3(tube.a + tube.d), reach * 1.0001f));
+        owner.push_back(n);
+    }
+    const BoxTree index(boxes, ctx);
+    parallel_for(ctx, points.size(), 4096, [&](std::size_t i) {
+        double best = 1 + kSlack;
+        std::uint32_t found = kNone;
+        const Vec3d p(points[i]);
+        index.visit_overlapping({points[i], points[i]}, [&](std::uint32_t item) {
+            const std::uint32_t n = owner[item];
+            const Tube tube(tree, n);
+            const double t = closest_parameter(p, tube.a, tube.d);
+            const double rho = length(p - tube.a - tube.d * t) / std::lerp(tube.ra, tube.rb, t);
+            if (rho > best || (rho == best && found != kNone)) return;
+            best = rho;
+            found = t < 0.5 ? tree.parent[n] : n;
+        });
+        tree.node_of_point[i] = found;
+    });
+}
+
+/// Half of the widest foot [spacing]; infinite where a foot is a single point that somebody chose.
+double thickest_foot(std::span<const Vec3> points, std::span<const std::vector<std::uint32_t>> feet,
+                     std::span<const float> spacing) {
+    double thickest = 0;
+    for (const auto& foot : feet) {
+        if (foot.size() == 1) return std::numeric_limits<double>::infinity();
+        Box3 box;
+        double sum = 0;
+        for (const std::uint32_t p : foot) {
+            box.extend(points[p]);
+            sum += spacing[p];
+        }
+        const double wide = 0.5 * double{std::max(box.size().x, box.size().y)};
+        thickest = std::max(thickest, wide * static_cast<double>(foot.size()) / sum);
+    }
+    return thickest;
+}
+
+/// Where paths of the next scale start: at the feet, or at all that is explained.
+std::vector<std::uint32_t> sources_of(const CloudTree& tree,
+                                      std::span<const std::vector<std::uint32_t>> feet) {
+    std::vector<std::uint32_t> sources;
+    for (std::uint32_t p = 0; p < tree.node_of_point.size(); ++p) {
+        if (tree.node_of_point[p] != kNone) sources.push_back(p);
+    }
+    if (sources.empty()) {
+        for (const auto& foot : feet) sources.insert(sources.end(), foot.begin(), foot.end());
+    }
+    return sources;
+}
+
+}  // namespace
+
+CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph,
+                     std::span<const std::vector<std::uint32_t>> feet, std::span<const float> spacing,
+                     const TubeOptions& options, const Context& ctx) {
+    CloudTree tree;
+    tree.node_of_point.assign(points.size(), kNone);
+    Paths paths;
+    std::uint32_t known = 0;  // nodes of the tree that the paths start from
+    const double thickest = thickest_foot(points, feet, spacing);
+    for (const Scale& scale : kScales) {
+        if (scale.step > kAlways && thickest < kFootOfLeast * scale.least) continue;
+        const std::uint32_t first = tree.size();
+        // Where a scale finds nothing, the paths of the next are the same.
+        if (paths.order.empty() || first != known)
+            paths = shortest_paths(graph, sources_of(tree, feet), tree.node_of_point, spacing, ctx);
+        known = first;
+        const double step = scale.step * options.step;
+        bin_paths(tree, points, graph, paths,
+                  first == 0 ? feet : std::span<const std::vector<std::uint32_t>>{}, spacing,
+                  {step, scale.link}, ctx);
+        prune_twigs(tree, first, paths.distance, step);
+        fit_axes(tree, first, points, options.passes, ctx);
+        keep_tubes(tree, first, spacing, scale);
+        claim_points(tree, points, ctx);
+    }
+    return tree;
+}
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,184 @@
+#include "coppice/extract/mesh/contraction_internal.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
+#include "coppice/extract/mesh/collapse_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr int kMostIterations = 20;
+constexpr double kGrowth = 2;                      // of the contraction weight, per iteration [Au2008]
+constexpr double kFirstWeight = 1e-3;              // [root of the mean triangle area]
+constexpr double kDone = 1e-3;                     // [area at first] the surface is a line by then
+constexpr double kLeastCot = 0.05, kMostCot = 20;  // slivers have no useful cotangents
+
+using Matrix = Eigen::SparseMatrix<double>;
+using Solver = Eigen::SimplicialLLT<Matrix>;
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+Vec3d point(const Points& p, std::uint32_t v) { return {p(v, 0), p(v, 1), p(v, 2)}; }
+
+class Contractor {
+  public:
+    Contractor(const Surface& s, const Context& ctx) : s_(s), ctx_(ctx), at_(s.size(), 3) {
+        for (std::uint32_t v = 0; v < s.size(); ++v)
+            for (int k = 0; k < 3; ++k) at_(v, k) = static_cast<double>(s.positions[v][k]);
+    }
+    Points run();
+
+  private:
+    std::vector<double> one_ring_areas() const;
+    Matrix laplacian() const;
+
+    const Surface& s_;
+    const Context& ctx_;
+    Points at_;
+    Solver solver_;
+    bool analyzed_ = false;
+};
+
+/// The area around every vertex, a third of its triangles.
+std::vector<double> Contractor::one_ring_areas() const {
+    std::vector<double> area(s_.size(), 0);
+    for (const Triangle& t : s_.triangles) {
+        const Vec3d a = point(at_, t[0]);
+        const double third = length(cross(point(at_, t[1]) - a, point(at_, t[2]) - a)) / 6;
+        for (const std::uint32_t v : t) area[v] += third;
+    }
+    return area;
+}
+
+/// Off the diagonal the sum of the clamped cotangents across each edge; rows sum to zero.
+Matrix Contractor::laplacian() const {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(12 * s_.triangles.size());
+    for (const Triangle& t : s_.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t i = t[(k + 1) % 3], j = t[(k + 2) % 3];
+            const Vec3d u = point(at_, i) - point(at_, t[k]), v = point(at_, j) - point(at_, t[k]);
+            const double sine = length(cross(u, v));
+            const double w = std::clamp(sine > 0 ? dot(u, v) / sine : kMostCot, kLeastCot, kMostCot);
+            for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
+                entries.emplace_back(a, b, w);
+                entries.emplace_back(a, a, -w);
+            }
+        }
+    }
+    Matrix l(static_cast<Eigen::Index>(s_.size()), static_cast<Eigen::Index>(s_.size()));
+    l.setFromTriplets(entries.begin(), entries.end());
+    return l;
+}
+
+Points Contractor::run() {
+    const std::vector<double> first = one_ring_areas();
+    double whole = 0;
+    for (const double a : first) whole += a;
+    double pull = kFirstWeight * std::sqrt(whole / static_cast<double>(s_.triangles.size()));
+    const double least = 1e-12 * whole / static_cast<double>(s_.size());
+    std::vector<double> area = first;
+    for (int k = 0; k < kMostIterations; ++k, pull *= kGrowth) {
+        ctx_.throw_if_cancelled();
+        const Matrix l = laplacian();
+        Matrix a = (pull * pull) * Matrix(l.transpose() * l);
+        Points right = at_;
+        for (std::uint32_t v = 0; v < s_.size(); ++v) {
+            const double hold = std::max(first[v], least) / std::max(area[v], least);  // the square of W_H
+            a.coeffRef(v, v) += hold;
+            right.row(v) *= hold;
+        }
+        if (!analyzed_) solver_.analyzePattern(a);
+        analyzed_ = true;
+        solver_.factorize(a);
+        if (solver_.info() != Eigen::Success) break;
+        const Points next = solver_.solve(right);
+        if (!next.allFinite()) break;
+        at_ = next;
+        area = one_ring_areas();
+        double left = 0;
+        for (const double x : area) left += x;
+        if (left < kDone * whole) break;
+    }
+    return at_;
+}
+
+/// The middle of the vertices that became a node, by the area that they stand for.
+void center_nodes(const Surface& s, Contraction& c) {
+    std::vector<double> weight(c.tree.size(), 0);
+    std::vector<Vec3d> sum(c.tree.size());
+    for (std::uint32_t v = 0; v < s.size(); ++v) {
+        double area = 1e-300;
+        for (const std::uint32_t h : s.outgoing(v)) {
+            const Vec3d p(s.positions[v]);
+            area += length(
+                cross(Vec3d(s.positions[s.to(h)]) - p, Vec3d(s.positions[s.from(Surface::previous(h))]) - p));
+        }
+        weight[c.node[v]] += area;
+        sum[c.node[v]] += Vec3d(s.positions[v]) * area;
+    }
+    for (std::uint32_t n = 0; n < c.tree.size(); ++n) c.tree.position[n] = sum[n] / weight[n];
+}
+
+/// The median distance of those vertices from the segments that meet in the node.
+void measure_radii(const Surface& s, const Context& ctx, Contraction& c) {
+    const DraftTree& t = c.tree;
+    const DraftLinks links(t);
+    std::vector<std::vector<double>> distances(t.size());
+    for (std::uint32_t v = 0; v < s.size(); ++v) {
+        const std::uint32_t n = c.node[v];
+        const Vec3d p(s.positions[v]);
+        double best = distance(p, t.position[n]);
+        const auto look = [&](std::uint32_t m) {
+            const Vec3d d = t.position[m] - t.position[n];
+            const double k = closest_parameter(p, t.position[n], d);
+            best = std::min(best, distance(p, t.position[n] + d * k));
+        };
+        if (t.parent[n] != DraftTree::kNoParent) look(t.parent[n]);
+        for (const std::uint32_t m : links.children(n)) look(m);
+        distances[n].push_back(best);
+    }
+    parallel_for(ctx, t.size(), 256, [&](std::size_t n) {
+        auto& d = distances[n];
+        const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() / 2);
+        std::nth_element(d.begin(), middle, d.end());
+        c.tree.radius[n] = *middle;
+    });
+    double least = 0;
+    for (const double r : c.tree.radius) least = std::max(least, 1e-4 * r);
+    for (double& r : c.tree.radius) r = std::max(r, least);
+}
+
+/// The square of the Laplacian joins all neighbours of a vertex with each other.
+void check_valences(const Surface& s) {
+    constexpr double kMostEntries = 200;  // per vertex; 19 on a regular mesh
+    double entries = 0;
+    for (std::uint32_t v = 0; v < s.size(); ++v) {
+        const auto n = static_cast<double>(s.outgoing(v).size());
+        entries += n * n;
+    }
+    if (entries > kMostEntries * s.size() + 1e6)
+        throw InvalidInput(
+            "vertices of the mesh have too many neighbours to be contracted; use the method rings");
+}
+
+}  // namespace
+
+Contraction contract(const Surface& s, const Context& ctx) {
+    check_valences(s);
+    const Points thin = Contractor(s, ctx).run();
+    std::vector<Vec3d> at(s.size());
+    for (std::uint32_t v = 0; v < s.size(); ++v) at[v] = point(thin, v);
+    Contraction out = collapse_to_graph(s, at, ctx);
+    center_nodes(s, out);
+    measure_radii(s, ctx, out);
+    return out;
+}
+
+}  // namespace coppice::extract_internal

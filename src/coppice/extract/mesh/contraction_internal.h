@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "coppice/extract/mesh/surface_internal.h"
+#include "coppice/extract/tree/draft_tree.h"
+
+namespace coppice::extract_internal {
+
+struct Contraction {
+    DraftTree tree;
+    std::vector<std::uint32_t> node;  ///< per vertex: the node that it became part of
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> loops;  ///< ends of edges that close a way round
+};
+
+/// Shrinks a surface to its axis [Au2008]: implicit Laplacian smoothing under growing weights, then edge
+/// collapses until no triangle is left. Cotangents are clamped, and edges of one triangle or of more than two
+/// are smoothed like any other, so that the surface need be neither closed nor manifold. Nodes lie in the
+/// middle of the vertices that became part of them; radii are the median distance of those. O(n^1.5) or so
+/// for the factorisations of surfaces, O(n log n) for the collapses.
+Contraction contract(const Surface& surface, const Context& ctx);
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <numeric>
+
+#include "coppice/base/parallel.h"
+#include "coppice/extract/mesh/surface_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+Vec3d area_normal(const Surface& s, std::uint32_t t) {
+    const auto [a, b, c] = s.triangles[t];
+    const Vec3d p(s.positions[a]);
+    return cross(Vec3d(s.positions[b]) - p, Vec3d(s.positions[c]) - p);
+}
+
+/// The half-edges that leave each vertex, and how often its edges are used in either direction.
+void list_outgoing(Surface& s) {
+    s.first_out.assign(s.size() + 1, 0);
+    for (const Triangle& t : s.triangles)
+        for (const std::uint32_t v : t) ++s.first_out[v + 1];
+    std::partial_sum(s.first_out.begin(), s.first_out.end(), s.first_out.begin());
+    s.out.resize(3 * s.triangles.size());
+    std::vector<std::uint32_t> next(s.first_out.begin(), s.first_out.end() - 1);
+    for (std::uint32_t h = 0; h < s.out.size(); ++h) s.out[next[s.from(h)]++] = h;
+}
+
+/// Of the half-edges of one edge with more than two triangles, pairs the two that continue each other best:
+/// run through in opposite directions and with normals that agree.
+std::array<std::uint32_t, 2> best_pair(const Surface& s, std::span<const std::uint32_t> edges) {
+    std::array<std::uint32_t, 2> best{edges[0], edges[1]};
+    double best_score = -3;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        for (std::size_t j = i + 1; j < edges.size(); ++j) {
+            const double sign = s.from(edges[i]) == s.from(edges[j]) ? -1 : 1;
+            const double score = sign * dot(normalized(area_normal(s, edges[i] / 3), {}),
+                                            normalized(area_normal(s, edges[j] / 3), {}));
+            if (score > best_score) {
+                best_score = score;
+                best = {edges[i], edges[j]};
+            }
+        }
+    }
+    return best;
+}
+
+SurfaceFindings pair_edges(Surface& s) {
+    struct Edge {
+        std::uint32_t other, half_edge;
+    };
+    constexpr std::size_t kMostCompared = 16;  // beyond, an edge is no surface: any pair will do
+    SurfaceFindings found;
+    std::vector<Edge> edges;
+    std::vector<std::uint32_t> group;
+    s.twin.assign(3 * s.triangles.size(), kNone);
+    std::vector<std::uint32_t> first(s.size() + 1, 0);
+    for (std::uint32_t h = 0; h < s.twin.size(); ++h) ++first[std::min(s.from(h), s.to(h)) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    edges.resize(s.twin.size());
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::uint32_t h = 0; h < s.twin.size(); ++h)
+        edges[next[std::min(s.from(h), s.to(h))]++] = {std::max(s.from(h), s.to(h)), h};
+    for (std::uint32_t v = 0; v < s.size(); ++v) {
+        const auto run = std::span(edges).subspan(first[v], first[v + 1] - first[v]);
+        std::sort(run.begin(), run.end(), [](const Edge& a, const Edge& b) {
+            return a.other != b.other ? a.other < b.other : a.half_edge < b.half_edge;
+        });
+        for (std::size_t i = 0; i < run.size();) {
+            group.clear();
+            const std::uint32_t other = run[i].other;
+            for (; i < run.size() && run[i].other == other; ++i) group.push_back(run[i].half_edge);
+            if (group.size() == 1) {
+                ++found.open_edges;
+                continue;
+            }
+            if (group.size() > 2) ++found.non_manifold_edges;
+            const auto few = std::span(group).first(std::min(group.size(), kMostCompared));
+            const auto [a, b] = group.size() == 2 ? std::array{group[0], group[1]} : best_pair(s, few);
+            s.twin[a] = b;
+            s.twin[b] = a;
+        }
+    }
+    return found;
+}
+
+void find_components(Surface& s) {
+    s.component.assign(s.size(), kNone);
+    s.component_count = 0;
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t seed = 0; seed < s.size(); ++seed) {
+        if (s.component[seed] != kNone) continue;
+        s.component[seed] = s.component_count;
+        stack.push_back(seed);
+        while (!stack.empty()) {
+            const std::uint32_t v = stack.back();
+            stack.pop_back();
+            for (const std::uint32_t h : s.outgoing(v)) {
+                for (const std::uint32_t w : {s.to(h), s.from(Surface::previous(h))}) {
+                    if (s.component[w] != kNone) continue;
+                    s.component[w] = s.component_count;
+                    stack.push_back(w);
+                }
+            }
+        }
+        ++s.component_count;
+    }
+}
+
+/// Mirrors triangle t, and the numbers of its half-edges with it.
+void flip(Surface& s, std::uint32_t t) {
+    std::swap(s.triangles[t][1], s.triangles[t][2]);
+    // Corners a b c became a c b: edge ab is now the third, ca the first, bc stays second.
+    std::swap(s.twin[3 * t], s.twin[3 * t + 2]);
+    for (std::uint32_t k : {0u, 2u}) {
+        const std::uint32_t other = s.twin[3 * t + k];
+        if (other != kNone) s.twin[other] = 3 * t + k;
+    }
+}
+
+}  // namespace
+
+SurfaceFindings connect(Surface& surface) {
+    list_outgoing(surface);
+    const SurfaceFindings found = pair_edges(surface);
+    find_components(surface);
+    return found;
+}
+
+std::uint32_t orient(Surface& s) {
+    std::uint32_t turned = 0;
+    std::vector<char> seen(s.triangles.size(), 0);
+    std::vector<std::uint32_t> piece;
+    for (std::uint32_t seed = 0; seed < s.triangles.size(); ++seed) {
+        if (seen[seed]) continue;
+        std::uint32_t flips = 0;
+        piece.assign(1, seed);
+        seen[seed] = 1;
+        for (std::size_t i = 0; i < piece.size(); ++i) {
+            for (std::uint32_t h = 3 * piece[i]; h < 3 * piece[i] + 3; ++h) {
+                const std::uint32_t w = s.twin[h];
+                if (w == kNone || seen[w / 3]) continue;
+                seen[w / 3] = 1;
+                piece.push_back(w / 3);
+                if (s.from(w) != s.from(h)) continue;
+                flip(s, w / 3);
+                ++flips;
+            }
+        }
+        // About a point on the piece, so that an open tube's sign is that of its mantle.
+        const Vec3d origin(s.positions[s.triangles[seed][0]]);
+        double volume = 0;
+        for (const std::uint32_t t : piece)
+            volume += dot(Vec3d(s.positions[s.triangles[t][0]]) - origin, area_normal(s, t));
+        if (volume < 0) {
+            for (const std::uint32_t t : piece) flip(s, t);
+            flips = static_cast<std::uint32_t>(piece.size()) - flips;
+        }
+        turned += flips;
+    }
+    if (turned > 0) list_outgoing(s);
+    return turned;
+}
+
+std::vector<std::vector<std::uint32_t>> border_loops(const Surface& s) {
+    std::vector<std::vector<std::uint32_t>> loops;
+    std::vector<char> seen(s.size(), 0);
+    const auto visit_border = [&](std::uint32_t v, const auto& visit) {
+        for (const std::uint32_t h : s.outgoing(v)) {
+            if (s.twin[h] == kNone) visit(s.to(h));
+            if (s.twin[Surface::previous(h)] == kNone) visit(s.from(Surface::previous(h)));
+        }
+    };
+    for (std::uint32_t v = 0; v < s.size(); ++v) {
+        bool at_border = false;
+        visit_border(v, [&](std::uint32_t) { at_border = true; });
+        if (seen[v] || !at_border) continue;
+        seen[v] = 1;
+        loops.push_back({v});
+        auto& loop = loops.back();
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            visit_border(loop[i], [&](std::uint32_t w) {
+                if (seen[w]) return;
+                seen[w] = 1;
+                loop.push_back(w);
+            });
+        }
+    }
+    return loops;
+}
+
+std::vector<Vec3> vertex_normals(const Surface& s, const Context& ctx) {
+    std::vector<Vec3> normals(s.size());
+    parallel_for(ctx, s.size(), 4096, [&](std::size_t v) {
+        Vec3d sum;
+        for (const std::uint32_t h : s.outgoing(static_cast<std::uint32_t>(v))) sum += area_normal(s, h / 3);
+        normals[v] = Vec3(normalized(sum, {}));
+    });
+    return normals;
+}
+
+}  // namespace coppice::extract_internal

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice::extract_internal {
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// Triangles with the neighbours that walks over a surface need. Half-edge 3 t + k runs from corner k of
+/// triangle t to the next. Edges of more than two triangles are taken apart: at most two of them are
+/// neighbours, the others end there; their vertices stay common.
+struct Surface {
+    Buffer<Vec3> positions;                     ///< [m] every one is used by a triangle
+    std::vector<Triangle> triangles;            ///< three different corners each
+    std::vector<std::uint32_t> twin;            ///< per half-edge: that of the neighbour, kNone at a border
+    std::vector<std::uint32_t> first_out, out;  ///< per vertex: the half-edges that leave it
+    std::vector<std::uint32_t> component;       ///< per vertex: pieces joined by common vertices, from 0
+    std::uint32_t component_count = 0;
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(positions.size()); }
+    std::uint32_t from(std::uint32_t h) const { return triangles[h / 3][h % 3]; }
+    std::uint32_t to(std::uint32_t h) const { return triangles[h / 3][(h % 3 + 1) % 3]; }
+    static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+    static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+    std::span<const std::uint32_t> outgoing(std::uint32_t v) const {
+        return std::span(out).subspan(first_out[v], first_out[v + 1] - first_out[v]);
+    }
+};
+
+/// What taking a mesh's edges apart came upon.
+struct SurfaceFindings {
+    std::uint32_t open_edges = 0;
+    std::uint32_t non_manifold_edges = 0;  ///< edges of more than two triangles
+};
+
+/// Fills twin, out and component from positions and triangles. O(n log n).
+SurfaceFindings connect(Surface& surface);
+
+/// Turns triangles so that neighbours agree, and each closed piece outward. Returns the number turned. O(n).
+std::uint32_t orient(Surface& surface);
+
+/// The borders of a surface: for each the vertices along it, in order as far as it is one curve. O(n).
+std::vector<std::vector<std::uint32_t>> border_loops(const Surface& surface);
+
+/// Per vertex: the area-weighted unit normal; zero where the faces cancel.
+std::vector<Vec3> vertex_normals(const Surface& surface, const Context& ctx);
+
+}  // namespace coppice::extract_internal

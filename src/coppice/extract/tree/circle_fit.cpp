@@ -1,0 +1,143 @@
+#include "coppice/extract/tree/circle_fit_internal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::size_t kFewest = 6;
+constexpr int kSteps = 8;
+constexpr int kSectors = 12;
+
+struct Circle {
+    double x, y, r;
+};
+
+/// Newton's method on the characteristic polynomial of Taubin's generalised eigenvalue problem.
+bool taubin(std::span<const PlanePoint> points, Circle& out) {
+    double sum = 0, mx = 0, my = 0;
+    for (const PlanePoint& p : points) {
+        sum += p.weight;
+        mx += p.weight * p.x;
+        my += p.weight * p.y;
+    }
+    if (!(sum > 0)) return false;
+    mx /= sum;
+    my /= sum;
+    double xx = 0, yy = 0, xy = 0, xz = 0, yz = 0, zz = 0;
+    for (const PlanePoint& p : points) {
+        const double x = p.x - mx, y = p.y - my, z = x * x + y * y, w = p.weight / sum;
+        xx += w * x * x;
+        yy += w * y * y;
+        xy += w * x * y;
+        xz += w * x * z;
+        yz += w * y * z;
+        zz += w * z * z;
+    }
+    const double mz = xx + yy, cov = xx * yy - xy * xy, var = zz - mz * mz;
+    const double a3 = 4 * mz, a2 = -3 * mz * mz - zz, a1 = var * mz + 4 * cov * mz - xz * xz - yz * yz;
+    const double a0 = xz * (xz * yy - yz * xy) + yz * (yz * xx - xz * xy) - var * cov;
+    double t = 0, value = a0;
+    for (int step = 0; step < 30; ++step) {
+        const double slope = a1 + t * (2 * a2 + t * 3 * a3);
+        if (slope == 0) break;
+        const double next = t - value / slope;
+        if (!std::isfinite(next) || next == t) break;
+        const double at = a0 + next * (a1 + next * (a2 + next * a3));
+        if (std::abs(at) >= std::abs(value)) break;
+        t = next;
+        value = at;
+    }
+    const double det = t * t - t * mz + cov;
+    if (!(std::abs(det) > 1e-12 * mz * mz)) return false;
+    const double x = (xz * (yy - t) - yz * xy) / det / 2, y = (yz * (xx - t) - xz * xy) / det / 2;
+    out = {x + mx, y + my, std::sqrt(x * x + y * y + mz)};
+    return std::isfinite(out.r);
+}
+
+double median(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// One step of Gauss-Newton with Tukey's weights at `scale`; false where the points do not tell.
+bool improve(std::span<const PlanePoint> points, double scale, Circle& c) {
+    std::array<double, 6> a{};  // xx xy xr yy yr rr
+    std::array<double, 3> b{};
+    for (const PlanePoint& p : points) {
+        const double dx = p.x - c.x, dy = p.y - c.y, d = std::hypot(dx, dy);
+        const double off = d - c.r, t = off / scale;
+        if (!(d > 0) || std::abs(t) >= 1) continue;
+        const double w = p.weight * (1 - t * t) * (1 - t * t), ux = dx / d, uy = dy / d;
+        a[0] += w * ux * ux;
+        a[1] += w * ux * uy;
+        a[2] += w * ux;
+        a[3] += w * uy * uy;
+        a[4] += w * uy;
+        a[5] += w;
+        b[0] += w * ux * off;
+        b[1] += w * uy * off;
+        b[2] += w * off;
+    }
+    // A pull of a thousandth towards where it is keeps the circle still where an arc is short.
+    for (const int i : {0, 3}) a[static_cast<std::size_t>(i)] += 1e-3 * a[5];
+    const double c0 = a[3] * a[5] - a[4] * a[4], c1 = a[2] * a[4] - a[1] * a[5],
+                 c2 = a[1] * a[4] - a[2] * a[3];
+    const double det = a[0] * c0 + a[1] * c1 + a[2] * c2;
+    if (!(det > 1e-9 * a[5] * a[5] * a[5])) return false;
+    const double c4 = a[0] * a[5] - a[2] * a[2], c5 = a[1] * a[2] - a[0] * a[4],
+                 c8 = a[0] * a[3] - a[1] * a[1];
+    const double limit = 0.5 * c.r;
+    c.x += std::clamp((c0 * b[0] + c1 * b[1] + c2 * b[2]) / det, -limit, limit);
+    c.y += std::clamp((c1 * b[0] + c4 * b[1] + c5 * b[2]) / det, -limit, limit);
+    c.r += std::clamp((c2 * b[0] + c5 * b[1] + c8 * b[2]) / det, -limit, limit);
+    return std::isfinite(c.x) && std::isfinite(c.y) && c.r > 0;
+}
+
+double scale_of(std::span<const PlanePoint> points, const Circle& c, std::vector<double>& scratch) {
+    scratch.clear();
+    for (const PlanePoint& p : points) scratch.push_back(std::abs(std::hypot(p.x - c.x, p.y - c.y) - c.r));
+    // 4.685 standard deviations, as read from the median; never so narrow that rounding decides.
+    return std::max(4.685 * 1.4826 * median(scratch), 0.02 * c.r);
+}
+
+}  // namespace
+
+CircleFit fit_circle(std::span<const PlanePoint> points, double greatest_radius) {
+    CircleFit fit;
+    Circle c{};
+    if (points.size() < kFewest || !taubin(points, c)) return fit;
+    std::vector<double> scratch;
+    scratch.reserve(points.size());
+    double scale = 0;
+    for (int step = 0; step < kSteps; ++step) {
+        scale = scale_of(points, c, scratch);
+        if (!improve(points, scale, c)) return fit;
+    }
+    std::array<std::size_t, kSectors> sector{};
+    double squares = 0, weights = 0;
+    for (const PlanePoint& p : points) {
+        const double dx = p.x - c.x, dy = p.y - c.y, off = std::hypot(dx, dy) - c.r;
+        if (std::abs(off) >= scale) continue;
+        ++fit.used;
+        squares += p.weight * off * off;
+        weights += p.weight;
+        const double turn = (std::atan2(dy, dx) / (2 * std::numbers::pi) + 0.5) * kSectors;
+        ++sector[static_cast<std::size_t>(std::clamp(turn, 0.0, kSectors - 1.0))];
+    }
+    const auto filled = kSectors - std::ranges::count(sector, std::size_t{0});
+    fit.x = c.x;
+    fit.y = c.y;
+    fit.radius = c.r;
+    fit.residual = weights > 0 ? std::sqrt(squares / weights) : 0;
+    fit.good = fit.used >= kFewest && 2 * fit.used >= points.size() && filled >= 4 &&
+               c.r <= greatest_radius && fit.residual <= 0.35 * c.r;
+    return fit;
+}
+
+}  // namespace coppice::extract_internal

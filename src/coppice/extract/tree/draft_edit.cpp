@@ -1,0 +1,367 @@
+#include "coppice/extract/tree/draft_edit_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "coppice/base/segment_distance.h"
+#include "coppice/skeleton/prepare.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::uint32_t kNone = DraftTree::kNoParent;
+
+/// The node below the edge that is thinnest on the way between two nodes of one tree: kNone when every edge
+/// is thicker than `limit`, or when the nodes belong to different trees.
+std::uint32_t thinnest_edge(const DraftTree& t, std::uint32_t a, std::uint32_t b, double limit) {
+    std::vector<std::uint32_t> up_a{a}, up_b{b};
+    while (t.parent[up_a.back()] != kNone) up_a.push_back(t.parent[up_a.back()]);
+    while (t.parent[up_b.back()] != kNone) up_b.push_back(t.parent[up_b.back()]);
+    if (up_a.back() != up_b.back()) return kNone;
+    while (!up_a.empty() && !up_b.empty() && up_a.back() == up_b.back()) {
+        up_a.pop_back();
+        up_b.pop_back();
+    }
+    std::uint32_t best = kNone;
+    for (const auto* way : {&up_a, &up_b}) {
+        for (const std::uint32_t n : *way) {
+            const double r = 0.5 * (t.radius[n] + t.radius[t.parent[n]]);
+            if (r >= limit) continue;
+            limit = r;
+            best = n;
+        }
+    }
+    return best;
+}
+
+bool is_above(const DraftTree& t, std::uint32_t above, std::uint32_t n) {
+    while (n != kNone && n != above) n = t.parent[n];
+    return n == above;
+}
+
+/// Nodes with at most one neighbour.
+std::vector<std::uint32_t> ends_of(const DraftTree& t, const DraftLinks& links) {
+    std::vector<std::uint32_t> ends;
+    for (std::uint32_t n = 0; n < t.size(); ++n)
+        if (links.children(n).size() + (t.parent[n] != kNone) <= 1) ends.push_back(n);
+    return ends;
+}
+
+std::vector<std::uint32_t> tree_of(const DraftTree& t) {
+    std::vector<std::uint32_t> root(t.size());
+    for (std::uint32_t n = 0; n < t.size(); ++n) root[n] = t.parent[n] == kNone ? n : root[t.parent[n]];
+    return root;
+}
+
+/// The node at least `far` away from an end, along the branch that ends there; the next fork where that comes
+/// before; the end itself where it is alone.
+std::uint32_t inner_node(const DraftTree& t, const DraftLinks& links, std::uint32_t end, double far) {
+    const bool at_root = t.parent[end] == kNone;
+    std::uint32_t n = end;
+    while (n == end || distance(t.position[n], t.position[end]) < far) {
+        const auto children = links.children(n);
+        if (at_root ? children.size() != 1 : (n != end && children.size() != 1) || t.parent[n] == kNone)
+            break;
+        n = at_root ? children[0] : t.parent[n];
+    }
+    return n;
+}
+
+struct Foot {
+    double t, distance, radius;
+};
+Foot foot_on(const DraftTree& t, std::uint32_t n, Vec3d p) {
+    const Vec3d a = t.position[t.parent[n]], d = t.position[n] - a;
+    const double k = closest_parameter(p, a, d, 1);
+    return {k, distance(p, a + d * k), t.radius[t.parent[n]] + (t.radius[n] - t.radius[t.parent[n]]) * k};
+}
+
+/// Where the end of one tree may hang on a segment of another.
+struct Joint {
+    double cost;  // distance in radii of the segment
+    std::uint32_t end, segment;
+    double t;
+};
+
+/// For every end the segment of another tree whose axis is nearest in radii, nearest pairs first. They must
+/// overlap: the axis of one lies within `reach` radii of the other.
+std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint32_t> root, double reach,
+                               const Context& ctx) {
+    constexpr double kThicker = 1.3;      // a branch rather starts on a thicker one, or one not much thinner
+    constexpr double kMuchThicker = 2.5;  // and no trunk on a twig
+    std::vector<std::uint32_t> lower;
+    std::vector<Box3> boxes;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const std::uint32_t q = tree.parent[n];
+        if (q == kNone) continue;
+        const double r = reach * std::max(tree.radius[n], tree.radius[q]);
+        lower.push_back(n);
+        boxes.push_back(capsule_box(Vec3(tree.position[n]), Vec3(tree.position[q]), static_cast<float>(r)));
+    }
+    std::vector<Joint> joints;
+    if (boxes.empty() || reach <= 0) return joints;
+    const BoxTree index(boxes, ctx);
+    for (const std::uint32_t e : ends_of(tree, DraftLinks(tree))) {
+        const double r = tree.radius[e];
+        Joint best{std::numeric_limits<double>::infinity(), e, kNone, 0};
+        Box3 at;
+        for (const double way : {-reach * r, reach * r})
+            at.extend(Vec3(tree.position[e] + Vec3d(way, way, way)));
+        index.visit_overlapping(at, [&](std::uint32_t item) {
+            const std::uint32_t n = lower[item];
+            if (root[n] == root[e]) return;
+            const Foot f = foot_on(tree, n, tree.position[e]);
+            if (f.distance >= reach * std::max(f.radius, r) || r > kMuchThicker * f.radius) return;
+            const double cost = f.distance / f.radius + std::max(0.0, r / f.radius - kThicker);
+            if (cost < best.cost || (cost == best.cost && n < best.segment)) best = {cost, e, n, f.t};
+        });
+        if (best.segment != kNone) joints.push_back(best);
+    }
+    std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
+        return a.cost != b.cost ? a.cost < b.cost : a.end < b.end;
+    });
+    return joints;
+}
+
+/// Takes away joints between trees that are joined already.
+void keep_a_forest(std::vector<Joint>& joints, std::span<const std::uint32_t> root) {
+    std::vector<std::uint32_t> set(root.size());
+    std::iota(set.begin(), set.end(), 0u);
+    const auto find = [&](std::uint32_t n) {
+        while (set[n] != n) n = set[n] = set[set[n]];
+        return n;
+    };
+    std::erase_if(joints, [&](const Joint& j) {
+        const std::uint32_t a = find(root[j.end]), b = find(root[j.segment]);
+        if (a == b) return true;
+        set[a] = b;
+        return false;
+    });
+}
+
+/// Adds a node for every joint on its segment; sorts the joints along segments and returns their nodes.
+std::vector<std::uint32_t> add_places(DraftTree& tree, std::vector<Joint>& joints) {
+    std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
+        return a.segment != b.segment ? a.segment < b.segment : a.t != b.t ? a.t > b.t : a.end < b.end;
+    });
+    std::vector<std::uint32_t> place;
+    for (std::size_t i = 0; i < joints.size();) {
+        const std::uint32_t n = joints[i].segment, q = tree.parent[n];
+        const Vec3d a = tree.position[q], d = tree.position[n] - a;
+        const double ra = tree.radius[q], dr = tree.radius[n] - ra;
+        std::uint32_t below = n;
+        for (; i < joints.size() && joints[i].segment == n; ++i) {
+            const std::uint32_t x = tree.add(q, a + d * joints[i].t, ra + dr * joints[i].t);
+            tree.parent[below] = x;
+            place.push_back(below = x);
+        }
+    }
+    return place;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> cut_loops(DraftTree& tree,
+                                     const std::vector<std::pair<std::uint32_t, std::uint32_t>>& loops,
+                                     bool keep) {
+    for (const auto& [tip, touched] : loops) {
+        const double joint = 0.5 * (tree.radius[tip] + tree.radius[touched]);
+        const std::uint32_t cut = thinnest_edge(tree, tip, touched, joint);
+        if (cut == kNone) {
+            if (keep) tree.add(tip, tree.position[touched], tree.radius[tip]);
+            continue;
+        }
+        // The part below the cut hangs by the joint now.
+        const bool below = is_above(tree, cut, tip);
+        const std::uint32_t inner = below ? tip : touched, outer = below ? touched : tip;
+        const std::uint32_t from = tree.parent[cut];
+        tree.parent[cut] = kNone;
+        root_at(tree, inner);
+        tree.parent[inner] = outer;
+        if (keep) tree.add(cut, tree.position[from], tree.radius[cut]);
+    }
+    return sort_parents_first(tree);
+}
+
+std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least) {
+    const DraftLinks links(tree);
+    std::vector<char> gone(tree.size(), 0);
+    std::vector<std::uint32_t> stands_for(tree.size());
+    std::iota(stands_for.begin(), stands_for.end(), 0u);
+    std::uint32_t count = 0;
+    for (std::uint32_t tip = 0; tip < tree.size(); ++tip) {
+        if (!links.is_tip(tip)) continue;
+        std::uint32_t base = tip;
+        while (tree.parent[base] != kNone && links.children(tree.parent[base]).size() == 1)
+            base = tree.parent[base];
+        const std::uint32_t fork = tree.parent[base];
+        if (fork == kNone) continue;
+        double rise = std::numeric_limits<double>::infinity();
+        const auto look = [&](std::uint32_t n) {
+            const Foot f = foot_on(tree, n, tree.position[tip]);
+            rise = std::min(rise, f.distance + tree.radius[tip] - f.radius);
+        };
+        if (tree.parent[fork] != kNone) look(fork);
+        for (const std::uint32_t c : links.children(fork))
+            if (c != base && !gone[c]) look(c);
+        if (!(rise < least * tree.radius[fork])) continue;
+        ++count;
+        for (std::uint32_t n = tip; n != fork; n = tree.parent[n]) {
+            gone[n] = 1;
+            stands_for[n] = fork;
+        }
+    }
+    const auto new_of_old = sort_parents_first(tree, gone);
+    for (std::uint32_t& n : samples.node)
+        if (n != kNone) n = new_of_old[stands_for[n]];
+    return count;
+}
+
+std::uint32_t unfold(DraftTree& tree, FitSamples& samples) {
+    constexpr double kBack = -0.2;  // cosine between the segments
+    const DraftLinks links(tree);
+    std::vector<char> gone(tree.size(), 0);
+    std::vector<std::uint32_t> stands_for(tree.size());
+    std::iota(stands_for.begin(), stands_for.end(), 0u);
+    std::uint32_t count = 0;
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        const std::uint32_t above = tree.parent[n];
+        if (above == kNone || links.children(n).size() != 1) continue;
+        std::uint32_t below = links.children(n)[0];
+        while (gone[below]) below = links.children(below)[0];
+        const Vec3d in = normalized(tree.position[n] - tree.position[above], {});
+        const Vec3d out = normalized(tree.position[below] - tree.position[n], {});
+        if (!(dot(in, out) < kBack)) continue;
+        gone[n] = 1;
+        stands_for[n] = below;
+        tree.parent[below] = above;
+        ++count;
+    }
+    const auto new_of_old = sort_parents_first(tree, gone);
+    for (std::uint32_t& n : samples.node)
+        if (n != kNone) n = new_of_old[stands_for[n]];
+    return count;
+}
+
+void thin(DraftTree& tree, FitSamples& samples, double tolerance) {
+    unfold(tree, samples);
+    PrepareOptions options;
+    options.resample.tolerance = static_cast<float>(tolerance);
+    options.resample.max_length = 1e6f;
+    options.resample.bend_angle = 3.14f;
+    const PrepareResult thinned = prepare(to_skeleton(tree, {}), options);
+    tree = to_draft(thinned.skeleton);
+    for (std::uint32_t& n : samples.node)
+        if (n != kNone) n = thinned.new_of_old[n].index();
+}
+
+std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {
+    constexpr double kBeside = 1.5, kRim = 0.7, kFlat = 0.25, kMoved = 0.1, kStraight = 1.2;  // [radius]
+    struct End {
+        std::uint32_t neighbour = kNone;
+        Vec3d outward;
+        double reach = -1e300, rim = -1e300;
+    };
+    const DraftLinks links(tree);
+    std::vector<End> end(tree.size());
+    const auto each = [&](const auto& visit) {
+        for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+            if (samples.node[i] == kNone) continue;
+            for (const std::uint32_t n : {samples.node[i], tree.parent[samples.node[i]]}) {
+                if (n == kNone || end[n].neighbour == kNone) continue;
+                const Vec3d v = Vec3d(samples.positions[i]) - tree.position[n];
+                const double along = dot(v, end[n].outward), across = length(v - end[n].outward * along);
+                if (across < kBeside * tree.radius[n]) visit(i, n, along, across);
+            }
+        }
+    };
+    for (const std::uint32_t n : ends_of(tree, links)) {
+        const std::uint32_t q = inner_node(tree, links, n, kStraight * tree.radius[n]);
+        if (q == n) continue;
+        end[n].outward = normalized(tree.position[n] - tree.position[q], {});
+        if (length_squared(end[n].outward) > 0) end[n].neighbour = q;
+    }
+    each([&](std::size_t, std::uint32_t n, double along, double across) {
+        end[n].reach = std::max(end[n].reach, along);
+        if (across > kRim * tree.radius[n]) end[n].rim = std::max(end[n].rim, along);
+    });
+    std::uint32_t count = 0;
+    std::vector<char> flat(tree.size(), 0);
+    std::vector<double> shift(tree.size(), 0);
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const End& e = end[n];
+        if (e.neighbour == kNone || e.reach < -1e299) continue;
+        const double r = tree.radius[n];
+        flat[n] = e.rim > e.reach - kFlat * r;
+        const double back = -0.9 * distance(tree.position[n], tree.position[e.neighbour]);
+        shift[n] = std::max(flat[n] ? e.reach : e.reach - r, std::max(back, -0.5 * r));
+        if (std::abs(shift[n]) > kMoved * r) ++count;
+    }
+    each([&](std::size_t i, std::uint32_t n, double along, double across) {
+        if (flat[n] && along > end[n].reach - kFlat * tree.radius[n] && across < 0.9 * tree.radius[n])
+            samples.node[i] = kNone;
+    });
+    for (std::uint32_t n = 0; n < tree.size(); ++n) tree.position[n] += end[n].outward * shift[n];
+    return count;
+}
+
+std::uint32_t join_trees(DraftTree& tree, double reach, const Context& ctx) {
+    const std::vector<std::uint32_t> root = tree_of(tree);
+    std::vector<Joint> joints = find_joints(tree, root, reach, ctx);
+    keep_a_forest(joints, root);
+    const std::vector<std::uint32_t> place = add_places(tree, joints);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        root_at(tree, joints[i].end);
+        tree.parent[joints[i].end] = place[i];
+    }
+    return static_cast<std::uint32_t>(joints.size());
+}
+
+void choose_roots(DraftTree& tree, int up, std::optional<Vec3d> wanted) {
+    const DraftLinks links(tree);
+    const std::vector<std::uint32_t> root = tree_of(tree);
+    const std::vector<std::uint32_t> ends = ends_of(tree, links);
+    std::vector<std::uint32_t> chosen(tree.size(), kNone);
+    for (const std::uint32_t e : ends) {
+        std::uint32_t& best = chosen[root[e]];
+        if (best == kNone || tree.position[e][up] < tree.position[best][up]) best = e;
+    }
+    if (wanted) {
+        const auto nearest =
+            std::min_element(ends.begin(), ends.end(), [&](std::uint32_t a, std::uint32_t b) {
+                return distance(tree.position[a], *wanted) < distance(tree.position[b], *wanted);
+            });
+        if (nearest != ends.end()) chosen[root[*nearest]] = *nearest;
+    }
+    for (const std::uint32_t e : chosen)
+        if (e != kNone) root_at(tree, e);
+}
+
+std::vector<NodeConfidence> rate_nodes(const DraftTree& tree, const FitSamples& samples, float& residual,
+                                       const Context& ctx) {
+    const std::vector<float> off = fit_residuals(tree, samples, ctx);
+    std::vector<NodeConfidence> confidence(tree.size());
+    std::vector<double> sum(tree.size(), 0);
+    double total = 0;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < off.size(); ++i) {
+        const std::uint32_t n = samples.node[i];
+        if (n == kNone) continue;
+        const double r = std::abs(off[i]) / tree.radius[n];
+        sum[n] += r;
+        total += r;
+        ++count;
+        ++confidence[n].samples;
+    }
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (confidence[n].samples > 0)
+            confidence[n].residual = static_cast<float>(sum[n] / confidence[n].samples);
+    }
+    residual = count > 0 ? static_cast<float>(total / static_cast<double>(count)) : 0;
+    return confidence;
+}
+
+}  // namespace coppice::extract_internal

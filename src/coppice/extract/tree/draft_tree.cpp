@@ -1,0 +1,79 @@
+#include "coppice/extract/tree/draft_tree.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace coppice {
+
+DraftLinks::DraftLinks(const DraftTree& t) : first_(t.size() + 1, 0), child_(t.size()), leader_(t.size()) {
+    for (const std::uint32_t q : t.parent)
+        if (q != DraftTree::kNoParent) ++first_[q + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t n = 0; n < t.size(); ++n)
+        if (t.parent[n] != DraftTree::kNoParent) child_[next[t.parent[n]]++] = n;
+    update_leaders(t);
+}
+
+void DraftLinks::update_leaders(const DraftTree& t) {
+    for (std::uint32_t n = 0; n < t.size(); ++n) {
+        leader_[n] = DraftTree::kNoParent;
+        for (const std::uint32_t c : children(n))
+            if (leader_[n] == DraftTree::kNoParent || t.radius[c] > t.radius[leader_[n]]) leader_[n] = c;
+    }
+}
+
+void root_at(DraftTree& tree, std::uint32_t end) {
+    std::uint32_t above = DraftTree::kNoParent;
+    for (std::uint32_t n = end; n != DraftTree::kNoParent;) {
+        const std::uint32_t next = std::exchange(tree.parent[n], above);
+        above = std::exchange(n, next);
+    }
+}
+
+std::vector<std::uint32_t> sort_parents_first(DraftTree& tree, std::span<const char> gone) {
+    const DraftLinks links(tree);
+    const auto stays = [&](std::uint32_t n) { return gone.empty() || !gone[n]; };
+    std::vector<std::uint32_t> new_of_old(tree.size(), DraftTree::kNoParent), stack;
+    DraftTree sorted;
+    for (std::uint32_t root = 0; root < tree.size(); ++root) {
+        if (tree.parent[root] != DraftTree::kNoParent || !stays(root)) continue;
+        stack.push_back(root);
+        while (!stack.empty()) {
+            const std::uint32_t n = stack.back();
+            stack.pop_back();
+            const std::uint32_t q = tree.parent[n];
+            new_of_old[n] =
+                sorted.add(q == DraftTree::kNoParent ? q : new_of_old[q], tree.position[n], tree.radius[n]);
+            const auto children = links.children(n);
+            for (std::size_t i = children.size(); i-- > 0;)
+                if (stays(children[i])) stack.push_back(children[i]);
+        }
+    }
+    tree = std::move(sorted);
+    return new_of_old;
+}
+
+Skeleton to_skeleton(const DraftTree& tree, Vec3d origin) {
+    std::vector<NodeId> parent(tree.size());
+    std::vector<Vec3> position(tree.size());
+    std::vector<float> radius(tree.size());
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (tree.parent[n] != DraftTree::kNoParent) parent[n] = NodeId(tree.parent[n]);
+        position[n] = Vec3(tree.position[n]);
+        radius[n] = static_cast<float>(tree.radius[n]);
+    }
+    return Skeleton(std::move(parent), std::move(position), std::move(radius), origin);
+}
+
+DraftTree to_draft(const Skeleton& skeleton) {
+    DraftTree tree;
+    for (const NodeId n : nodes(skeleton)) {
+        tree.add(skeleton.is_root(n) ? DraftTree::kNoParent : skeleton.parent(n).index(),
+                 Vec3d(skeleton.position(n)), static_cast<double>(skeleton.radius(n)));
+    }
+    return tree;
+}
+
+}  // namespace coppice

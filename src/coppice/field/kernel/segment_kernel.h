@@ -1,0 +1,67 @@
+// Included once for plain numbers, and again by field_simd.cpp for every instruction set: see kernel_math.h.
+#if !defined(COPPICE_FIELD_SEGMENT_KERNEL_H) || defined(COPPICE_KERNEL_PER_TARGET)
+#define COPPICE_FIELD_SEGMENT_KERNEL_H
+
+#include "coppice/field/kernel/kernel_math.h"
+
+namespace coppice::COPPICE_KERNEL_NAMESPACE {
+
+/// A segment as the kernels want it. Lengths along it are measured from its first node.
+template <class T>
+struct SegmentConstants {
+    T ax, ay, az;  ///< [m] the first node
+    T ux, uy, uz;  ///< unit vector towards the second
+    T begin, end;  ///< [m] <= 0 and >= length: where the skeleton line starts and stops, extensions included
+    T length;      ///< [m] >= 0, between the nodes
+    T radius, slope;  ///< [m] at the first node, and its change per metre
+    T weight;         ///< factor of the whole
+};
+
+template <class T>
+struct Point {
+    T x, y, z;
+};
+
+/// Value of a field and its gradient.
+template <class T>
+struct Sample {
+    T value, gx, gy, gz;
+};
+
+/// A kernel's integral along a piece of a line, in units of the local radius d, and its derivatives:
+/// `h2` squared distance from the line, `x0` <= `x1` ends of the piece measured from the foot point.
+template <class T>
+struct NormalForm {
+    T value, d_h2, d_x0, d_x1;
+};
+
+/// Adds what one segment contributes at p, for a kernel given by its normal form (quartic, Cauchy). The
+/// radius d is that of the foot point, held at the ends: a cone of small slope gets the value of a cylinder
+/// of its local radius, and the pieces of a split cylinder sum up to it exactly. The gradient has the term of
+/// d.
+template <class T, class Kernel>
+COPPICE_HOST_DEVICE inline void add_segment(const Kernel& kernel, const SegmentConstants<T>& s, Point<T> p,
+                                            Sample<T>& sum) {
+    const T wx = p.x - s.ax, wy = p.y - s.ay, wz = p.z - s.az;
+    const T t = wx * s.ux + wy * s.uy + wz * s.uz;
+    const T d = s.radius + s.slope * larger(smaller(t, s.length), T(0));
+    const T inv = T(1) / d;
+    // Distance from the line by its vector, not by |w|^2 - t^2, which cancels far from the first node.
+    const T qx = (wx - t * s.ux) * inv, qy = (wy - t * s.uy) * inv, qz = (wz - t * s.uz) * inv;
+    const T h2 = qx * qx + qy * qy + qz * qz;
+    const T x0 = (s.begin - t) * inv, x1 = (s.end - t) * inv;
+    const NormalForm<T> f = kernel(h2, x0, x1);
+
+    const T scale = s.weight * inv;
+    const T d_radius = T(2) * h2 * f.d_h2 + x0 * f.d_x0 + x1 * f.d_x1;  // times -d
+    const T axial = -scale * (f.d_x0 + f.d_x1 + value_within(t, s.length, s.slope) * d_radius);
+    const T radial = T(2) * scale * f.d_h2;
+    sum.value = sum.value + s.weight * f.value;
+    sum.gx = sum.gx + (axial * s.ux + radial * qx);
+    sum.gy = sum.gy + (axial * s.uy + radial * qy);
+    sum.gz = sum.gz + (axial * s.uz + radial * qz);
+}
+
+}  // namespace coppice::COPPICE_KERNEL_NAMESPACE
+
+#endif

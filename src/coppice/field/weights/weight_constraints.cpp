@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/segment_distance.h"
+#include "coppice/field/weights/weight_constraints_internal.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 256;
+constexpr std::uint32_t kAround = 4;  // points of a circle
+constexpr std::uint64_t kMostConstraints = std::uint64_t{1} << 28;
+// A tapering branch lies a little inside the balls at its own nodes: points of the surface may, too.
+constexpr double kInside = 0.98;
+
+/// All segments, and single nodes as segments without length.
+std::vector<NodeId> segment_names(const Skeleton& skeleton) {
+    std::vector<NodeId> names;
+    for (const NodeId n : nodes(skeleton))
+        if (!skeleton.is_root(n) || skeleton.is_tip(n)) names.push_back(n);
+    return names;
+}
+
+/// A step in radius at one place counts by its greater side, as in the field.
+Segment segment_of(const Skeleton& skeleton, NodeId n) {
+    const Vec3 p = skeleton.position(n);
+    Segment s =
+        skeleton.is_root(n) ? Segment{p, p, skeleton.radius(n), skeleton.radius(n)} : skeleton.segment(n);
+    if (s.a == s.b) s.radius_a = s.radius_b = std::max(s.radius_a, s.radius_b);
+    return s;
+}
+
+/// Segments found by their rounded cones.
+class Cones {
+  public:
+    Cones(const Skeleton& skeleton, std::span<const NodeId> names, const Context& ctx)
+        : skeleton_(skeleton), names_(names), boxes_(boxes(skeleton, names), ctx) {}
+
+    /// Whether another segment's cone holds p below the part `kInside` of its radius.
+    bool hold(Vec3 p, NodeId except) const {
+        bool held = false;
+        boxes_.visit_overlapping(capsule_box(p, p, 0), [&](std::uint32_t i) {
+            const Foot f = foot(i, p);
+            held = names_[i] != except && f.distance < kInside * f.radius;
+            return !held;
+        });
+        return held;
+    }
+
+    /// The segment whose surface is nearest; inside, the one p is deepest in.
+    NodeId nearest(Vec3 p) const {
+        double best = std::numeric_limits<double>::infinity();
+        std::uint32_t name = 0;
+        const auto bound = [&](std::uint32_t level, std::uint32_t i) {
+            const double d = distance_squared(boxes_.level(level)[i], Vec3d(p));
+            // A box that holds p may hold a segment that p is deep inside of.
+            return d > 0 ? std::sqrt(d) * (1 - 1e-6) : -std::numeric_limits<double>::infinity();
+        };
+        boxes_.search(bound, best, [&](std::uint32_t i) {
+            const Foot f = foot(i, p);
+            const double d = f.distance - f.radius;
+            if (d > best || (d == best && i > name)) return;
+            best = d;
+            name = i;
+        });
+        return names_[name];
+    }
+
+  private:
+    struct Foot {
+        double distance, radius;
+    };
+
+    static std::vector<Box3> boxes(const Skeleton& skeleton, std::span<const NodeId> names) {
+        std::vector<Box3> boxes(names.size());
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            const Segment s = segment_of(skeleton, names[i]);
+            boxes[i] = capsule_box(s.a, s.b, std::max(s.radius_a, s.radius_b));
+        }
+        return boxes;
+    }
+
+    Foot foot(std::uint32_t i, Vec3 p) const {
+        const Segment s = segment_of(skeleton_, names_[i]);
+        const Vec3d a(s.a), axis = Vec3d(s.b) - a, w = Vec3d(p) - a;
+        const double t = closest_parameter(Vec3d(p), a, axis);
+        return {length(w - axis * t), s.radius_a + t * (double{s.radius_b} - s.radius_a)};
+    }
+
+    const Skeleton& skeleton_;
+    std::span<const NodeId> names_;
+    BoxTree boxes_;
+};
+
+/// Circles on every segment: one, and more in proportion to length over radius.
+std::vector<std::uint64_t> circle_counts(const Skeleton& skeleton, std::span<const NodeId> names,
+                                         int density) {
+    std::vector<double> slenderness(names.size());
+    double sum = 0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const Segment s = segment_of(skeleton, names[i]);
+        slenderness[i] = distance(Vec3d(s.a), Vec3d(s.b)) / (0.5 * (double{s.radius_a} + double{s.radius_b}));
+        sum += slenderness[i];
+    }
+    const double circles = static_cast<double>(names.size()) * density / kAround;
+    std::vector<std::uint64_t> counts(names.size() + 1, 0);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const double share = sum > 0 ? circles * (slenderness[i] / sum) : 0;
+        counts[i] = static_cast<std::uint64_t>(std::max(1.0, std::round(share)));
+    }
+    return counts;
+}
+
+/// The points of one segment, each circle turned against the last by half the angle between points.
+void place_circles(const Segment& s, NodeId name, std::span<WeightConstraint> out) {
+    const Vec3d a(s.a), axis = Vec3d(s.b) - a;
+    const Vec3d u = normalized(axis);
+    const Vec3d right = perpendicular(u), up = cross(u, right);
+    const std::size_t circles = out.size() / kAround;
+    for (std::size_t c = 0; c < circles; ++c) {
+        const double t = (static_cast<double>(c) + 0.5) / static_cast<double>(circles);
+        const double radius = s.radius_a + t * (double{s.radius_b} - s.radius_a);
+        for (std::uint32_t k = 0; k < kAround; ++k) {
+            const double angle = 2 * std::numbers::pi * (k + (c % 2 == 0 ? 0.0 : 0.5)) / kAround;
+            const Vec3d p =
+                a + axis * t + right * (radius * std::cos(angle)) + up * (radius * std::sin(angle));
+            out[c * kAround + k] = {Vec3(p), name};
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, const FieldOptions& options,
+                                                  const Context& ctx) {
+    check_fields(options, "field");
+    const std::vector<NodeId> names = segment_names(skeleton);
+    std::vector<std::uint64_t> first = circle_counts(skeleton, names, options.constraint_density);
+    const std::uint64_t total = kAround * exclusive_scan(std::span(first));
+    if (total > kMostConstraints)
+        throw InvalidInput(fmt::format(
+            "field: {} constraints are too many; lower constraint_density, or take local weights", total));
+    std::vector<WeightConstraint> all(total);
+    std::vector<std::uint8_t> hidden(total);
+    const Cones cones(skeleton, names, ctx);
+    parallel_for(ctx, names.size(), kGrain, [&](std::size_t i) {
+        const std::size_t begin = kAround * first[i], end = kAround * first[i + 1];
+        place_circles(segment_of(skeleton, names[i]), names[i], std::span(all).subspan(begin, end - begin));
+        for (std::size_t j = begin; j < end; ++j) hidden[j] = cones.hold(all[j].position, names[i]);
+    });
+    std::size_t kept = 0;
+    for (std::size_t j = 0; j < total; ++j)
+        if (!hidden[j]) all[kept++] = all[j];
+    all.resize(kept);
+    return all;
+}
+
+std::vector<WeightConstraint> attached_constraints(const Skeleton& skeleton, std::span<const Vec3> points,
+                                                   const Context& ctx) {
+    for (std::size_t j = 0; j < points.size(); ++j)
+        if (!is_finite(points[j]))
+            throw InvalidInput(fmt::format("weights: constraint {} is not finite; leave it out", j + 1));
+    const std::vector<NodeId> names = segment_names(skeleton);
+    const Cones cones(skeleton, names, ctx);
+    std::vector<WeightConstraint> all(points.size());
+    parallel_for(ctx, points.size(), kGrain, [&](std::size_t j) {
+        all[j] = {points[j], cones.nearest(points[j])};
+    });
+    std::stable_sort(all.begin(), all.end(), [](const WeightConstraint& x, const WeightConstraint& y) {
+        return x.segment.index() < y.segment.index();
+    });
+    return all;
+}
+
+}  // namespace coppice

@@ -1,0 +1,397 @@
+#include "coppice/implicit/polygonize/polygonize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <numeric>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/implicit/polygonize/block_lattice_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kMostBlocks = 2000000;
+constexpr std::size_t kMostSparseBlocks = 64000000;  // of which most are not sampled
+constexpr std::uint32_t kCells = BlockLattice::kCells;
+constexpr std::uint32_t kNodes = BlockLattice::kNodes;
+constexpr std::size_t kBlockNodes = BlockLattice::kBlockNodes;
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+/// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
+constexpr float kEndShare = 0.01f;
+
+/// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2); an edge leads from a node in direction 1 to 7,
+/// read the same way. Its key in a block is 8 node + direction.
+std::uint32_t local_node(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return x + kNodes * (y + kNodes * z);
+}
+std::uint32_t step_to(std::uint32_t corner) { return local_node(corner & 1, corner >> 1 & 1, corner >> 2); }
+
+/// Paths of edges from corner 0 to corner 7, one for each order of the axes, positively oriented.
+constexpr std::array<std::array<std::uint32_t, 4>, 6> kTetrahedra{
+    {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}}};
+
+/// Even orders of the corners of a tetrahedron, by which are inside: those first that are fewer (for two: the
+/// inner ones).
+constexpr std::array<std::array<std::uint32_t, 4>, 16> kOrder{{{0, 1, 2, 3},
+                                                               {0, 1, 2, 3},
+                                                               {1, 0, 3, 2},
+                                                               {0, 1, 2, 3},
+                                                               {2, 0, 1, 3},
+                                                               {0, 2, 3, 1},
+                                                               {1, 2, 0, 3},
+                                                               {3, 0, 2, 1},
+                                                               {3, 0, 2, 1},
+                                                               {0, 3, 1, 2},
+                                                               {1, 3, 2, 0},
+                                                               {2, 0, 1, 3},
+                                                               {2, 3, 0, 1},
+                                                               {1, 0, 3, 2},
+                                                               {0, 1, 2, 3},
+                                                               {0, 1, 2, 3}}};
+
+/// What one block contributes. Edges on its sides are shared with other blocks.
+struct BlockSurface {
+    std::size_t block = 0;
+    std::vector<std::uint32_t> keys;                      ///< of crossed edges, ascending
+    std::vector<Vec3> positions;                          ///< by key
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of places in `keys`
+    std::vector<std::uint32_t> ids;                       ///< vertex of the whole surface, by key
+    std::uint32_t owned = 0;
+};
+
+/// Values of a field in a region of it.
+using RegionValues = std::function<void(std::uint32_t, std::span<const Vec3>, std::span<float>)>;
+
+class BlockCutter {
+  public:
+    BlockCutter(const BlockLattice& lattice, const RegionValues& field, float level, const Box3& box)
+        : lattice_(lattice), field_(field), level_(level), box_(box) {}
+
+    BlockSurface cut(std::size_t block, std::uint32_t region, int refinements) {
+        BlockSurface out;
+        out.block = block;
+        region_ = region;
+        sample_nodes(block);
+        find_edges(out);
+        if (out.keys.empty()) return out;
+        place_vertices(out, refinements);
+        for (std::uint32_t z = 0; z < kCells; ++z) {
+            for (std::uint32_t y = 0; y < kCells; ++y) {
+                for (std::uint32_t x = 0; x < kCells; ++x) cut_cell(local_node(x, y, z), out);
+            }
+        }
+        return out;
+    }
+
+  private:
+    /// The part of an edge, from its node, that the surface crosses, and the values at its ends.
+    struct Bracket {
+        float low, high;
+        float at_low, at_high;  ///< less the level
+        int last = 0;           ///< the end moved last: -1 low, 1 high
+    };
+
+    bool inside(std::uint32_t node) const { return values_[node] > level_; }
+
+    void sample_nodes(std::size_t block) {
+        lattice_.nodes_of(block, nodes_);
+        field_(region_, nodes_, values_);
+        for (std::size_t i = 0; i < kBlockNodes; ++i) {
+            const Vec3 p = nodes_[i];
+            const bool in_box = p.x >= box_.low.x && p.y >= box_.low.y && p.z >= box_.low.z &&
+                                p.x <= box_.high.x && p.y <= box_.high.y && p.z <= box_.high.z;
+            if (!in_box || !std::isfinite(values_[i])) values_[i] = level_ - 1;
+        }
+    }
+
+    void find_edges(BlockSurface& out) {
+        vertex_.fill(kNone);
+        for (std::uint32_t z = 0; z < kNodes; ++z) {
+            for (std::uint32_t y = 0; y < kNodes; ++y) {
+                for (std::uint32_t x = 0; x < kNodes; ++x) find_edges_at(x, y, z, out);
+            }
+        }
+    }
+
+    void find_edges_at(std::uint32_t x, std::uint32_t y, std::uint32_t z, BlockSurface& out) {
+        const std::uint32_t node = local_node(x, y, z);
+        for (std::uint32_t way = 1; way < 8; ++way) {
+            if (x + (way & 1) > kCells || y + (way >> 1 & 1) > kCells || z + (way >> 2) > kCells) continue;
+            if (inside(node) == inside(node + step_to(way))) continue;
+            vertex_[8 * node + way] = static_cast<std::uint32_t>(out.keys.size());
+            out.keys.push_back(8 * node + way);
+        }
+    }
+
+    void place_vertices(BlockSurface& out, int refinements) {
+        const std::size_t count = out.keys.size();
+        std::vector<Bracket> brackets(count);
+        std::vector<float> share(count), value(count);
+        out.positions.resize(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t node = out.keys[i] / 8;
+            brackets[i] = {0, 1, values_[node] - level_, values_[node + step_to(out.keys[i] % 8)] - level_};
+        }
+        for (int round = 0; round <= refinements; ++round) {
+            for (std::size_t i = 0; i < count; ++i) {
+                const Bracket& b = brackets[i];
+                const auto t = static_cast<float>(b.at_low / (double(b.at_low) - b.at_high));
+                share[i] = b.low + (b.high - b.low) * std::clamp(t, 0.0f, 1.0f);
+                share[i] = std::clamp(share[i], kEndShare, 1 - kEndShare);
+                const std::uint32_t node = out.keys[i] / 8;
+                out.positions[i] = lerp(nodes_[node], nodes_[node + step_to(out.keys[i] % 8)], share[i]);
+            }
+            if (round == refinements) break;
+            field_(region_, out.positions, value);
+            for (std::size_t i = 0; i < count; ++i) narrow(brackets[i], share[i], value[i]);
+        }
+    }
+
+    /// Regula falsi; an end that stays for the second time loses half its weight (the Illinois rule).
+    void narrow(Bracket& b, float share, float value) const {
+        if (!std::isfinite(value)) return;
+        const bool moves_low = (value > level_) == (b.at_low > 0);
+        const int end = moves_low ? -1 : 1;
+        if (b.last == end) (moves_low ? b.at_high : b.at_low) *= 0.5f;
+        (moves_low ? b.low : b.high) = share;
+        (moves_low ? b.at_low : b.at_high) = value - level_;
+        b.last = end;
+    }
+
+    void cut_cell(std::uint32_t node, BlockSurface& out) {
+        const bool first = inside(node);
+        bool mixed = false;
+        for (std::uint32_t c = 1; c < 8; ++c) mixed |= inside(node + step_to(c)) != first;
+        if (!mixed) return;
+        for (const auto& tetrahedron : kTetrahedra) cut_tetrahedron(node, tetrahedron, out);
+    }
+
+    void cut_tetrahedron(std::uint32_t node, const std::array<std::uint32_t, 4>& corners, BlockSurface& out) {
+        std::uint32_t mask = 0, count = 0;
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            if (!inside(node + step_to(corners[i]))) continue;
+            mask |= 1u << i;
+            ++count;
+        }
+        if (count == 0 || count == 4) return;
+        std::array<std::uint32_t, 4> c;
+        for (std::size_t i = 0; i < 4; ++i) c[i] = corners[kOrder[mask][i]];
+        const auto vertex = [&](std::size_t i, std::size_t j) {
+            // One corner's bits are among the other's; the edge starts at the lesser.
+            const std::uint32_t low = std::min(c[i], c[j]), way = c[i] ^ c[j];
+            return vertex_[8 * (node + step_to(low)) + way];
+        };
+        if (count == 2) {
+            add_quad(vertex(0, 2), vertex(0, 3), vertex(1, 3), vertex(1, 2), out);
+        } else if (count == 1) {
+            out.triangles.push_back({vertex(0, 1), vertex(0, 2), vertex(0, 3)});
+        } else {
+            out.triangles.push_back({vertex(0, 1), vertex(0, 3), vertex(0, 2)});
+        }
+    }
+
+    static void add_quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d,
+                         BlockSurface& out) {
+        const auto& p = out.positions;
+        if (length_squared(p[a] - p[c]) <= length_squared(p[b] - p[d])) {
+            out.triangles.push_back({a, b, c});
+            out.triangles.push_back({a, c, d});
+        } else {
+            out.triangles.push_back({a, b, d});
+            out.triangles.push_back({b, c, d});
+        }
+    }
+
+    const BlockLattice& lattice_;
+    const RegionValues& field_;
+    float level_;
+    Box3 box_;
+    std::uint32_t region_ = 0;
+    std::array<Vec3, kBlockNodes> nodes_;
+    std::array<float, kBlockNodes> values_;
+    std::array<std::uint32_t, 8 * kBlockNodes> vertex_;
+};
+
+/// Makes one surface of what the blocks contribute. Every vertex is owned by the first of the blocks around
+/// its edge.
+class Joiner {
+  public:
+    Joiner(const BlockLattice& lattice, std::vector<BlockSurface>& blocks, const Context& ctx)
+        : lattice_(lattice), blocks_(blocks), ctx_(ctx), index_(lattice.block_count(), kNone) {
+        for (std::size_t i = 0; i < blocks.size(); ++i)
+            index_[blocks[i].block] = static_cast<std::uint32_t>(i);
+    }
+
+    TriangleSurface join() {
+        parallel_for(ctx_, blocks_.size(), 16, [&](std::size_t i) { count_owned(i); });
+        std::vector<std::size_t> first_vertex, first_triangle;
+        for (const BlockSurface& b : blocks_) {
+            first_vertex.push_back(b.owned);
+            first_triangle.push_back(b.triangles.size());
+        }
+        TriangleSurface out;
+        const std::size_t vertices = exclusive_scan(std::span(first_vertex));
+        if (vertices >= kNone) throw InvalidInput("polygonize: more than 2^32 vertices; make cell greater");
+        out.positions.resize(vertices);
+        out.triangles.resize(exclusive_scan(std::span(first_triangle)));
+        parallel_for(ctx_, blocks_.size(), 16, [&](std::size_t i) { number_owned(i, first_vertex[i], out); });
+        parallel_for(ctx_, blocks_.size(), 16,
+                     [&](std::size_t i) { number_rest(i, first_triangle[i], out); });
+        return out;
+    }
+
+  private:
+    struct Owner {
+        std::uint32_t block;  ///< of blocks_
+        std::uint32_t key;    ///< of the edge, there
+    };
+
+    /// An edge lies also in the blocks below along the axes on whose lower side it lies, and in those above.
+    /// All of them have found it; the lowest one owns it.
+    Owner owner(std::uint32_t i, std::uint32_t key) const {
+        auto place = lattice_.place(blocks_[i].block);
+        const std::uint32_t node = key / 8, way = key % 8;
+        std::array<std::uint32_t, 3> at{node % kNodes, node / kNodes % kNodes, node / kNodes / kNodes};
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            const bool across = way >> axis & 1;
+            if (across || at[axis] > 0 || place[axis] == 0) continue;
+            --place[axis];
+            at[axis] = kCells;
+        }
+        const std::uint32_t block = index_[lattice_.block_at(place[0], place[1], place[2])];
+        if (block == kNone) return {i, key};  // only if a shape is steeper than it says
+        return {block, 8 * local_node(at[0], at[1], at[2]) + way};
+    }
+
+    void count_owned(std::size_t i) {
+        const auto self = static_cast<std::uint32_t>(i);
+        BlockSurface& b = blocks_[i];
+        for (const std::uint32_t key : b.keys) b.owned += owner(self, key).block == self;
+    }
+
+    void number_owned(std::size_t i, std::size_t first, TriangleSurface& out) {
+        const auto self = static_cast<std::uint32_t>(i);
+        BlockSurface& b = blocks_[i];
+        b.ids.assign(b.keys.size(), kNone);
+        auto id = static_cast<std::uint32_t>(first);
+        for (std::size_t k = 0; k < b.keys.size(); ++k) {
+            if (owner(self, b.keys[k]).block != self) continue;
+            out.positions[id] = b.positions[k];
+            b.ids[k] = id++;
+        }
+    }
+
+    std::uint32_t id_of(std::uint32_t i, std::uint32_t place) const {
+        const BlockSurface& b = blocks_[i];
+        if (b.ids[place] != kNone) return b.ids[place];
+        const Owner o = owner(i, b.keys[place]);
+        const BlockSurface& other = blocks_[o.block];
+        const auto found = std::lower_bound(other.keys.begin(), other.keys.end(), o.key);
+        // Both blocks have sampled the ends of the edge: the field must have said the same twice.
+        COPPICE_ASSERT(found != other.keys.end() && *found == o.key);
+        return other.ids[static_cast<std::size_t>(found - other.keys.begin())];
+    }
+
+    void number_rest(std::size_t i, std::size_t first, TriangleSurface& out) const {
+        for (const auto& t : blocks_[i].triangles) {
+            const auto self = static_cast<std::uint32_t>(i);
+            out.triangles[first++] = {id_of(self, t[0]), id_of(self, t[1]), id_of(self, t[2])};
+        }
+    }
+
+    const BlockLattice& lattice_;
+    std::vector<BlockSurface>& blocks_;
+    const Context& ctx_;
+    std::vector<std::uint32_t> index_;
+};
+
+/// Cuts the given blocks, each as the region of its place, and joins what they hold.
+TriangleSurface cut_blocks(const BlockLattice& lattice, std::span<const std::size_t> candidates,
+                           const RegionValues& field, float level, const Box3& box, int refinements,
+                           const Context& ctx) {
+    constexpr std::size_t kGrain = 8;
+    std::vector<std::vector<BlockSurface>> found((candidates.size() + kGrain - 1) / kGrain);
+    parallel_for_ranges(ctx, candidates.size(), kGrain, [&](IndexRange r) {
+        const auto cutter = std::make_unique<BlockCutter>(lattice, field, level, box);
+        for (std::size_t i = r.begin; i < r.end; ++i) {
+            if (ctx.stop.stop_requested()) return;
+            BlockSurface surface = cutter->cut(candidates[i], static_cast<std::uint32_t>(i), refinements);
+            if (!surface.keys.empty()) found[r.begin / kGrain].push_back(std::move(surface));
+        }
+    });
+    ctx.throw_if_cancelled();
+    std::vector<BlockSurface> blocks;
+    for (auto& group : found) {
+        for (BlockSurface& b : group) blocks.push_back(std::move(b));
+    }
+    return Joiner(lattice, blocks, ctx).join();
+}
+
+}  // namespace
+
+TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options,
+                           const Context& ctx) {
+    check_fields(options, "polygonize");
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostBlocks);
+    std::vector<std::size_t> all(lattice.block_count());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const RegionValues values = [&, of = values_of(field)](std::uint32_t, auto points, auto out) {
+        of(points, out);
+    };
+    return cut_blocks(lattice, all, values, field.level(), box, options.refinements, ctx);
+}
+
+PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
+                                   const PolygonizeOptions& options, const Context& ctx) {
+    check_fields(options, "polygonize");
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
+    std::vector<std::uint8_t> touched(lattice.block_count(), 0);
+    for (const Box3& b : near) {
+        const auto [low, high] = lattice.blocks_touching(b);
+        for (std::uint32_t z = low[2]; z < high[2]; ++z) {
+            for (std::uint32_t y = low[1]; y < high[1]; ++y) {
+                for (std::uint32_t x = low[0]; x < high[0]; ++x) touched[lattice.block_at(x, y, z)] = 1;
+            }
+        }
+    }
+    PolygonizeRegions out;
+    for (std::size_t b = 0; b < touched.size(); ++b) {
+        if (touched[b] != 0) out.block.push_back(b);
+    }
+    out.box.resize(out.block.size());
+    parallel_for(ctx, out.box.size(), 1024, [&](std::size_t i) { out.box[i] = lattice.box(out.block[i]); });
+    return out;
+}
+
+TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
+                           const PolygonizeOptions& options, const Context& ctx) {
+    check_fields(options, "polygonize");
+    const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
+    if (!regions.block.empty() && regions.block.back() >= lattice.block_count()) {
+        throw InvalidInput("polygonize: the regions must be those of the same box and cell");
+    }
+    const RegionValues values = [&](std::uint32_t region, auto points, auto out) {
+        values_of(field, region)(points, out);
+    };
+    return cut_blocks(lattice, regions.block, values, field.level(), box, options.refinements, ctx);
+}
+
+TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& options, const Context& ctx) {
+    check_fields(options, "polygonize");
+    const BlockLattice lattice = cover(field.surface_bounds(), options.cell, "polygonize", kMostBlocks);
+    const auto ranges = block_ranges(lattice, field, ctx);
+    std::vector<std::size_t> near;
+    for (std::size_t b = 0; b < ranges.size(); ++b) {
+        if (ranges[b].low <= field.level() && ranges[b].high >= field.level()) near.push_back(b);
+    }
+    const RegionValues values = [&](std::uint32_t, auto points, auto out) { field.values(points, out); };
+    const Box3 everywhere{-Vec3{Box3::kInfinity, Box3::kInfinity, Box3::kInfinity},
+                          {Box3::kInfinity, Box3::kInfinity, Box3::kInfinity}};
+    return cut_blocks(lattice, near, values, field.level(), everywhere, options.refinements, ctx);
+}
+
+}  // namespace coppice

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "coppice/implicit/polygonize/contour_index.h"
+#include "coppice/implicit/shape/curve_internal.h"
+
+namespace coppice {
+
+/// Value, and derivatives by the coordinates in the plane across the path and by the fraction of its length.
+struct PathSample {
+    double value = 0;
+    Vec2d gradient;
+    double by_fraction = 0;
+};
+
+struct PathTurn {
+    double roll = 0, twist = 0;  ///< [rad]
+};
+
+/// A place of the path whose plane across holds a point, or an end of the path that the point lies beyond.
+struct PathFoot {
+    double fraction = 0;
+    Vec3d offset;        ///< from the path to the point
+    CurveFrame frame;    ///< not yet rolled
+    Vec3d by_point;      ///< [1/m] gradient of the fraction
+    double beyond = -1;  ///< [m] >= 0: beyond an end, along `outward`
+    Vec3d outward;
+};
+
+/// Calls visit(foot) for all such places nearer than limit + reach, which visit may lower. There is always
+/// one.
+template <class Visit>
+void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit);
+
+/// Throws InvalidInput when the path turns back on itself at a corner, or a closed one gets part of a turn.
+void check_path(const Curve& path, const PathTurn& turn, std::string_view source);
+
+/// The box of profiles between low and high, scaled by scale(fraction) and carried along the path.
+template <class Scale>
+Box3 swept_bounds(const Curve& path, const PathTurn& turn, Vec2d low, Vec2d high, const Scale& scale);
+
+/// The least over all feet of what `value`(fraction, coordinates in the plane) says, with flat caps at the
+/// ends of open paths; value must be at least the distance from the path minus `reach`.
+template <class Value>
+FieldSample sample_along(const Curve& path, const PathTurn& turn, Vec3 point, double reach,
+                         const Value& value);
+
+// Implementation.
+
+struct RolledAxes {
+    Vec3d x, y;
+};
+
+inline RolledAxes rolled(const CurveFrame& frame, const PathTurn& turn, double fraction) {
+    const double angle = turn.roll + turn.twist * fraction;
+    if (angle == 0) return {frame.normal, frame.binormal};
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {frame.normal * c + frame.binormal * s, frame.binormal * c - frame.normal * s};
+}
+
+PathFoot foot_in_arc(const Curve& path, CurvePlace place, Vec3d p);
+PathFoot foot_at_end(const Curve& path, bool last, Vec3d p);
+/// At the start of an arc where the one before ends: across a corner the frame is turned until the point lies
+/// in its plane.
+PathFoot foot_at_joint(const Curve& path, std::uint32_t before, std::uint32_t arc, Vec3d p);
+
+template <class Visit>
+void visit_feet(const Curve& path, Vec3d p, double reach, const double& limit, const Visit& visit) {
+    const auto arcs = path.arcs();
+    const auto last = static_cast<std::uint32_t>(arcs.size()) - 1;
+    const auto near_enough = [&](std::uint32_t l, std::uint32_t i) {
+        return std::sqrt(distance_squared(path.boxes().level(l)[i], p)) - reach;
+    };
+    path.boxes().search(near_enough, limit, [&](std::uint32_t i) {
+        const double g0 = distance_slope(arcs[i], p, 0), g1 = distance_slope(arcs[i], p, 1);
+        if (const double t = local_foot(arcs[i], p, g0, g1); t >= 0) {
+            if (length(arcs[i].position(t) - p) - reach < limit) visit(foot_in_arc(path, {i, t}, p));
+        }
+        if (g0 >= 0) {
+            if (i > 0 || path.closed()) {
+                const std::uint32_t before = i > 0 ? i - 1 : last;
+                if (distance_slope(arcs[before], p, 1) <= 0) visit(foot_at_joint(path, before, i, p));
+            } else {
+                visit(foot_at_end(path, false, p));
+            }
+        }
+        if (i == last && !path.closed() && g1 <= 0) visit(foot_at_end(path, true, p));
+    });
+}
+
+/// The part of an open path that is inside: what lies deeper than its nearest cap counts with the cap.
+inline void cut_by_caps(const PathFoot& foot, double length, double& value, Vec3d& gradient) {
+    const double before = -foot.fraction * length, after = -(1 - foot.fraction) * length;
+    if (value >= before && value >= after) return;
+    value = std::max(before, after);
+    gradient = foot.by_point * (before > after ? -length : length);
+}
+
+template <class Value>
+FieldSample sample_along(const Curve& path, const PathTurn& turn, Vec3 point, double reach,
+                         const Value& value) {
+    double best = std::numeric_limits<double>::infinity();
+    Vec3d gradient;
+    const double rate = turn.twist + path.closing_roll();
+    visit_feet(path, Vec3d(point), reach, best, [&](const PathFoot& foot) {
+        const RolledAxes axes = rolled(foot.frame, turn, foot.fraction);
+        const Vec2d q{dot(foot.offset, axes.x), dot(foot.offset, axes.y)};
+        const PathSample s = value(foot.fraction, q);
+        double d = s.value;
+        Vec3d g = axes.x * s.gradient.x + axes.y * s.gradient.y;
+        if (foot.beyond >= 0) {
+            if (d <= 0) {
+                d = foot.beyond;
+                g = foot.outward;
+            } else {
+                const double whole = std::hypot(d, foot.beyond);
+                g = (g * d + foot.outward * foot.beyond) / whole;
+                d = whole;
+            }
+        } else {
+            const double turning = rate * (s.gradient.x * q.y - s.gradient.y * q.x);
+            g += foot.by_point * (s.by_fraction + turning);
+            if (!path.closed()) cut_by_caps(foot, path.length(), d, g);
+        }
+        if (!(d < best)) return;
+        best = d;
+        gradient = g;
+    });
+    return {static_cast<float>(best), Vec3(gradient)};
+}
+
+template <class Scale>
+Box3 swept_bounds(const Curve& path, const PathTurn& turn, Vec2d low, Vec2d high, const Scale& scale) {
+    Box3 box;
+    const auto add = [&](CurvePlace place, double slack) {
+        const CurveFrame frame = path.frame(place);
+        const double fraction = path.fraction(place), s = scale(fraction);
+        const RolledAxes axes = rolled(frame, turn, fraction);
+        for (const double x : {low.x * s, high.x * s})
+            for (const double y : {low.y * s, high.y * s})
+                for (const double side : {-slack, slack})
+                    extend_outward(box, frame.position + axes.x * x + axes.y * y + Vec3d(side, side, side));
+    };
+    const double reach = std::max({std::abs(low.x), std::abs(high.x), std::abs(low.y), std::abs(high.y)});
+    for (std::uint32_t i = 0; i < path.arcs().size(); ++i) {
+        const CurveArc& arc = path.arcs()[i];
+        // Between steps a corner of the profile leaves the line by angle squared / 8 of its arm, at most.
+        const double bend = 2 * std::sqrt(std::max(0.0, 2 - 2 * dot(arc.tangent(0), arc.tangent(1))));
+        const double angle = bend + std::abs(turn.twist + path.closing_roll()) * arc.length / path.length();
+        const int steps = 1 + std::min(63, static_cast<int>(angle / 0.1));
+        const double step = angle / steps;
+        const double arm = 1.5 * reach * std::max(scale(path.fraction({i, 0})), scale(path.fraction({i, 1})));
+        const double slack = std::min(step * step / 4, 2.0) * arm + (angle > 0 ? arc.slack : 0);
+        for (int k = 0; k <= steps; ++k) add({i, static_cast<double>(k) / steps}, slack);
+        const std::uint32_t next = i + 1 < path.arcs().size() ? i + 1 : 0;
+        if (next == 0 && !path.closed()) continue;
+        // Where a polyline has a corner the profile swings about the joint.
+        if (dot(arc.tangent(1), path.arcs()[next].tangent(0)) < 1 - 1e-9) add({i, 1}, arm);
+    }
+    return box;
+}
+
+}  // namespace coppice

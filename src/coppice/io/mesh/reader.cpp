@@ -1,0 +1,177 @@
+#include "coppice/io/mesh/reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "coppice/io/file.h"
+#include "coppice/io/mesh/read_internal.h"
+#include "coppice/io/text_internal.h"
+
+namespace coppice {
+namespace io_internal {
+namespace {
+
+constexpr double kLargestCoordinate = 1e30;
+
+bool less(const Vec3d& a, const Vec3d& b) {
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+}  // namespace
+
+Vec3d choose_origin(std::span<const Vec3d> vertices) {
+    Vec3d low = vertices[0];
+    Vec3d high = low;
+    for (const Vec3d& p : vertices) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const double size = length(high - low);
+    const double reach = std::max(length(low), length(high));
+    if (size == 0 || reach < 8 * size) return {};
+    const double step = std::exp2(std::ceil(std::log2(size)));
+    const auto near = [step](double c) { return step * std::round(c / step); };
+    const Vec3d center = 0.5 * (low + high);
+    return {near(center.x), near(center.y), near(center.z)};
+}
+
+bool MeshBuilder::add_vertex(Vec3d p) {
+    const auto fits = [](double c) { return std::abs(c) <= kLargestCoordinate; };
+    if (!fits(p.x) || !fits(p.y) || !fits(p.z)) return false;
+    vertices_.push_back(p);
+    return true;
+}
+
+void MeshBuilder::begin_group(const std::string& name) {
+    const auto index_of = [&](const std::string& n) {
+        const auto [it, is_new] =
+            group_of_name_.try_emplace(n, static_cast<std::uint32_t>(mesh_.group_names.size()));
+        if (is_new) mesh_.group_names.push_back(n);
+        return it->second;
+    };
+    if (mesh_.group_names.empty() && name.empty()) return;
+    if (mesh_.group_names.empty() && face_count() > 0) mesh_.group.assign(face_count(), index_of(""));
+    group_ = index_of(name);
+}
+
+void MeshBuilder::add_numbered_vertex(Vec3d p) {
+    if (!add_vertex(p)) {
+        throw InvalidInput(
+            fmt::format("{}: vertex {} is not finite or beyond 1e30", source_, vertex_count()));
+    }
+}
+
+void MeshBuilder::add_numbered_face(std::span<const double> corners) {
+    if (corners.size() < 3) {
+        throw InvalidInput(
+            fmt::format("{}: face {} has {} corners; a face needs 3", source_, face_count(), corners.size()));
+    }
+    corners_.clear();
+    for (const double v : corners) {
+        if (!(v >= 0 && v < static_cast<double>(vertex_count())) || v != std::trunc(v)) {
+            throw InvalidInput(fmt::format("{}: face {} refers to vertex {}, but the vertices are 0 to {}",
+                                           source_, face_count(), v,
+                                           static_cast<double>(vertex_count()) - 1));
+        }
+        corners_.push_back(static_cast<std::uint32_t>(v));
+    }
+    mesh_.add_face(corners_);
+}
+
+/// By sorting: a hash table would be faster, but an evil file could make all its positions collide.
+void MeshBuilder::weld() {
+    const auto count = static_cast<std::uint32_t>(vertices_.size());
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return less(vertices_[a], vertices_[b]) || (vertices_[a] == vertices_[b] && a < b);
+    });
+    std::vector<std::uint32_t> to(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const bool repeats = i > 0 && vertices_[order[i]] == vertices_[order[i - 1]];
+        to[order[i]] = repeats ? to[order[i - 1]] : order[i];
+    }
+    std::uint32_t kept = 0;
+    for (std::uint32_t v = 0; v < count; ++v) {  // to[v] <= v, so what it names has its new number already
+        if (to[v] == v) {
+            vertices_[kept] = vertices_[v];
+            to[v] = kept++;
+        } else {
+            to[v] = to[to[v]];
+        }
+    }
+    vertices_.resize(kept);
+    for (std::uint32_t& v : mesh_.corners) v = to[v];
+}
+
+PolygonMesh MeshBuilder::take() {
+    if (face_count() == 0) {
+        throw InvalidInput(fmt::format("{}: it holds no faces, so it is no surface", source_));
+    }
+    mesh_.origin = choose_origin(vertices_);
+    mesh_.positions.reserve(vertices_.size());
+    for (const Vec3d& p : vertices_) mesh_.positions.push_back(Vec3(p - mesh_.origin));
+    return std::move(mesh_);
+}
+
+namespace {
+
+/// What people pass by mistake, so that the message can say what it is.
+void refuse_other_kinds(std::string_view bytes, const std::string& source) {
+    const auto refuse = [&](std::string_view kind, std::string_view mend) {
+        throw Unsupported(fmt::format("{}: {} is not read; {}", source, kind, mend));
+    };
+    if (bytes.starts_with("Kaydara FBX")) refuse("FBX", "export the mesh as GLB, PLY or OBJ");
+    if (bytes.starts_with("PK\x03\x04"))
+        refuse("a ZIP container (3MF, USDZ)", "export the mesh as GLB, PLY or OBJ");
+    if (bytes.starts_with("\x1f\x8b")) refuse("a gzip file", "unpack it first");
+    if (bytes.starts_with("LASF")) refuse("a LAS point cloud", "a mesh is needed");
+    if (bytes.starts_with("PXR-USDC")) refuse("binary USD", "export the mesh as GLB, PLY or OBJ");
+    const std::string_view start = trimmed(bytes.substr(0, bytes.find('\n')));
+    if (start.starts_with('{'))
+        refuse("JSON (such as .gltf)", "export the mesh as .glb, which holds its buffers");
+    if (start.starts_with('<')) refuse("XML", "export the mesh as GLB, PLY or OBJ");
+}
+
+}  // namespace
+}  // namespace io_internal
+
+PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source) {
+    switch (format) {
+        case MeshFormat::obj:
+            return io_internal::parse_obj(bytes, source);
+        case MeshFormat::ply:
+            return io_internal::parse_ply(bytes, source);
+        case MeshFormat::off:
+            return io_internal::parse_off(bytes, source);
+        case MeshFormat::stl:
+            return io_internal::parse_stl(bytes, source);
+        case MeshFormat::glb:
+            return io_internal::parse_glb(bytes, source);
+        case MeshFormat::usda:
+            break;
+    }
+    throw Unsupported(fmt::format("{}: USD is written only; export the mesh as GLB, PLY or OBJ", source));
+}
+
+PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx) {
+    const std::string bytes = read_file(path);
+    const std::string source = path.string();
+    if (bytes.empty()) throw InvalidInput(fmt::format("{}: the file is empty", source));
+    ctx.throw_if_cancelled();
+    auto format = mesh_format_of_content(bytes);
+    if (!format) {
+        io_internal::refuse_other_kinds(bytes, source);
+        format = mesh_format_of_name(path);
+    }
+    PolygonMesh mesh = parse_mesh(bytes, format.value_or(MeshFormat::obj), source);
+    ctx.throw_if_cancelled();
+    ctx.report(1);
+    return mesh;
+}
+
+}  // namespace coppice

@@ -1,0 +1,135 @@
+#include "coppice/io/skeleton/format.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coppice/io/ply_header.h"
+#include "coppice/io/skeleton/parsers_internal.h"
+#include "coppice/io/text_internal.h"
+
+namespace coppice {
+
+namespace {
+
+bool is_matlab(std::string_view content) {
+    return content.starts_with("MATLAB ") || content.starts_with("\x89HDF\r\n\x1a\n");
+}
+
+/// The numbers of a row; empty when it has anything else.
+std::vector<double> numbers_of(std::string_view line, bool commas) {
+    std::vector<std::string_view> words;
+    split_at_blanks(line, words, commas);
+    std::vector<double> numbers;
+    for (const std::string_view word : words) {
+        const auto number = parse_number(word);
+        if (!number) return {};
+        numbers.push_back(*number);
+    }
+    return numbers;
+}
+
+/// Whether rows of seven numbers are nodes of SWC and not points with colours, say: whole numbers that differ
+/// come first, and most rows end with one of them or -1.
+class SwcRows {
+  public:
+    bool add(const std::vector<double>& row) {
+        constexpr double kTypes = 1e4;
+        if (row.size() != kColumns || !whole(row[0]) || !whole(row[1]) || !whole(row[6])) return false;
+        if (row[0] < 0 || row[1] < 0 || row[1] > kTypes || row[0] == row[6]) return false;
+        parents_.push_back(row[6]);
+        return ids_.insert(row[0]).second;
+    }
+    bool are_linked() const {
+        const auto known = std::ranges::count_if(
+            parents_, [&](double parent) { return parent == -1 || ids_.contains(parent); });
+        return 2 * known >= static_cast<std::ptrdiff_t>(parents_.size());
+    }
+    static constexpr std::size_t kColumns = 7;
+
+  private:
+    static bool whole(double number) { return std::trunc(number) == number; }
+    std::set<double> ids_;
+    std::vector<double> parents_;
+};
+
+/// By the first rows of a text that are not comments; the first of them has seven numbers.
+bool are_swc_rows(std::string_view content) {
+    constexpr std::size_t kRows = 100;
+    SwcRows rows;
+    LineReader lines(content);
+    for (std::size_t count = 0; count < kRows && lines.next();) {
+        const std::string_view line = trimmed(lines.line().substr(0, lines.line().find('#')));
+        if (line.empty()) continue;
+        const std::vector<double> row = numbers_of(line, false);
+        // The content may be cut off within a row, and bad ones are told by the parser.
+        if (count > 0 && row.size() != SwcRows::kColumns) break;
+        if (!rows.add(row)) return false;
+        ++count;
+    }
+    return rows.are_linked();
+}
+
+/// A row of TreeQSM's table: radius, length, start, axis of length 1, parent, extension.
+bool is_treeqsm_row(const std::vector<double>& row) {
+    if (row.size() < kLeastHeaderlessColumns || !(row[0] > 0) || !(row[1] >= 0)) return false;
+    const double axis = std::hypot(row[5], row[6], row[7]);
+    return std::abs(axis - 1) < 0.05 && std::trunc(row[8]) == row[8] && std::trunc(row[9]) == row[9];
+}
+
+/// The format of a text by its first line that is neither empty nor a comment, and those after it where it
+/// may be one of several.
+std::optional<SkeletonFormat> format_of_lines(std::string_view line, std::string_view content) {
+    std::vector<std::string_view> words;
+    split_at_blanks(line, words);
+    const std::string_view first = words[0];
+    if (first == "v" || first == "l" || first == "o" || first == "g" || first == "mtllib")
+        return SkeletonFormat::obj;
+    if (first == "n" && words.size() >= 4) return SkeletonFormat::gel;
+    if (numbers_of(line.substr(0, line.find('#')), false).size() == SwcRows::kColumns) {
+        if (are_swc_rows(content)) return SkeletonFormat::swc;
+        return std::nullopt;
+    }
+    if (is_raycloud_header(line)) return SkeletonFormat::raycloud;
+    if (is_cylinder_header(line) || is_treeqsm_row(numbers_of(line, true))) return SkeletonFormat::cylinders;
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SkeletonFormat> format_of_extension(const std::filesystem::path& path) {
+    struct Entry {
+        std::string_view extension;
+        SkeletonFormat format;
+    };
+    constexpr std::array<Entry, 8> kEntries{{{"swc", SkeletonFormat::swc},
+                                             {"csv", SkeletonFormat::cylinders},
+                                             {"mat", SkeletonFormat::mat},
+                                             {"ply", SkeletonFormat::ply},
+                                             {"graph", SkeletonFormat::gel},
+                                             {"gel", SkeletonFormat::gel},
+                                             {"obj", SkeletonFormat::obj},
+                                             {"json", SkeletonFormat::json}}};
+    const std::string extension = plain_name(path.extension().string());
+    for (const Entry& entry : kEntries) {
+        if (entry.extension == extension) return entry.format;
+    }
+    return std::nullopt;
+}
+
+std::optional<SkeletonFormat> format_of_content(std::string_view content) {
+    if (is_ply(content)) return SkeletonFormat::ply;
+    if (is_matlab(content)) return SkeletonFormat::mat;
+    LineReader lines(content);
+    while (lines.next()) {
+        const std::string_view line = trimmed(lines.line());
+        if (line.empty() || line[0] == '#') continue;
+        if (line[0] == '{') return SkeletonFormat::json;
+        return format_of_lines(line, content);
+    }
+    return std::nullopt;
+}
+
+}  // namespace coppice

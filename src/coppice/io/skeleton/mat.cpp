@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "coppice/base/error.h"
+#include "coppice/io/skeleton/mat_file_internal.h"
+#include "coppice/io/skeleton/parsers_internal.h"
+#include "coppice/io/text_internal.h"
+
+namespace coppice {
+
+namespace {
+
+/// Names that versions of TreeQSM gave to the columns of the cylinder table, as `plain_name` writes them.
+enum Field { kRadius, kLength, kStart, kAxis, kParent, kFieldCount };
+constexpr std::array<std::array<std::string_view, 2>, kFieldCount> kFieldNames{
+    {{"radius", "rad"}, {"length", "len"}, {"start", "sta"}, {"axis", "axe"}, {"parent", "cpar"}}};
+
+/// The columns of one table of cylinders; null where a column is missing.
+using Table = std::array<const MatArray*, kFieldCount>;
+
+bool is_complete(const Table& table) { return std::find(table.begin(), table.end(), nullptr) == table.end(); }
+
+/// The arrays among `arrays` that are named as columns of cylinders.
+Table table_of(std::span<const MatArray> arrays) {
+    Table table{};
+    for (const MatArray& array : arrays) {
+        const std::string name = plain_name(array.name);
+        for (std::size_t f = 0; f < kFieldCount; ++f) {
+            const auto& known = kFieldNames[f];
+            if (!table[f] && std::find(known.begin(), known.end(), name) != known.end()) table[f] = &array;
+        }
+    }
+    return table;
+}
+
+/// Adds the tables in a variable, wherever they are in it: structs of columns, in the order of the file.
+void collect(const MatArray& array, std::vector<Table>& models) {
+    const bool structure = array.kind == MatArray::Kind::structure;
+    const std::size_t group = structure ? array.fields.size() : 1;
+    const std::span<const MatArray> items(array.items);
+    for (std::size_t begin = 0; begin < items.size(); begin += group) {
+        const auto element = items.subspan(begin, group);
+        const Table table = structure ? table_of(element) : Table{};
+        if (is_complete(table)) {
+            models.push_back(table);
+            continue;
+        }
+        for (const MatArray& item : element) collect(item, models);
+    }
+}
+
+class CylinderReader {
+  public:
+    CylinderReader(const Table& table, const std::string& source) : source_(source) {
+        for (std::size_t f = 0; f < kFieldCount; ++f) {
+            std::optional<std::vector<double>> numbers = table[f]->numbers();
+            if (!numbers)
+                fail(fmt::format("the column '{}' of the cylinders is not an array of numbers",
+                                 kFieldNames[f][0]));
+            column_[f] = std::move(*numbers);
+        }
+        for (std::size_t f = 0; f < kFieldCount; ++f) {
+            const bool point = f == kStart || f == kAxis;
+            if (column_[f].size() != (point ? 3 : 1) * count() || (point && table[f]->dims[0] != count())) {
+                fail(fmt::format("there are {} radii, but the column '{}' has another shape", count(),
+                                 kFieldNames[f][0]));
+            }
+        }
+    }
+
+    std::vector<RawCylinder> cylinders() const {
+        std::vector<RawCylinder> result;
+        result.reserve(count());
+        for (std::size_t i = 0; i < count(); ++i) {
+            const Vec3d start = point(kStart, i);
+            const Vec3d end = start + column_[kLength][i] * normalized(point(kAxis, i), Vec3d{});
+            result.push_back({static_cast<std::int64_t>(i) + 1, parent(i), start, end, column_[kRadius][i],
+                              static_cast<std::uint32_t>(i + 1)});
+        }
+        return result;
+    }
+
+  private:
+    std::size_t count() const { return column_[kRadius].size(); }
+
+    /// Arrays of MATLAB lie column by column.
+    Vec3d point(Field f, std::size_t i) const {
+        return {column_[f][i], column_[f][i + count()], column_[f][i + 2 * count()]};
+    }
+
+    /// From 1; 0 is none.
+    std::int64_t parent(std::size_t i) const {
+        const double value = column_[kParent][i];
+        if (!(value >= 0) || value > static_cast<double>(count()) || value != std::trunc(value)) {
+            fail(fmt::format("the parent of cylinder {} is {}; it should be 0 to {}", i + 1, value, count()));
+        }
+        return value == 0 ? -1 : static_cast<std::int64_t>(value);
+    }
+
+    [[noreturn]] void fail(const std::string& text) const {
+        throw InvalidInput(fmt::format("{}: {}", source_, text));
+    }
+
+    const std::string& source_;
+    std::array<std::vector<double>, kFieldCount> column_;
+};
+
+}  // namespace
+
+std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model) {
+    const MatFile file(bytes, source);
+    std::vector<Table> models;
+    if (const Table loose = table_of(file.variables()); is_complete(loose)) models.push_back(loose);
+    for (const MatArray& variable : file.variables()) collect(variable, models);
+
+    const auto fail = [&](const std::string& text) {
+        throw InvalidInput(fmt::format("{}: {}", source, text));
+    };
+    const std::size_t count = models.size();
+    if (count == 0) {
+        fail(
+            "no cylinders in it: expected TreeQSM's 'QSM.cylinder' with radius, length, start, axis and "
+            "parent, or the "
+            "variables Rad, Len, Sta, Axe and CPar");
+    }
+    if (model == 0 && count > 1)
+        fail(fmt::format("holds {} models; choose one with the option model, 1 to {}", count, count));
+    if (model < 0 || static_cast<std::size_t>(model) > count) {
+        fail(fmt::format("there is no model {}; the file holds {}", model, count));
+    }
+    return CylinderReader(models[model == 0 ? 0 : static_cast<std::size_t>(model) - 1], source).cylinders();
+}
+
+}  // namespace coppice

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "coppice/base/fields.h"
+#include "coppice/io/skeleton/format.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+struct WriteSkeletonOptions {
+    SkeletonFormat format = SkeletonFormat::automatic;  ///< automatic = by the ending of the name
+    bool binary = true;                                 ///< PLY as little-endian binary instead of ASCII
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, WriteSkeletonOptions>
+constexpr void visit_fields(Self& options, Visitor&& visit) {
+    visit(Field{"format", "kind of the skeleton file; automatic goes by the ending of its name"},
+          options.format);
+    visit(Field{"binary", "write PLY as binary instead of ASCII"}, options.binary);
+}
+
+/// A number for every node beside its place and radius: how well an extraction is sure of it, say.
+struct NodeAttribute {
+    std::string name;           ///< a word of small letters, digits and _, not one of x, y, z and radius
+    std::vector<float> values;  ///< one per node, finite
+};
+
+/// Writes a skeleton as swc, cylinders (.csv), ply, obj or json; the file appears whole or not at all.
+/// Positions are in world space: the origin is added back in double precision, and the digits are enough for
+/// a reader to find the same floats when the origin is zero (to 15 digits otherwise).
+///
+/// All formats but `cylinders` keep every node and radius, coincident nodes included. A cylinder stands for a
+/// segment and has one radius, that of equal volume, so it loses taper and trees of a single node.
+///
+/// Attributes go into JSON, each an array of its own, and PLY, as properties of the vertices; the other
+/// formats have no place for them. Readers pass over them.
+///
+/// Throws IoError when the file cannot be written, Unsupported when the format cannot be: one that is read
+/// only, a name without a known ending, a list of cylinders of a skeleton without segments. O(n).
+void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
+                    const WriteSkeletonOptions& options = {}, std::span<const NodeAttribute> attributes = {});
+
+/// The bytes that `write_skeleton` writes; the format must not be automatic.
+std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
+                            std::span<const NodeAttribute> attributes = {});
+
+}  // namespace coppice

@@ -1,0 +1,104 @@
+#include "coppice/pipeline/mesh_skeleton.h"
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/field/convolution_field.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/pipeline/surface_field_internal.h"
+#include "coppice/pipeline/tetra_skeleton_internal.h"
+#include "coppice/subdivision/catmull_clark.h"
+
+namespace coppice {
+
+namespace {
+
+// The field of a region is asked about the points of its quads, and a little beyond.
+std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
+    constexpr float kMargin = 0.3f;  // [radii]
+    std::vector<FieldRegion> regions(control.region_node.size());
+    for (std::size_t f = 0; f < control.region.size(); ++f) {
+        Box3& box = regions[control.region[f]].box;
+        for (const std::uint32_t v : control.cage.quads[f]) {
+            box.extend(control.cage.positions[v]);
+            box.extend(control.anchors[v]);
+        }
+    }
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+        regions[r].seed = control.region_node[r];
+        if (!regions[r].box.empty()) {
+            regions[r].box = regions[r].box.inflated(kMargin * skeleton.radius(regions[r].seed));
+        }
+    }
+    return regions;
+}
+
+// The map that follows one map by another; none stays none.
+std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
+    std::vector<NodeId> both(first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (first[i]) both[i] = second[first[i].index()];
+    }
+    return both;
+}
+
+void mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                   const Context& ctx, Stages& stages, MeshResult& out) {
+    const GraftResult grafted =
+        stages.run("graft", 0.08f, [&] { return graft_branches(prepared, options.graft, ctx); });
+    out.grafted = grafted.report;
+    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
+    out.parted = parted.report;
+    const auto source = composed(parted.source, grafted.source);
+    const auto tube = composed(grafted.tube, parted.tube);
+    out.cage = stages.run("cage", 0.15f,
+                          [&] { return build_control_mesh(parted.skeleton, source, options.control, ctx); });
+    ConvolutionField field = stages.run("weights", 0.2f, [&] {
+        return surface_field(grafted.skeleton, options, constraints, out.weights, ctx);
+    });
+    stages.run("field", 0.25f, [&] {
+        field.set_regions(field_regions(out.cage, grafted.skeleton), {parted.skeleton, tube}, ctx);
+        return true;
+    });
+    const QuadMesh& cage = out.cage.cage;
+    const PatchRefinement patches = stages.run("topology", 0.3f, [&] {
+        return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), options.levels,
+                               ctx);
+    });
+    out.mesh.origin = cage.origin;
+    out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
+    out.mesh.positions = stages.run("refine", 0.45f, [&] { return patches.refine(cage.positions, ctx); });
+    const Buffer<Vec3> anchors =
+        stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
+    out.projected = stages.run("project", 0.85f, [&] {
+        return project(out.mesh.positions, anchors, patches, out.cage.region, out.cage.clip, FieldRef(field),
+                       options.project, ctx);
+    });
+    if (options.project.method != ProjectionMethod::none && options.levels > 0) {
+        out.untangled = stages.run("untangle", 1.0f, [&] {
+            return untangle(out.mesh.positions, anchors, patches, out.mesh.quads, out.cage.region,
+                            out.cage.clip, FieldRef(field), options.untangle, ctx);
+        });
+    }
+}
+
+}  // namespace
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
+    return mesh_skeleton(skeleton, PointSet{}, options, ctx);
+}
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                         const Context& ctx) {
+    check_fields(options, "mesh");
+    check_fields(options.control, "control");
+    MeshResult out;
+    Stages stages(ctx, out.stages);
+    const PrepareResult prepared =
+        stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
+    out.prepared = prepared.report;
+    const bool quads = options.method == MeshMethod::quads;
+    (quads ? mesh_by_quads : mesh_by_tetrahedra)(prepared.skeleton, constraints, options, ctx, stages, out);
+    return out;
+}
+
+}  // namespace coppice

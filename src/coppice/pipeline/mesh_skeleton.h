@@ -1,0 +1,128 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/cage/cage.h"
+#include "coppice/cage/graft.h"
+#include "coppice/cage/part.h"
+
+#include "coppice/field/field_options.h"
+#include "coppice/field/weights/global_weights.h"
+#include "coppice/mesh/control_mesh.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/points/point_set.h"
+#include "coppice/skeleton/prepare.h"
+#include "coppice/skeleton/skeleton.h"
+#include "coppice/subdivision/project.h"
+#include "coppice/subdivision/untangle.h"
+#include "coppice/tetra/lattice/lattice.h"
+#include "coppice/tetra/march/march.h"
+
+namespace coppice {
+
+/// How a skeleton becomes a surface.
+enum class MeshMethod {
+    quads,       ///< a cage about the skeleton, subdivided and moved onto the field [Zhu2015]
+    tetrahedra,  ///< triangles where the field has its level, found in tetrahedra [Zhu2013]
+};
+
+template <>
+struct EnumNames<MeshMethod> {
+    static constexpr std::array<std::string_view, 2> names{"quads", "tetrahedra"};
+};
+
+struct TetraOptions {
+    float edge = 0.5f;     ///< [radii] length of the triangles' edges, about
+    int tetra_levels = 1;  ///< times the tetrahedra are cut into eight: more is faster for short edges, but
+                           ///< grades less finely
+    float snap = 0.45f;    ///< [edges] of the finest tetrahedra: corners nearer to the surface move onto it
+    int refinements =
+        2;  ///< times a vertex is moved along its edge towards the surface after the first guess
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, TetraOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"edge", "length of the triangles' edges, about", Unit::radius, 0.05, 4}, o.edge);
+    visit(Field{"tetra_levels", "times the tetrahedra are cut into eight", Unit::none, 0, 4}, o.tetra_levels);
+    visit(Field{"snap", "corners of tetrahedra nearer to the surface than this part of an edge move onto it",
+                Unit::none, 0, 0.5},
+          o.snap);
+    visit(
+        Field{"refinements", "times a vertex is moved towards the surface along its edge", Unit::none, 0, 20},
+        o.refinements);
+}
+
+/// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,
+/// tetra, and the ends of control.
+struct MeshOptions {
+    MeshMethod method = MeshMethod::quads;
+    int levels =
+        2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
+    float graft = 0.6f;  ///< [sum of radii] branches whose axes come nearer than this are grafted; 0 = off
+    PrepareOptions prepare;
+    ControlOptions control;
+    FieldOptions field;
+    ProjectOptions project;
+    UntangleOptions untangle;
+    TetraOptions tetra;
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, MeshOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"method", "quads along the branches, or triangles wherever the field leads"}, o.method);
+    visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
+          o.levels);
+    visit(Field{"graft",
+                "branches whose axes come nearer than this times the sum of their radii are grafted; 0 = off",
+                Unit::none, 0, 1},
+          o.graft);
+    visit(Field{"prepare", "Preparing the skeleton"}, o.prepare);
+    visit(Field{"control", "Control cage"}, o.control);
+    visit(Field{"field", "Convolution field"}, o.field);
+    visit(Field{"project", "Projection onto the field"}, o.project);
+    visit(Field{"untangle", "Unfolding"}, o.untangle);
+    visit(Field{"tetra", "Tetrahedra"}, o.tetra);
+}
+
+struct MeshResult {
+    QuadMesh mesh;      ///< empty for tetrahedra
+    TriMesh triangles;  ///< empty for quads
+    ControlMesh cage;
+    PrepareReport prepared;
+    GraftReport grafted;
+    std::optional<GlobalWeights> weights;  ///< where options.field.weights asked for it
+    PartReport parted;
+    ProjectReport projected;
+    UntangleReport untangled;
+    MarchReport tetra;
+    std::uint32_t grown = 0;  ///< times the lattice of tetrahedra was enlarged to enclose the surface
+    std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
+};
+
+/// Wraps a skeleton in one closed surface of quads, one sphere per tree: prepares the skeleton, grafts
+/// branches that run through each other, finds where branches part, builds a coarse cage, subdivides it,
+/// moves it onto the convolution field, and unfolds what was folded [Zhu2015].
+///
+/// About 70 quads per segment at two levels. O(n log n); memory: at most 120 bytes per quad above the input.
+///
+/// Or, with tetrahedra, wraps it in triangles, as large as the local radius asks for: prepares the skeleton,
+/// puts a lattice of tetrahedra about it, and finds the surface in them. Branches that cross or touch become
+/// one body: the surface is closed, manifold and never crosses itself, but may have handles, and as many
+/// parts as the field has.
+///
+/// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index.
+MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
+
+/// The same with global weights that are fitted to these points of the surface; chosen ones where there are
+/// none. Unused for local weights.
+MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                         const Context& ctx = {});
+
+}  // namespace coppice

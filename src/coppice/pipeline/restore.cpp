@@ -1,0 +1,321 @@
+#include "coppice/pipeline/restore.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/extract/mesh/mesh_clean.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/subdivision/cage_topology.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr double kFarFromAxis = 3;    // [radii] beyond, the nearest segment tells nothing about a vertex
+constexpr double kFacing = 0.25;      // least cosine between a vertex's normal and a face of the original
+constexpr double kFlatCorner = 0.05;  // scaled Jacobian up to which a face is as good as folded
+constexpr std::uint32_t kMostCrossings = 1'000'000;
+constexpr std::uint32_t kHalvings = 6, kMostRounds = 40;
+
+/// Where the line p + t n passes through the triangle a, b, c from behind, at less than a grazing angle.
+std::optional<double> passage(Vec3d p, Vec3d n, Vec3d a, Vec3d b, Vec3d c) {
+    constexpr double kSlack = 1e-9;  // no line slips through between two triangles
+    const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
+    const double facing = dot(normal, n);
+    if (!(facing > kFacing * length(normal))) return std::nullopt;
+    const Vec3d turn = cross(p - a, n);
+    const double u = -dot(ac, turn) / facing, v = dot(ab, turn) / facing;
+    if (u < -kSlack || v < -kSlack || u + v > 1 + kSlack) return std::nullopt;
+    return dot(a - p, normal) / facing;
+}
+
+/// The passage nearest to p within `reach` both ways.
+std::optional<double> nearest_passage(const SurfaceTree& surface, Vec3d p, Vec3d n, double reach) {
+    Box3 way;
+    extend_outward(way, p - n * reach);
+    extend_outward(way, p + n * reach);
+    const auto& x = surface.mesh().positions;
+    std::optional<double> nearest;
+    // Of two equally near ones the outer: the order of the search must not decide.
+    const auto better = [&](double t) {
+        const double d = std::fabs(t), least = nearest ? std::fabs(*nearest) : reach;
+        return d < least || (d == least && (!nearest || t > *nearest));
+    };
+    surface.boxes().visit_overlapping(way, [&](std::uint32_t item) {
+        for (const Triangle& t : surface.triangles(surface.piece(item))) {
+            const auto at = passage(p, n, Vec3d(x[t[0]]), Vec3d(x[t[1]]), Vec3d(x[t[2]]));
+            if (at && better(*at)) nearest = at;
+        }
+    });
+    return nearest;
+}
+
+Vec3 diagonal_normal(const Quad& q, std::span<const Vec3> x) {
+    return cross(x[q[2]] - x[q[0]], x[q[3]] - x[q[1]]);
+}
+
+class Restoration {
+  public:
+    Restoration(QuadMesh& mesh, const SurfaceTree* original, const CapsuleTree& capsules,
+                const RestoreOptions& options, const Context& ctx)
+        : mesh_(mesh),
+          original_(original),
+          capsules_(capsules),
+          options_(options),
+          ctx_(ctx),
+          count_(mesh.positions.size()),
+          to_original_(mesh.origin - original->mesh().origin),
+          start_(mesh.positions),
+          topology_(build_cage_topology(mesh.quads, static_cast<std::uint32_t>(count_), ctx)) {}
+
+    /// `turned`: the original with other sides out, should they be wrong.
+    RestoreResult run(const SurfaceTree* turned) {
+        find_normals();
+        find_original();
+        if (turned != nullptr) prefer(turned);
+        RestoreReport& report = result_.report;
+        report.found = found_count();
+        if (report.found == 0) return std::move(result_);
+        report.distance_before = distances();
+        fade();
+        const Buffer<float> wanted = result_.offsets;
+        settle();
+        for (std::size_t v = 0; v < count_; ++v) {
+            report.faded += !found_[v] && result_.offsets[v] != 0 ? 1 : 0;
+            report.pulled_back += wanted[v] != result_.offsets[v] ? 1 : 0;
+        }
+        report.offset = offsets_in_radii();
+        report.distance_after = distances();
+        return std::move(result_);
+    }
+
+  private:
+    template <class Body>
+    void for_vertices(const Body& body) const {
+        parallel_for(ctx_, count_, kGrain, body);
+    }
+
+    template <class Visit>
+    void visit_fan(std::size_t v, const Visit& visit) const {
+        for (std::uint32_t k = topology_.fan_first[v]; k < topology_.fan_first[v + 1]; ++k) {
+            const std::uint32_t half = topology_.fan[k];
+            visit(half, topology_.corner(CageTopology::next(half)),
+                  topology_.corner(CageTopology::prev(half)));
+        }
+    }
+
+    void find_normals() {
+        normal_.resize(count_);
+        for_vertices([&](std::size_t v) {
+            Vec3d sum;
+            visit_fan(v, [&](std::uint32_t half, std::uint32_t, std::uint32_t) {
+                sum += Vec3d(diagonal_normal(mesh_.quads[half >> 2], start_));
+            });
+            normal_[v] = Vec3(normalized(sum, {0, 0, 0}));
+        });
+    }
+
+    double local_radius(Vec3d p, std::uint32_t& hint) const {
+        const CapsuleTree::Nearest nearest = capsules_.nearest(p, hint);
+        if (nearest.capsule == CapsuleTree::kNone || nearest.rho > kFarFromAxis) return 0;
+        hint = nearest.capsule;
+        const Capsule& c = capsules_.capsule(nearest.capsule);
+        return c.radius(std::clamp(c.parameter(p), 0.0, 1.0));
+    }
+
+    void find_original() {
+        radius_.assign(count_, 0.0);
+        found_.assign(count_, std::uint8_t{0});
+        result_.offsets.assign(count_, 0.0f);
+        parallel_for_ranges(ctx_, count_, kGrain, [&](IndexRange range) {
+            std::uint32_t hint = CapsuleTree::kNone;
+            for (std::size_t v = range.begin; v < range.end; ++v) {
+                const Vec3d p(start_[v]), n(normal_[v]);
+                radius_[v] = local_radius(p, hint);
+                if (radius_[v] == 0 || n == Vec3d()) continue;
+                const auto t = nearest_passage(*original_, p + to_original_, n, options_.reach * radius_[v]);
+                if (!t) continue;
+                found_[v] = 1;
+                result_.offsets[v] = static_cast<float>(*t);
+            }
+        });
+    }
+
+    std::uint64_t found_count() const {
+        return static_cast<std::uint64_t>(std::count(found_.begin(), found_.end(), 1));
+    }
+
+    /// Takes the other surface where more vertices find it.
+    void prefer(const SurfaceTree* other) {
+        const std::uint64_t count = found_count();
+        std::swap(original_, other);
+        std::vector<std::uint8_t> found = std::move(found_);
+        Buffer<float> offsets = std::move(result_.offsets);
+        find_original();
+        result_.report.turned = found_count() > count;
+        if (result_.report.turned) return;
+        original_ = other;
+        found_ = std::move(found);
+        result_.offsets = std::move(offsets);
+    }
+
+    /// Averages over the neighbours where nothing was found: offsets spread from what was found, ever weaker.
+    void fade() {
+        Buffer<float> next = result_.offsets;
+        for (int pass = 0; pass < options_.fade_passes; ++pass) {
+            ctx_.throw_if_cancelled();
+            for_vertices([&](std::size_t v) {
+                if (found_[v]) return;
+                double sum = 0, n = 0;
+                visit_fan(v, [&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
+                    sum += double{result_.offsets[a]} + double{result_.offsets[b]};
+                    n += 2;
+                });
+                next[v] = n > 0 ? static_cast<float>(sum / n) : 0.0f;
+            });
+            std::swap(next, result_.offsets);
+        }
+    }
+
+    void move() {
+        for_vertices([&](std::size_t v) {
+            const float o = result_.offsets[v];
+            mesh_.positions[v] = o == 0 ? start_[v] : start_[v] + o * normal_[v];
+        });
+    }
+
+    std::vector<std::uint32_t> new_folds() const {
+        std::vector<std::uint8_t> folded(mesh_.quads.size(), 0);
+        parallel_for(ctx_, mesh_.quads.size(), kGrain, [&](std::size_t f) {
+            const Quad& q = mesh_.quads[f];
+            if (std::none_of(q.begin(), q.end(), [&](std::uint32_t v) { return result_.offsets[v] != 0; }))
+                return;
+            const bool turned = dot(diagonal_normal(q, start_), diagonal_normal(q, mesh_.positions)) <= 0;
+            folded[f] = turned || (scaled_jacobian(q, mesh_.positions) < kFlatCorner &&
+                                   scaled_jacobian(q, start_) >= kFlatCorner);
+        });
+        std::vector<std::uint32_t> faces;
+        for (std::uint32_t f = 0; f < folded.size(); ++f) {
+            if (folded[f]) faces.push_back(f);
+        }
+        return faces;
+    }
+
+    std::vector<FacePair> crossings() const {
+        const PolygonMesh polygons = to_polygons(mesh_);
+        FacePairs found = crossing_faces(SurfaceTree(polygons, ctx_), kMostCrossings, ctx_);
+        if (!found.complete) {
+            throw InvalidInput(
+                "the surface crosses itself too often to be restored; mend its skeleton first");
+        }
+        return std::move(found.pairs);
+    }
+
+    static std::vector<std::uint32_t> new_crossings(std::span<const FacePair> before,
+                                                    std::span<const FacePair> now) {
+        std::vector<FacePair> fresh;
+        std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(fresh));
+        std::vector<std::uint32_t> faces;
+        for (const FacePair& p : fresh) faces.insert(faces.end(), {p.first, p.second});
+        return faces;
+    }
+
+    /// Takes offsets at these faces back; first by half, then wholly and around them too.
+    void pull_back(std::span<const std::uint32_t> faces, std::uint32_t round) {
+        std::vector<std::uint32_t> at;
+        for (const std::uint32_t f : faces) at.insert(at.end(), mesh_.quads[f].begin(), mesh_.quads[f].end());
+        if (round >= kHalvings) {
+            for (std::size_t i = 0, n = at.size(); i < n; ++i) {
+                visit_fan(at[i], [&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
+                    at.insert(at.end(), {a, b});
+                });
+            }
+        }
+        std::sort(at.begin(), at.end());
+        at.erase(std::unique(at.begin(), at.end()), at.end());
+        for (const std::uint32_t v : at) result_.offsets[v] *= round < kHalvings ? 0.5f : 0.0f;
+    }
+
+    /// Moves the vertices, as far as no face folds or crosses another that did not before.
+    void settle() {
+        const std::vector<FacePair> before = crossings();
+        for (std::uint32_t& round = result_.report.rounds; round < kMostRounds; ++round) {
+            ctx_.throw_if_cancelled();
+            move();
+            std::vector<std::uint32_t> bad = new_folds();
+            if (bad.empty()) bad = new_crossings(before, crossings());
+            if (bad.empty()) return;
+            pull_back(bad, round);
+        }
+        std::fill(result_.offsets.begin(), result_.offsets.end(), 0.0f);
+        move();
+    }
+
+    Statistics offsets_in_radii() const {
+        std::vector<double> values;
+        for (std::size_t v = 0; v < count_; ++v) {
+            if (radius_[v] > 0) values.push_back(double{result_.offsets[v]} / radius_[v]);
+        }
+        return statistics(std::move(values));
+    }
+
+    Statistics distances() const {
+        std::vector<double> all(count_, -1.0);
+        for_vertices([&](std::size_t v) {
+            if (radius_[v] > 0)
+                all[v] = original_->distance(Vec3d(mesh_.positions[v]) + to_original_) / radius_[v];
+        });
+        std::erase_if(all, [](double d) { return d < 0; });
+        return statistics(std::move(all));
+    }
+
+    QuadMesh& mesh_;
+    const SurfaceTree* original_;
+    const CapsuleTree& capsules_;
+    const RestoreOptions& options_;
+    const Context& ctx_;
+    std::size_t count_;
+    Vec3d to_original_;
+    Buffer<Vec3> start_;
+    CageTopology topology_;
+    Buffer<Vec3> normal_;
+    std::vector<double> radius_;  // 0: none
+    std::vector<std::uint8_t> found_;
+    RestoreResult result_;
+};
+
+/// The original with every piece facing outward; none where nothing had to be turned.
+std::optional<PolygonMesh> turned_outward(const PolygonMesh& original, const Context& ctx) {
+    if (original.face_count() == 0) return std::nullopt;
+    CleanMeshOptions options;
+    options.cards = false;
+    const CleanMeshResult cleaned = clean_mesh(original, options, ctx);
+    if (cleaned.repairs.turned == 0) return std::nullopt;
+    return to_polygons(cleaned.mesh);
+}
+
+}  // namespace
+
+RestoreResult restore_offsets(QuadMesh& mesh, const PolygonMesh& original, const Skeleton& skeleton,
+                              const RestoreOptions& options, const Context& ctx) {
+    check_fields(options, "restore");
+    validate(original);
+    validate(to_polygons(mesh));
+    const SurfaceTree surface(original, ctx);
+    const std::optional<PolygonMesh> other = turned_outward(original, ctx);
+    std::optional<SurfaceTree> turned;
+    if (other) turned.emplace(*other, ctx);
+    const CapsuleTree capsules(skeleton, mesh.origin, ctx);
+    return Restoration(mesh, &surface, capsules, options, ctx).run(turned ? &*turned : nullptr);
+}
+
+}  // namespace coppice

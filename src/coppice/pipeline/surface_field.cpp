@@ -1,0 +1,31 @@
+#include "coppice/pipeline/surface_field_internal.h"
+
+namespace coppice {
+namespace {
+
+// Where the end of a tree is cut flat, the field goes on far enough to be full there.
+FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
+    constexpr float kBeyondCut = 1.5f;
+    if (control.base == BaseShape::round) field.root_extension = -1;
+    if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;
+    return field;
+}
+
+}  // namespace
+
+ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,
+                               const PointSet& constraints, std::optional<GlobalWeights>& weights,
+                               const Context& ctx) {
+    const FieldOptions with = with_ends(options.field, options.control);
+    ConvolutionField field(skeleton, with, ctx);
+    if (with.weights == Weights::local) return field;
+    std::vector<Vec3> points(constraints.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = Vec3(constraints.world(i) - skeleton.origin());
+    }
+    weights = global_weights(skeleton, with, points, ctx);
+    field.scale_weights(weights->factors);
+    return field;
+}
+
+}  // namespace coppice

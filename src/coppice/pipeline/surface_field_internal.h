@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+
+#include "coppice/field/convolution_field.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+
+namespace coppice {
+
+/// The field whose surface is asked for, without its regions: with lines that go on beyond flat ends, and
+/// with the weights wanted. Constraints have the frame of their origin.
+ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,
+                               const PointSet& constraints, std::optional<GlobalWeights>& weights,
+                               const Context& ctx);
+
+}  // namespace coppice

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "coppice/points/point_set.h"
+#include "coppice/points/sampling/cells_internal.h"
+
+namespace coppice::points_internal {
+
+struct Draws {
+    Buffer<Vec3> points;      ///< in the order of the draws: the first n are n independent points
+    std::uint64_t tries = 0;  ///< candidates
+};
+
+/// `count` points, each drawn from the density on its own; fewer when almost no candidate is accepted.
+Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_t count, std::uint64_t seed,
+                       const Context& ctx);
+double independent_bytes(double count);
+
+/// One point at random in each cube of a lattice, kept with the density there over `room.greatest`.
+Draws draw_jittered(const PointRegion& region, const Room& room, double count, std::uint64_t seed,
+                    const Context& ctx);
+
+}  // namespace coppice::points_internal

@@ -1,0 +1,80 @@
+#include "coppice/tetra/lattice/lattice.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/tetra/lattice/select_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 12;
+
+Buffer<Cone> cones_of(std::span<const Segment> segments, Vec3d corner, const Context& ctx) {
+    Buffer<Cone> cones(segments.size());
+    parallel_for(ctx, segments.size(), kGrain, [&](std::size_t i) { cones[i] = Cone(segments[i], corner); });
+    return cones;
+}
+
+/// The slot of the set bit number `rank`.
+unsigned slot_of(std::uint64_t mask, std::uint32_t rank) {
+    for (; rank > 0; --rank) mask &= mask - 1;
+    return static_cast<unsigned>(std::countr_zero(mask));
+}
+
+}  // namespace
+
+struct Lattice::State {
+    LatticeCube cube;
+    LatticeCells cells;
+    SlotMasks masks;
+    LatticeMesh out;
+
+    LatticeCells::Name name(std::uint32_t tetra) const {
+        const auto& first = out.mesh.first;
+        const auto region =
+            static_cast<std::size_t>(std::ranges::upper_bound(first, tetra) - first.begin()) - 1;
+        const std::uint32_t leaf = out.region_leaf[region];
+        return {leaf, slot_of(masks[leaf], tetra - first[region])};
+    }
+};
+
+Lattice::Lattice(std::span<const Segment> segments, const LatticeOptions& options, const Context& ctx) {
+    check_fields(options, "lattice");
+    const LatticeCube cube = lattice_cube(segments, options);
+    const Buffer<Cone> cones = cones_of(segments, cube.low, ctx);
+    LatticeSizing sizing = size_cells(cones, cube, options, ctx);
+    LatticeCells cells(Octree(std::move(sizing.split), ctx), ctx);
+    SlotMasks masks = select_tetra(cells, sizing, cones, cube, options, ctx);
+    LatticeMesh out = gather_tetra(cells, masks, cube, ctx);
+    state_ = std::make_unique<State>(State{cube, std::move(cells), std::move(masks), std::move(out)});
+}
+
+Lattice::~Lattice() = default;
+Lattice::Lattice(Lattice&&) noexcept = default;
+Lattice& Lattice::operator=(Lattice&&) noexcept = default;
+
+const TetraMesh& Lattice::mesh() const { return state_->out.mesh; }
+
+bool Lattice::grow(std::span<const TetraFace> faces, const Context& ctx) {
+    State& s = *state_;
+    std::vector<LatticeCells::Name> found;
+    for (const TetraFace& f : faces) {
+        COPPICE_ASSERT(f.tetra < s.out.mesh.tetra.size() && f.opposite < 4);
+        const LatticeCells::Name name = s.cells.across(s.name(f.tetra), f.opposite);
+        if (name.leaf != kNone) found.push_back(name);
+    }
+    bool grown = false;
+    for (const LatticeCells::Name& name : found) {
+        const std::uint64_t bit = std::uint64_t{1} << name.slot;
+        grown |= (s.masks[name.leaf] & bit) == 0;
+        s.masks[name.leaf] |= bit;
+    }
+    if (grown) s.out = gather_tetra(s.cells, s.masks, s.cube, ctx);
+    return grown;
+}
+
+}  // namespace coppice

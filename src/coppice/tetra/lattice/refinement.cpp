@@ -1,0 +1,362 @@
+#include "coppice/tetra/lattice/refinement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "coppice/base/parallel.h"
+
+namespace coppice {
+namespace {
+
+using Local = TetraPattern::Local;
+using Kind = TetraRefinement::Kind;
+
+constexpr std::size_t kGrain = 2048;                      // tetrahedra
+constexpr std::uint32_t kFirstEdge = 4, kFirstFace = 10;  // groups
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// Whether a group of the pattern lies in the face opposite a corner.
+bool lies_in_face(std::uint32_t group, std::uint32_t opposite) {
+    if (group < kFirstEdge) return group != opposite;
+    if (group >= kFirstFace) return group == kFirstFace + opposite;
+    const auto [a, b] = kTetraEdges[group - kFirstEdge];
+    return a != opposite && b != opposite;
+}
+
+std::array<Vec3d, 4> corners_of(const TetraMesh& mesh, std::span<const std::uint32_t> vertices) {
+    std::array<Vec3d, 4> p;
+    for (std::size_t i = 0; i < 4; ++i) p[i] = Vec3d(mesh.positions[vertices[i]]);
+    return p;
+}
+
+double determinant(const std::array<Vec3d, 4>& p) {
+    return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
+}
+
+std::uint8_t shortest_diagonal(const std::array<Vec3d, 4>& p) {
+    std::uint8_t best = 0;
+    double best_length = std::numeric_limits<double>::infinity();
+    for (std::uint8_t d = 0; d < std::uint8_t{kTetraDiagonals.size()}; ++d) {
+        const auto& c = kTetraDiagonals[d];
+        const double squared = length_squared((p[c[0]] + p[c[1]]) - (p[c[2]] + p[c[3]]));
+        if (squared >= best_length) continue;
+        best = d;
+        best_length = squared;
+    }
+    return best;
+}
+
+struct Extent {
+    double shortest_edge, width;
+};
+
+/// The least width of a tetrahedron is between two planes that hold a face and a vertex, or two opposite
+/// edges: six times the volume over the length of a cross product of edges. With a path of edges x, y, z
+/// through the corners, all these are sums of the products of two of x, y, z; and the descendants have the
+/// same three edges in another order.
+Extent extent(const std::array<Vec3d, 4>& p, std::uint8_t diagonal) {
+    const auto& c = kTetraDiagonals[diagonal];
+    const Vec3d x = p[c[2]] - p[c[0]], y = p[c[1]] - p[c[2]], z = p[c[3]] - p[c[1]];
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Vec3d e : {x, y, z, x + y, y + z, x + z, x + y + z})
+        shortest = std::min(shortest, length_squared(e));
+    const Vec3d xy = cross(x, y), yz = cross(y, z), xz = cross(x, z);
+    double widest = 0;
+    const auto add = [&](Vec3d first, Vec3d second, Vec3d ends) {
+        for (const Vec3d n :
+             {first, second, ends, first + ends, second + ends, second - first, first + ends + second})
+            widest = std::max(widest, length_squared(n));
+    };
+    add(xy, yz, xz);   // path x, y, z
+    add(xz, -yz, xy);  // x, z, y
+    add(-xy, xz, yz);  // y, x, z
+    return {std::sqrt(shortest), std::abs(dot(xy, z)) / std::sqrt(widest)};
+}
+
+/// The edges, or the faces, of which one vertex is the least: few, so that the place of one is found by
+/// looking at all.
+class Above {
+  public:
+    void clear() { keys_.clear(); }
+    std::size_t size() const { return keys_.size(); }
+
+    /// The number of the one with these other vertices.
+    std::uint32_t find(std::uint64_t key) {
+        const auto at = std::ranges::find(keys_, key);
+        const auto number = static_cast<std::uint32_t>(at - keys_.begin());
+        if (at == keys_.end()) keys_.push_back(key);
+        return number;
+    }
+
+  private:
+    std::vector<std::uint64_t> keys_;
+};
+
+/// Edges and faces whose least vertex is corner c of a tetrahedron.
+template <class Visit>
+void for_each_edge_above(std::uint32_t c, const Visit& visit) {
+    for (std::uint32_t e = 0; e < 6; ++e) {
+        if (kTetraEdges[e][0] == c) visit(kFirstEdge + e, kTetraEdges[e][1]);
+    }
+}
+template <class Visit>
+void for_each_face_above(std::uint32_t c, const Visit& visit) {
+    if (c == 1) visit(kFirstFace + 0, 2u, 3u);
+    if (c != 0) return;
+    visit(kFirstFace + 1, 2u, 3u);
+    visit(kFirstFace + 2, 1u, 3u);
+    visit(kFirstFace + 3, 1u, 2u);
+}
+
+std::uint32_t corner_of(const TetraRefinement::Parts& parts, std::uint32_t vertex) {
+    return static_cast<std::uint32_t>(std::find(parts.begin(), parts.begin() + 3, vertex) - parts.begin());
+}
+
+}  // namespace
+
+TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Context& ctx)
+    : coarse_(coarse), levels_(levels) {
+    if (levels < 0 || levels > TetraPattern::kMostLevels) {
+        throw InvalidInput(fmt::format("tetra refinement: levels must lie between 0 and {}, but is {}",
+                                       TetraPattern::kMostLevels, levels));
+    }
+    check(ctx);
+    describe(ctx);
+    find_vertex_stars(ctx);
+    ctx.throw_if_cancelled();
+    find_parts(ctx);
+
+    const std::uint32_t n = 1u << levels;
+    per_kind_ = {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
+    const std::array<std::uint64_t, 4> parts{coarse.positions.size(), edge_count(), face_count(),
+                                             coarse.tetra.size()};
+    std::uint64_t total = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+        first_of_kind_[k] = static_cast<std::uint32_t>(total);
+        total += parts[k] * per_kind_[k];
+        if (total > kMostVertices) {
+            throw InvalidInput(
+                fmt::format("tetra refinement: levels = {} makes more than {} vertices of {} tetrahedra; "
+                            "take fewer levels",
+                            levels, kMostVertices, coarse.tetra.size()));
+        }
+    }
+    vertex_count_ = static_cast<std::uint32_t>(total);
+    for (std::uint32_t d = 0; d < 3; ++d) patterns_[d] = tetra_pattern(levels, d);
+}
+
+void TetraRefinement::check(const Context& ctx) const {
+    const auto& tetra = coarse_.tetra;
+    if (coarse_.positions.size() >= kNone / 4 || tetra.size() >= kNone / 8)
+        throw InvalidInput("tetra refinement: more than 2^29 tetrahedra; make them larger");
+    if (coarse_.first.empty() || coarse_.first.front() != 0 || coarse_.first.back() != tetra.size() ||
+        !std::ranges::is_sorted(coarse_.first))
+        throw InvalidInput("tetra refinement: the regions do not cover the tetrahedra one after the other");
+    const auto bad = [&](const Tetra& t) {
+        if (std::ranges::any_of(t, [&](std::uint32_t v) { return v >= coarse_.positions.size(); }))
+            return true;
+        const double d = determinant(corners_of(coarse_, t));
+        return !(d > 0 && std::isfinite(d));
+    };
+    const auto first_bad = parallel_reduce(
+        ctx, tetra.size(), kGrain, tetra.size(),
+        [&](IndexRange r) {
+            for (std::size_t t = r.begin; t < r.end; ++t) {
+                if (bad(tetra[t])) return t;
+            }
+            return tetra.size();
+        },
+        [](std::size_t a, std::size_t b) { return std::min(a, b); });
+    if (first_bad == tetra.size()) return;
+    throw InvalidInput(
+        fmt::format("tetra refinement: tetrahedron {} has a vertex that does not exist or no positive "
+                    "volume; order its vertices",
+                    first_bad));
+}
+
+void TetraRefinement::describe(const Context& ctx) {
+    const std::size_t count = coarse_.tetra.size();
+    parts_.resize(count);
+    traits_.resize(count);
+    parallel_for(ctx, count, kGrain, [&](std::size_t t) {
+        Tetra sorted = coarse_.tetra[t];
+        bool odd = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t j = i + 1; j < 4; ++j) odd ^= sorted[i] > sorted[j];
+        }
+        std::ranges::sort(sorted);
+        std::ranges::copy(sorted, parts_[t].begin());
+        const auto corners = corners_of(coarse_, sorted);
+        const std::uint8_t diagonal = shortest_diagonal(corners);
+        const Extent e = extent(corners, diagonal);
+        const double fine = 1.0 / (1 << levels_);
+        traits_[t] = {static_cast<float>(e.shortest_edge * fine), static_cast<float>(e.width * fine),
+                      1u << TetraPattern::kInside, diagonal, odd};
+    });
+}
+
+void TetraRefinement::find_vertex_stars(const Context& ctx) {
+    const std::size_t tetra = coarse_.tetra.size();
+    first_at_vertex_.assign(coarse_.positions.size() + 1, 0);
+    parallel_for(ctx, tetra, kGrain, [&](std::size_t t) {
+        for (const std::uint32_t v : coarse_.tetra[t])
+            std::atomic_ref(first_at_vertex_[v]).fetch_add(1, std::memory_order_relaxed);
+    });
+    exclusive_scan(std::span(first_at_vertex_));
+    Buffer<std::uint32_t> next(first_at_vertex_);
+    at_vertex_.resize(4 * tetra);
+    parallel_for(ctx, tetra, kGrain, [&](std::size_t t) {
+        for (const std::uint32_t v : coarse_.tetra[t]) {
+            const std::uint32_t at = std::atomic_ref(next[v]).fetch_add(1, std::memory_order_relaxed);
+            at_vertex_[at] = static_cast<std::uint32_t>(t);
+        }
+    });
+    // They came in the order of the threads.
+    parallel_for(ctx, coarse_.positions.size(), kGrain, [&](std::size_t v) {
+        std::sort(at_vertex_.begin() + first_at_vertex_[v], at_vertex_.begin() + first_at_vertex_[v + 1]);
+    });
+}
+
+/// Every vertex numbers the edges and faces of which it is the least vertex, in the order in which the
+/// tetrahedra around it name them.
+void TetraRefinement::find_parts(const Context& ctx) {
+    constexpr std::size_t kVertexGrain = 512;
+    const std::size_t vertices = coarse_.positions.size();
+    first_edge_.assign(vertices + 1, 0);
+    first_face_.assign(vertices + 1, 0);
+    struct Found {
+        std::vector<float> edges, faces;  ///< [m] of each, the shortest fine edge about it
+        std::vector<TetraFace> hull;      ///< faces of one tetrahedron alone, opposite a vertex of `parts`
+        std::uint32_t crowded = kNone;
+    };
+    std::vector<Found> found((vertices + kVertexGrain - 1) / kVertexGrain);
+    parallel_for_ranges(ctx, vertices, kVertexGrain, [&](IndexRange r) {
+        Found& f = found[r.begin / kVertexGrain];
+        Above edges, faces;
+        std::vector<TetraFace> first_side;
+        std::vector<std::uint32_t> sides;
+        for (std::size_t v = r.begin; v < r.end; ++v) {
+            edges.clear();
+            faces.clear();
+            first_side.clear();
+            sides.clear();
+            const std::size_t edges_before = f.edges.size(), faces_before = f.faces.size();
+            bool first = true;
+            for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v))) {
+                Parts& p = parts_[t];
+                const float shortest = traits_[t].shortest_edge;
+                const std::uint32_t c = corner_of(p, static_cast<std::uint32_t>(v));
+                // Notes one of the parts about this vertex; the first tetrahedron that names it has it.
+                const auto note = [&](Above& of_kind, std::vector<float>& all, std::size_t before,
+                                      std::uint32_t group, std::uint64_t key) {
+                    const std::uint32_t i = p[group] = of_kind.find(key);
+                    if (before + i == all.size()) {
+                        own(t, group);
+                        all.push_back(shortest);
+                        return std::pair(i, true);
+                    }
+                    all[before + i] = std::min(all[before + i], shortest);
+                    return std::pair(i, false);
+                };
+                if (std::exchange(first, false)) own(t, c);
+                for_each_edge_above(c, [&](std::uint32_t group, std::uint32_t b) {
+                    note(edges, f.edges, edges_before, group, p[b]);
+                });
+                for_each_face_above(c, [&](std::uint32_t group, std::uint32_t b, std::uint32_t d) {
+                    const auto [i, is_new] =
+                        note(faces, f.faces, faces_before, group, std::uint64_t{p[b]} << 32 | p[d]);
+                    if (is_new) {
+                        first_side.push_back({t, group - kFirstFace});
+                        sides.push_back(0);
+                    }
+                    if (++sides[i] > 2) f.crowded = std::min(f.crowded, t);
+                });
+            }
+            for (std::size_t i = 0; i < sides.size(); ++i) {
+                if (sides[i] == 1) f.hull.push_back(first_side[i]);
+            }
+            first_edge_[v] = static_cast<std::uint32_t>(edges.size());
+            first_face_[v] = static_cast<std::uint32_t>(faces.size());
+        }
+    });
+    std::uint32_t crowded = kNone;
+    for (const Found& f : found) crowded = std::min(crowded, f.crowded);
+    if (crowded != kNone) {
+        throw InvalidInput(fmt::format(
+            "tetra refinement: tetrahedron {} has a face with more than one other; leave all but two out",
+            crowded));
+    }
+    const std::uint32_t edge_count = exclusive_scan(std::span(first_edge_));
+    shortest_at_.resize(vertices + edge_count + exclusive_scan(std::span(first_face_)));
+    parallel_for(ctx, parts_.size(), kGrain, [&](std::size_t t) {
+        Parts& p = parts_[t];
+        for (std::uint32_t e = 0; e < 6; ++e) p[kFirstEdge + e] += first_edge_[p[kTetraEdges[e][0]]];
+        for (std::uint32_t f = 0; f < 4; ++f) p[kFirstFace + f] += first_face_[p[f == 0 ? 1 : 0]];
+    });
+    parallel_for(ctx, vertices, kGrain, [&](std::size_t v) {
+        float shortest = std::numeric_limits<float>::infinity();
+        for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v)))
+            shortest = std::min(shortest, traits_[t].shortest_edge);
+        shortest_at_[v] = shortest;
+    });
+    parallel_for(ctx, found.size(), 1, [&](std::size_t i) {
+        const auto out = shortest_at_.begin();
+        std::ranges::copy(found[i].edges, out + vertices + first_edge_[kVertexGrain * i]);
+        std::ranges::copy(found[i].faces, out + vertices + edge_count + first_face_[kVertexGrain * i]);
+    });
+    parallel_for(ctx, found.size(), 1, [&](std::size_t i) {
+        for (const TetraFace& f : found[i].hull) {
+            for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
+                if (lies_in_face(g, f.opposite))
+                    std::atomic_ref(shortest_at_[part_index(f.tetra, g)]).store(0, std::memory_order_relaxed);
+            }
+        }
+    });
+}
+
+std::vector<std::uint32_t> TetraRefinement::around(Kind kind, std::uint32_t part) const {
+    if (kind == Kind::inside) return {part};
+    std::uint32_t vertex = part;
+    if (kind != Kind::vertex) {
+        const auto& first = kind == Kind::edge ? first_edge_ : first_face_;
+        vertex = static_cast<std::uint32_t>(std::ranges::upper_bound(first, part) - first.begin()) - 1;
+    }
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t t : at_vertex(vertex)) {
+        if (group_in(t, kind, part) < TetraPattern::kGroups) out.push_back(t);
+    }
+    return out;
+}
+
+TetraRefinement::Place TetraRefinement::place(std::uint32_t vertex) const {
+    std::size_t kind = 3;
+    while (vertex < first_of_kind_[kind] || per_kind_[kind] == 0) --kind;
+    const std::uint32_t offset = vertex - first_of_kind_[kind];
+    return {static_cast<Kind>(kind), offset / per_kind_[kind], offset % per_kind_[kind]};
+}
+
+Vec3 TetraRefinement::position(std::uint32_t tetra, Local local) const {
+    const auto& share = pattern(tetra).shares[local];
+    const Parts& p = parts_[tetra];
+    Vec3 sum;
+    // In ascending order of the corners; those without weight add nothing, not even an error.
+    for (std::size_t i = 0; i < 4; ++i) sum += coarse_.positions[p[i]] * share[i];
+    return sum;
+}
+
+std::uint32_t TetraRefinement::group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const {
+    if (kind == Kind::inside) return TetraPattern::kInside;
+    constexpr std::array<std::uint32_t, 4> kFirst{0, kFirstEdge, kFirstFace, TetraPattern::kInside};
+    const auto k = static_cast<std::size_t>(kind);
+    const Parts& p = parts_[tetra];
+    std::uint32_t group = kFirst[k];
+    while (group < kFirst[k + 1] && p[group] != part) ++group;
+    return group < kFirst[k + 1] ? group : TetraPattern::kGroups;
+}
+
+}  // namespace coppice

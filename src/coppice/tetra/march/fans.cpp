@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <atomic>
+
+#include "coppice/base/parallel.h"
+#include "coppice/tetra/march/settle_internal.h"
+
+namespace coppice::tetra_internal {
+namespace {
+
+/// Collects the segments that all triangles leave over by the vertex that they leave out.
+class FanFinder {
+  public:
+    FanFinder(const TetraRefinement& refinement, const Samples& samples, const CrossedTetra& crossed,
+              const Context& ctx)
+        : refinement_(refinement), samples_(samples), crossed_(crossed), ctx_(ctx) {}
+
+    std::vector<Fan> find() {
+        constexpr std::size_t kGrain = 2048;
+        const std::size_t count = samples_.place.size();
+        size_.assign(count, 0);
+        links_.resize(count);
+        parallel_for(ctx_, crossed_.pieces().size(), 1, [&](std::size_t p) { list_segments(p); });
+        std::vector<Fan> fans(count);
+        parallel_for(ctx_, count, kGrain, [&](std::size_t i) {
+            fans[i] = size_[i] > kMost ? Fan::unknown : judge_fan<Key>(std::span(links_[i]).first(size_[i]));
+            if (fans[i] == Fan::spoilt) fans[i] = Fan::unknown;
+        });
+        return fans;
+    }
+
+  private:
+    static constexpr std::uint32_t kMost = 8;
+    /// Where two corners of a fan have the same key the walk does not see all of it, as each corner is a
+    /// start: so what looks like a single fan is one.
+    using Key = std::uint16_t;
+    using Segment = LinkSegment<Key>;
+    using Link = std::array<Segment, kMost>;
+
+    void list_segments(std::size_t piece) {
+        const CrossedTetra::Piece& p = crossed_.pieces()[piece];
+        for (std::size_t i = 0; i < p.active.size(); ++i) {
+            for (const Crossing& c : p.of(i)) {
+                if (c.any_on()) list_segments(p.active[i], c);
+            }
+        }
+    }
+
+    /// Of a fine vertex, or of the edge between two; the same in whichever order.
+    static Key key_of(std::uint32_t a, std::uint32_t b) {
+        return static_cast<Key>((std::min(a, b) * 0x9e3779b1u + std::max(a, b) * 0x85ebca77u) >> 16);
+    }
+
+    void list_segments(std::uint32_t t, const Crossing& crossing) {
+        const auto& fine = refinement_.pattern(t).tetra[crossing.fine];
+        const Cut& cut = crossing.cut();
+        std::array<std::uint32_t, 4> rank{};
+        std::array<Key, 4> key{};
+        for (std::size_t k = 0; k < cut.size; ++k) {
+            const std::uint8_t c = cut.corners[k];
+            if (c >= kCutVertex) {
+                const std::uint32_t v = refinement_.vertex(t, fine[c - kCutVertex]);
+                rank[k] = samples_.placed.rank(v);
+                key[k] = key_of(v, v);
+            } else {
+                key[k] = key_of(refinement_.vertex(t, fine[kTetraEdges[c][0]]),
+                                refinement_.vertex(t, fine[kTetraEdges[c][1]]));
+            }
+        }
+        // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
+        const bool mirrored = refinement_.mirrored(t);
+        for (std::size_t k = 0; k < cut.size; ++k) {
+            if (cut.corners[k] < kCutVertex) continue;
+            const Key next = key[(k + 1) % 3], last = key[(k + 2) % 3];
+            std::atomic_ref size(size_[rank[k]]);
+            if (size.load(std::memory_order_relaxed) > kMost) continue;
+            const std::uint16_t at = size.fetch_add(1, std::memory_order_relaxed);
+            if (at < kMost) links_[rank[k]][at] = mirrored ? Segment{last, next} : Segment{next, last};
+        }
+    }
+
+    const TetraRefinement& refinement_;
+    const Samples& samples_;
+    const CrossedTetra& crossed_;
+    const Context& ctx_;
+    std::vector<std::uint16_t> size_;  ///< by rank in `placed`; counted until it is too many
+    Buffer<Link> links_;               ///< the same; segments in any order
+};
+
+}  // namespace
+
+std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
+                           const CrossedTetra& crossed, const Context& ctx) {
+    return FanFinder(refinement, samples, crossed, ctx).find();
+}
+
+}  // namespace coppice::tetra_internal

@@ -1,0 +1,137 @@
+#include <algorithm>
+
+#include "coppice/tetra/march/settle_internal.h"
+
+namespace coppice::tetra_internal {
+namespace {
+
+using Local = TetraPattern::Local;
+using Fine = std::array<Local, 4>;
+
+constexpr float kWidthShare = 0.94f;
+constexpr double kLeastVolume = 0.15;  // of what it was
+
+/// Looks at the fine tetrahedra of one coarse one after the other.
+class FoldFinder {
+  public:
+    FoldFinder(const TetraRefinement& refinement, const Samples& samples)
+        : refinement_(refinement), samples_(samples) {}
+
+    /// Calls use(vertex) for the one that moved farthest in each fine tetrahedron that is too flat.
+    template <class Use>
+    void look_at(std::uint32_t t, const Use& use) {
+        const float least = kWidthShare * refinement_.width(t);
+        if (!gather_ways(t, least)) return;
+        const TetraPattern& pattern = refinement_.pattern(t);
+        const bool small = !pattern.tetra_masks.empty();
+        placed_ = false;
+        for (std::size_t i = 0; i < pattern.tetra.size(); ++i) {
+            if (small && (on_[0] & pattern.tetra_masks[i]) == 0) continue;
+            const Fine& fine = pattern.tetra[i];
+            // While the two that moved most moved less than the tetrahedron is wide it cannot have turned.
+            if (two_longest(fine) <= least) continue;
+            if (!placed_) place(t);
+            if (is_flat(fine)) use(farthest(t, fine));
+        }
+    }
+
+  private:
+    /// How far each vertex moved. False when no two of them did by more than `least`.
+    bool gather_ways(std::uint32_t t, float least) {
+        gather_bits(refinement_, samples_.on, t, on_);
+        const std::size_t count = refinement_.pattern(t).weights.size();
+        way_.assign(count, 0);
+        float longest = 0, second = 0;
+        for (std::size_t w = 0; w <= count / 64; ++w) {
+            for (std::uint64_t rest = on_[w]; rest != 0; rest &= rest - 1) {
+                const std::size_t v = 64 * w + static_cast<std::size_t>(std::countr_zero(rest));
+                const std::uint32_t vertex = refinement_.vertex(t, static_cast<Local>(v));
+                const float way = way_[v] = samples_.way[samples_.placed.rank(vertex)];
+                second = std::max(second, std::min(longest, way));
+                longest = std::max(longest, way);
+            }
+        }
+        return longest + second > least;
+    }
+
+    float two_longest(const Fine& fine) const {
+        const float a = way_[fine[0]], b = way_[fine[1]], c = way_[fine[2]], d = way_[fine[3]];
+        const float ab = std::max(a, b), cd = std::max(c, d);
+        return std::max({a + b, c + d, ab + cd});
+    }
+
+    /// Where the vertices are, and the volume of a fine tetrahedron before they moved.
+    void place(std::uint32_t t) {
+        const std::size_t count = way_.size();
+        position_.resize(count);
+        for (std::size_t v = 0; v < count; ++v) {
+            const auto local = static_cast<Local>(v);
+            position_[v] = Vec3d(bit_of(on_, local) != 0
+                                     ? samples_.place[samples_.placed.rank(refinement_.vertex(t, local))]
+                                     : refinement_.position(t, local));
+        }
+        std::array<Vec3d, 4> corner;
+        for (std::size_t i = 0; i < 4; ++i)
+            corner[i] = Vec3d(refinement_.coarse().positions[refinement_.parts(t)[i]]);
+        volume_ = volume(corner[0], corner[1], corner[2], corner[3]) /
+                  static_cast<double>(refinement_.pattern(t).tetra.size());
+        placed_ = true;
+    }
+
+    static double volume(Vec3d a, Vec3d b, Vec3d c, Vec3d d) { return dot(cross(b - a, c - a), d - a); }
+
+    bool is_flat(const Fine& f) const {
+        // Both may be negative: the order of the vertices is the pattern's.
+        const double now = volume(position_[f[0]], position_[f[1]], position_[f[2]], position_[f[3]]);
+        return !(now / volume_ > kLeastVolume);
+    }
+
+    std::uint32_t farthest(std::uint32_t t, const Fine& fine) const {
+        std::uint32_t out = 0;
+        float longest = -1;
+        for (const Local v : fine) {
+            const std::uint32_t vertex = refinement_.vertex(t, v);
+            if (way_[v] < longest || (way_[v] == longest && vertex > out)) continue;
+            longest = way_[v];
+            out = vertex;
+        }
+        return out;
+    }
+
+    const TetraRefinement& refinement_;
+    const Samples& samples_;
+    LocalBits on_;
+    std::vector<float> way_;
+    std::vector<Vec3d> position_;
+    bool placed_ = false;
+    double volume_ = 0;
+};
+
+template <class Tetra>
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      std::size_t count, const Tetra& tetra, const Context& ctx) {
+    const auto look_at = [&](IndexRange range, const auto& mark) {
+        if (ctx.stop.stop_requested()) return;
+        FoldFinder finder(refinement, samples);
+        for (std::size_t i = range.begin; i < range.end; ++i) finder.look_at(tetra(i), mark);
+    };
+    auto out = collect_marked(refinement.vertex_count(), count, 1024, look_at, ctx);
+    ctx.throw_if_cancelled();
+    return out;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      const Context& ctx) {
+    const auto all = [](std::size_t i) { return static_cast<std::uint32_t>(i); };
+    return find_folds(refinement, samples, refinement.coarse().tetra.size(), all, ctx);
+}
+
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      std::span<const std::uint32_t> tetra, const Context& ctx) {
+    const auto some = [&](std::size_t i) { return tetra[i]; };
+    return find_folds(refinement, samples, tetra.size(), some, ctx);
+}
+
+}  // namespace coppice::tetra_internal

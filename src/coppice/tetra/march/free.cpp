@@ -1,0 +1,177 @@
+#include <algorithm>
+
+#include "coppice/base/parallel.h"
+#include "coppice/tetra/march/settle_internal.h"
+
+namespace coppice::tetra_internal {
+namespace {
+
+using Local = TetraPattern::Local;
+
+/// Looks at the fine tetrahedra around one vertex after the other.
+class Star {
+  public:
+    Star(const TetraRefinement& refinement, const Samples& samples)
+        : refinement_(refinement), samples_(samples), signs_(kKept) {
+        kept_.fill(std::numeric_limits<std::uint32_t>::max());
+    }
+
+    Fan fan(std::uint32_t vertex) {
+        segments_.clear();
+        visit(vertex, [&](std::uint32_t t, Local local, const std::array<Local, 4>& fine) {
+            const Cut& cut = kCuts[signs_[t % kKept].code(fine)];
+            for (std::uint32_t i = 0; i < cut.size; ++i) {
+                const std::uint8_t c = cut.corners[i];
+                if (c < kCutVertex || fine[c - kCutVertex] != local) continue;
+                // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
+                const std::uint64_t next = corner(t, fine, cut.corners[(i + 1) % 3]);
+                const std::uint64_t last = corner(t, fine, cut.corners[(i + 2) % 3]);
+                segments_.push_back(refinement_.mirrored(t) ? Segment{last, next} : Segment{next, last});
+            }
+        });
+        return judge_fan<std::uint64_t>(segments_);
+    }
+
+    /// Calls use(number) for the vertices on the surface that share a fine tetrahedron with this one.
+    template <class Use>
+    void for_each_neighbour_on(std::uint32_t vertex, const Use& use) {
+        visit(vertex, [&](std::uint32_t t, Local, const std::array<Local, 4>& fine) {
+            for (const Local other : fine) {
+                const std::uint32_t v = refinement_.vertex(t, other);
+                if (v != vertex && samples_.on.test(v)) use(v);
+            }
+        });
+    }
+
+  private:
+    /// Calls use(tetrahedron, vertex there, vertices) for the fine ones that have a vertex, in coarse ones
+    /// where some vertices are inside and some are not, whose signs are at hand then.
+    template <class Use>
+    void visit(std::uint32_t vertex, const Use& use) {
+        const auto place = refinement_.place(vertex);
+        for (const std::uint32_t t : refinement_.around(place.kind, place.part)) {
+            if (!gather(t)) continue;
+            const TetraPattern& pattern = refinement_.pattern(t);
+            const std::uint32_t group = refinement_.group_in(t, place.kind, place.part);
+            const auto local = static_cast<Local>(pattern.first_vertex[group] + place.index);
+            for (const Local fine : pattern.tetra_around(local)) use(t, local, pattern.tetra[fine]);
+        }
+    }
+
+    /// Has the signs of a coarse tetrahedron in their place; false when they are all alike. Vertices that
+    /// follow each other share most of theirs.
+    bool gather(std::uint32_t t) {
+        const std::size_t slot = t % kKept;
+        if (kept_[slot] != t) {
+            kept_[slot] = t;
+            mixed_[slot] = signs_[slot].gather(refinement_, samples_, t);
+        }
+        return mixed_[slot];
+    }
+
+    static constexpr std::size_t kKept = 16;
+    using Segment = LinkSegment<std::uint64_t>;
+
+    std::uint64_t corner(std::uint32_t t, const std::array<Local, 4>& fine, std::uint8_t c) const {
+        if (c >= kCutVertex) {
+            const std::uint64_t v = refinement_.vertex(t, fine[c - kCutVertex]);
+            return v << 32 | v;
+        }
+        const std::uint64_t a = refinement_.vertex(t, fine[kTetraEdges[c][0]]);
+        const std::uint64_t b = refinement_.vertex(t, fine[kTetraEdges[c][1]]);
+        return std::min(a, b) << 32 | std::max(a, b);
+    }
+
+    const TetraRefinement& refinement_;
+    const Samples& samples_;
+    std::vector<LocalSigns> signs_;  ///< of the tetrahedra last asked for, each in the place of its number
+    std::array<std::uint32_t, kKept> kept_;
+    std::array<bool, kKept> mixed_{};
+    std::vector<Segment> segments_;
+};
+
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
+    for (const std::uint32_t v : vertices) {
+        samples.on.reset(v);
+        if (samples.height[v] > 0) samples.inside.set(v);
+    }
+}
+
+constexpr std::size_t kGrain = 256;
+
+/// The coarse tetrahedra that have one of the vertices, ascending.
+std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
+                                        std::span<const std::uint32_t> vertices, const Context& ctx) {
+    const auto visit = [&](IndexRange range, const auto& mark) {
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            const auto place = refinement.place(vertices[i]);
+            std::ranges::for_each(refinement.around(place.kind, place.part), mark);
+        }
+    };
+    return collect_marked(refinement.coarse().tetra.size(), vertices.size(), kGrain, visit, ctx);
+}
+
+std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, const Samples& samples,
+                                         std::span<const std::uint32_t> vertices, const Context& ctx) {
+    const auto visit = [&](IndexRange range, const auto& mark) {
+        Star star(refinement, samples);
+        for (std::size_t i = range.begin; i < range.end; ++i) star.for_each_neighbour_on(vertices[i], mark);
+    };
+    return collect_marked(refinement.vertex_count(), vertices.size(), kGrain, visit, ctx);
+}
+
+/// Puts vertices back until nothing is folded.
+void unfold(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
+    std::vector<std::uint32_t> folds = find_folds(refinement, samples, ctx);
+    while (!folds.empty()) {
+        put_back(folds, samples);
+        folds = find_folds(refinement, samples, tetra_around(refinement, folds, ctx), ctx);
+    }
+}
+
+}  // namespace
+
+Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
+    unfold(refinement, samples, ctx);
+    Settled out{CrossedTetra(refinement, samples, ctx), {}};
+    ctx.throw_if_cancelled();
+    std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
+    std::vector<std::uint32_t> open, freed, folds, changed;
+    std::uint32_t rank = 0;
+    for_each_bit(samples.placed.words(), [&](std::uint32_t v) {
+        if (fans[rank++] == Fan::unknown) open.push_back(v);
+    });
+    while (true) {
+        parallel_for_ranges(ctx, open.size(), kGrain, [&](IndexRange r) {
+            Star star(refinement, samples);
+            for (std::size_t i = r.begin; i < r.end; ++i)
+                fans[samples.placed.rank(open[i])] = star.fan(open[i]);
+        });
+        ctx.throw_if_cancelled();
+        freed = std::move(folds);
+        for (const std::uint32_t v : open) {
+            if (fans[samples.placed.rank(v)] == Fan::spoilt) freed.push_back(v);
+        }
+        if (freed.empty()) break;
+        sort_unique(freed);
+        put_back(freed, samples);
+        // What is put back may spoil the fans of its neighbours alone, and fold what is about it.
+        for (const std::uint32_t v : freed) fans[samples.placed.rank(v)] = Fan::none;
+        open = neighbours_on(refinement, samples, freed, ctx);
+        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed, ctx);
+        changed.insert(changed.end(), tetra.begin(), tetra.end());
+        folds = find_folds(refinement, samples, tetra, ctx);
+    }
+    sort_unique(changed);
+    out.crossed.update(changed, ctx);
+    out.used.resize(fans.size());
+    std::ranges::transform(fans, out.used.begin(), [](Fan fan) { return fan == Fan::single; });
+    return out;
+}
+
+}  // namespace coppice::tetra_internal

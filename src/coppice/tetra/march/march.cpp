@@ -1,0 +1,31 @@
+#include "coppice/tetra/march/march.h"
+
+#include <algorithm>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/tetra/lattice/refinement.h"
+#include "coppice/tetra/march/settle_internal.h"
+
+namespace coppice {
+
+MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& options, const Context& ctx) {
+    check_fields(options, "march");
+    const TetraRefinement refinement(mesh, options.levels, ctx);
+    ctx.throw_if_cancelled();
+    MarchResult out;
+    out.report.tetra = refinement.tetra_count();
+    out.report.vertices = refinement.vertex_count();
+    tetra_internal::Samples samples = tetra_internal::sample_vertices(refinement, field, options.snap, ctx);
+    ctx.throw_if_cancelled();
+    out.open = tetra_internal::open_faces(refinement, samples.inside, ctx);
+    if (!out.open.empty()) return out;
+    const tetra_internal::Settled settled = tetra_internal::free_vertices(refinement, samples, ctx);
+    ctx.throw_if_cancelled();
+    out.report.snapped = samples.on.count();
+    out.report.freed = samples.place.size() - out.report.snapped;
+    out.mesh =
+        tetra_internal::extract(refinement, field, samples, settled, options.refinements, out.report, ctx);
+    return out;
+}
+
+}  // namespace coppice

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/tetra/lattice/tetra_mesh.h"
+
+namespace coppice {
+
+struct MarchOptions {
+    int levels = 2;     ///< times every tetrahedron is cut into eight
+    float snap = 0.4f;  ///< [fine edges] vertices nearer than this to the surface are moved onto it; 0: none
+    int refinements =
+        2;  ///< times a vertex is moved along its edge towards the surface after the first guess
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, MarchOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"levels", "times every tetrahedron is cut into eight", Unit::none, 0, 5}, o.levels);
+    visit(Field{"snap", "corners nearer to the surface than this are moved onto it, in lengths of an edge",
+                Unit::none, 0, 0.5},
+          o.snap);
+    visit(
+        Field{"refinements", "times a vertex is moved towards the surface along its edge", Unit::none, 0, 20},
+        o.refinements);
+}
+
+struct MarchReport {
+    std::uint64_t tetra = 0;     ///< of the finest level
+    std::uint64_t vertices = 0;  ///< of the finest level, all sampled
+    std::uint64_t crossed = 0;   ///< tetrahedra of the finest level that the surface crosses
+    std::uint64_t snapped = 0;   ///< vertices moved onto the surface
+    std::uint64_t freed = 0;     ///< of those near enough, put back so that nothing folds or touches
+    friend bool operator==(const MarchReport&, const MarchReport&) = default;
+};
+
+struct MarchResult {
+    TriMesh mesh;
+    std::vector<TetraFace> open;  ///< coarse faces of one tetrahedron alone that the surface passes through
+    MarchReport report;
+};
+
+/// The surface value = level of a field within tetrahedra: marching tetrahedra on a mesh subdivided by
+/// TetraRefinement. Closed, manifold, oriented and free of self-intersections whatever the field, as far as
+/// rounding to float allows; what is thinner than a fine edge may be lost.
+///
+/// Every fine vertex is sampled once. Those near the surface are moved onto it, so that neither short edges
+/// nor slivers arise [Labelle2007]. A vertex is left where it was if a tetrahedron would turn over or become
+/// flat, or if two sheets of the surface would meet in it. Edges between inside and outside get a vertex
+/// where the field crosses its level. Along edges, and along the gradient, it is not the value that is
+/// followed but (value / level)^0.4, a straight line for the compact quartic kernel, where the level is above
+/// 0. A sample that is not a number is outside.
+///
+/// Where the surface passes through the hull, that is, where a face that belongs to one tetrahedron alone has
+/// fine vertices on both sides, these faces are named in `open`, ascending, and the mesh and what the report
+/// says of it are left empty. A hull that is inside as a whole, such as the inner one of a shell, is no
+/// fault.
+///
+/// Each region of the mesh is sampled with its number. Deterministic for any number of threads. Throws
+/// InvalidInput for options out of range and for what TetraRefinement refuses. O(fine tetrahedra); 4 bytes
+/// per fine vertex and some 200 per coarse tetrahedron besides the result.
+MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& options = {},
+                  const Context& ctx = {});
+
+}  // namespace coppice

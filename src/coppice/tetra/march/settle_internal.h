@@ -1,0 +1,84 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/tetra/march/crossed_internal.h"
+
+namespace coppice::tetra_internal {
+
+/// The triangles around a vertex on the surface.
+enum class Fan : std::uint8_t {
+    none,
+    single,  ///< one closed way around it, of three or more, that comes to no corner twice
+    spoilt,
+    unknown  ///< to be looked at
+};
+
+/// Two corners of a triangle that follow a vertex on the surface: fine vertices, or fine edges that are cut,
+/// named in some way that is the same from all sides.
+template <class Key>
+struct LinkSegment {
+    Key from, to;
+};
+
+/// What the triangles around one vertex make. O(square of their number).
+template <class Key>
+Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
+    if (segments.empty()) return Fan::none;
+    // From each segment to the first that goes on from its end: only from a single closed way without a
+    // corner that it comes to twice does this see all segments before it is back.
+    std::size_t at = 0, steps = 0;
+    do {
+        std::size_t next = 0;
+        while (next < segments.size() && segments[next].from != segments[at].to) ++next;
+        if (next == segments.size()) return Fan::spoilt;
+        at = next;
+        ++steps;
+    } while (at != 0 && steps < segments.size());
+    return at == 0 && steps == segments.size() && steps >= 3 ? Fan::single : Fan::spoilt;
+}
+
+/// The fans of all vertices on the surface, by rank in `placed`; those that may be spoilt are left unknown.
+/// O(triangles).
+std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
+                           const CrossedTetra& crossed, const Context& ctx);
+
+/// Which vertices are to be put back because fine tetrahedra, of all coarse ones or of some, have turned over
+/// or become too flat: of each the vertex that moved farthest. Ascending.
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      const Context& ctx);
+std::vector<std::uint32_t> find_folds(const TetraRefinement& refinement, const Samples& samples,
+                                      std::span<const std::uint32_t> tetra, const Context& ctx);
+
+/// The numbers below `universe` that body(range, mark) marks by calling mark(number), over ranges of [0,
+/// count): ascending, each once. O(universe / 64) besides.
+template <class Body>
+std::vector<std::uint32_t> collect_marked(std::size_t universe, std::size_t count, std::size_t grain,
+                                          const Body& body, const Context& ctx) {
+    std::vector<std::uint64_t> words(universe / 64 + 1);
+    const auto mark = [&](std::uint32_t i) {
+        std::atomic_ref(words[i / 64]).fetch_or(std::uint64_t{1} << (i % 64), std::memory_order_relaxed);
+    };
+    parallel_for_ranges(ctx, count, grain, [&](IndexRange range) { body(range, mark); });
+    std::vector<std::uint32_t> out;
+    for_each_bit(words, [&](std::uint32_t i) { out.push_back(i); });
+    return out;
+}
+
+struct Settled {
+    CrossedTetra crossed;
+    std::vector<std::uint8_t> used;  ///< by rank in `placed`: whether a vertex on the surface has triangles
+};
+
+/// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
+/// on the surface are one closed fan, or none. What is returned refers to the other two.
+Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
+
+/// Triangles from the signs, once they are settled.
+TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
+                const Settled& settled, int refinements, MarchReport& report, const Context& ctx);
+
+}  // namespace coppice::tetra_internal

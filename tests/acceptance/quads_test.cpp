@@ -1,0 +1,248 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "acceptance/support.h"
+#include "coppice/base/hash.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/measure/surface_report.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/random_tree.h"
+#include "zoo.h"
+
+// The whole way from skeleton to quads, held against what is promised of it.
+
+namespace coppice {
+namespace {
+
+using namespace test;
+
+bool all_finite(const QuadMesh& mesh) {
+    return std::all_of(mesh.positions.begin(), mesh.positions.end(),
+                       [](Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
+}
+
+/// One closed sphere of quads per tree, seen from outside.
+void expect_spheres(const QuadMesh& mesh, const Skeleton& skeleton) {
+    const std::uint64_t trees = skeleton.tree_count();
+    const TopologyReport t = topology(mesh);
+    EXPECT_TRUE(t.sound()) << t.open_edges << " open, " << t.non_manifold_edges << " non-manifold and "
+                           << t.misoriented_edges << " misoriented edges, " << t.non_manifold_vertices
+                           << " non-manifold vertices";
+    EXPECT_EQ(t.quads, t.faces);
+    EXPECT_EQ(t.vertices, mesh.positions.size());
+    EXPECT_EQ(t.components, trees);
+    EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(trees));
+    ASSERT_TRUE(all_finite(mesh));
+    EXPECT_GT(shape(mesh).signed_volume, 0);
+}
+
+std::uint64_t hash_of(const MeshResult& result) {
+    return Hash()
+        .add(std::span<const Vec3>(result.mesh.positions))
+        .add(std::span<const Quad>(result.mesh.quads))
+        .add(std::span<const Vec3>(result.cage.cage.positions))
+        .add(std::span<const Quad>(result.cage.cage.quads))
+        .value();
+}
+
+void expect_same_bits(const Skeleton& skeleton) {
+    const std::uint64_t one = hash_of(mesh_skeleton(skeleton, {}, {.threads = 1}));
+    for (const unsigned threads : {2u, 7u}) {
+        EXPECT_EQ(hash_of(mesh_skeleton(skeleton, {}, {.threads = threads})), one) << threads << " threads";
+    }
+}
+
+SurfaceReport judge(const Skeleton& skeleton) {
+    return check_surface(to_polygons(mesh_skeleton(skeleton).mesh), &skeleton);
+}
+
+/// What a tree whose branches keep clear of each other must reach.
+void expect_faithful(const Skeleton& skeleton) {
+    const SurfaceReport r = judge(skeleton);
+    EXPECT_EQ(r.intersections->local, 0u);
+    EXPECT_EQ(r.intersections->remote, 0u);
+    EXPECT_LE(r.radius->regular.mean_abs, 0.010);
+    EXPECT_LE(std::abs(r.radius->regular.mean), 0.004);
+    EXPECT_GE(r.radius->regular.p1, -0.05);
+    EXPECT_LE(r.radius->regular.p99, 0.05);
+    EXPECT_EQ(r.coverage->missing, 0u);
+    EXPECT_EQ(r.coverage->pinched, 0u);
+    EXPECT_GE(r.radius->tip_reach.p1, 0.7);
+    EXPECT_LE(r.radius->tip_reach.p99, 1.2);
+    EXPECT_EQ(r.shape.inverted_faces, 0u);
+    EXPECT_GE(r.shape.scaled_jacobian.p1, 0.40);
+}
+
+// --- the zoo -----------------------------------------------------------------------------------------
+
+class AcceptanceZoo : public testing::TestWithParam<int> {};
+
+TEST_P(AcceptanceZoo, EverySkeletonGivesOneSphereForEachTree) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        MeshOptions options;
+        options.levels = GetParam();
+        expect_spheres(mesh_skeleton(skeleton, options).mesh, skeleton);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, AcceptanceZoo, testing::Values(0, 2),
+                         [](const auto& chosen) { return std::to_string(chosen.param); });
+
+TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
+    MeshOptions options;
+    options.control.base = BaseShape::open;
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        std::uint64_t holes = 0;
+        const PrepareResult prepared = prepare(skeleton, options.prepare);
+        const GraftResult grafted = graft_branches(prepared.skeleton, options.graft, {});
+        const PartResult parted = part_branches(grafted.tubes, {});
+        for (const NodeId n : nodes(parted.skeleton)) {
+            holes += parted.skeleton.is_root(n) && parted.skeleton.children(n).size() == 1 ? 1 : 0;
+        }
+        const TopologyReport t = topology(mesh_skeleton(skeleton, options).mesh);
+        EXPECT_EQ(t.open_edges, holes * 4 * (1u << options.levels));
+        EXPECT_EQ(t.euler, static_cast<std::int64_t>(2 * skeleton.tree_count() - holes));
+        EXPECT_EQ(t.components, skeleton.tree_count());
+        EXPECT_EQ(t.non_manifold_edges + t.misoriented_edges + t.non_manifold_vertices, 0u);
+    }
+}
+
+/// Rim and cap of one flat end against the disc of radius r about c across the plane's normal.
+void expect_disc(const MeshResult& result, int levels, const ClipPlane& clip, Vec3 c, float r) {
+    const std::size_t begin = std::size_t{clip.first_quad} << (2 * levels);
+    const std::size_t end = begin + (std::size_t{clip.quad_count} << (2 * levels));
+    std::vector<int> uses(result.mesh.positions.size(), 0);
+    for (std::size_t q = 0; q < result.mesh.quads.size(); ++q) {
+        for (const std::uint32_t v : result.mesh.quads[q]) uses[v] |= q >= begin && q < end ? 1 : 2;
+    }
+    float off_plane = 0, off_circle = 0, widest_inside = 0;
+    for (std::size_t v = 0; v < uses.size(); ++v) {
+        if ((uses[v] & 1) == 0) continue;
+        const Vec3 p = result.mesh.positions[v] - c;
+        off_plane = std::max(off_plane, std::abs(dot(clip.normal, p)) / r);
+        const float out = length(cross(clip.normal, p)) / r;
+        if (uses[v] == 3) off_circle = std::max(off_circle, std::abs(out - 1));
+        if (uses[v] == 1) widest_inside = std::max(widest_inside, out);
+    }
+    EXPECT_LE(off_plane, 1e-5f);
+    EXPECT_LE(off_circle, 1e-3f);
+    EXPECT_LT(widest_inside, 0.98f);
+}
+
+TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
+    const Skeleton bent({NodeId::none(), NodeId(0), NodeId(1), NodeId(2)},
+                        {{0.1f, 0.2f, 0.4f}, {0.5f, 0.5f, 1.5f}, {1.3f, 0.7f, 2.3f}, {2.6f, 0.2f, 2.6f}},
+                        {0.5f, 0.45f, 0.4f, 0.3f});
+    const Skeleton stump({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 0.3f}}, {0.5f, 0.5f});
+    for (const Skeleton& s : {bent, stump}) {
+        for (const int sides : {4, 8, 16}) {
+            for (const int levels : {1, 2, 3}) {
+                SCOPED_TRACE(std::to_string(s.size()) + " nodes, " + std::to_string(sides) +
+                             " sides, level " + std::to_string(levels));
+                MeshOptions options;
+                options.levels = levels;
+                options.control = {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat};
+                const MeshResult result = mesh_skeleton(s, options);
+                expect_spheres(result.mesh, s);
+                ASSERT_EQ(result.cage.clip.size(), 2u);
+                const NodeId tip(s.size() - 1);
+                expect_disc(result, levels, result.cage.clip[0], s.position(NodeId(0)), s.radius(NodeId(0)));
+                expect_disc(result, levels, result.cage.clip[1], s.position(tip), s.radius(tip));
+                const SurfaceReport r = check_surface(to_polygons(result.mesh), nullptr);
+                EXPECT_EQ(r.intersections->local + r.intersections->remote, 0u);
+                EXPECT_EQ(r.shape.inverted_faces, 0u);
+                EXPECT_GE(r.shape.scaled_jacobian.min, 0.3);
+                if (s.size() > 2) continue;
+                const double corner =
+                    std::numbers::pi / (sides << (levels - 1));  // half a turn, by rim vertices
+                const double prism = std::numbers::pi * 0.25 * 0.3 * std::sin(corner) / corner;
+                EXPECT_NEAR(r.shape.signed_volume / prism, 1, 1e-3);
+            }
+        }
+    }
+}
+
+TEST(Acceptance, EverySkeletonInTheZooClosesWithFlatEnds) {
+    MeshOptions options;
+    options.control = {.tips = TipShape::flat, .base = BaseShape::flat};
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        expect_spheres(mesh_skeleton(skeleton, options).mesh, skeleton);
+    }
+}
+
+TEST(Acceptance, SameBitsForAnyNumberOfThreads) {
+    for (const char* name : {"soma", "forest", "thin_lateral_15", "whorl_on_short_trunk",
+                             "short_segments_010", "random_hard_2", "random_large", "random_large_hard"}) {
+        SCOPED_TRACE(name);
+        expect_same_bits(zoo_skeleton(name));
+    }
+}
+
+TEST(Acceptance, MadeUpTreesAreFaithful) {
+    for (const std::uint64_t seed : {1u, 6u}) {
+        SCOPED_TRACE(seed);
+        expect_faithful(random_tree(300, seed));
+    }
+}
+
+TEST(Acceptance, CrowdsOfBranchesAreClosed) {
+    // Every branch overlaps hundreds of others: whatever the surface looks like, it closes, and soon.
+    constexpr std::uint32_t kBranches = 300;
+    std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
+    std::vector<Vec3> position{{0, 0, 0}, {0, 0, 1}};
+    std::vector<float> radius{0.3f, 0.3f};
+    for (std::uint32_t i = 0; i < kBranches; ++i) {
+        parent.emplace_back(1u);
+        position.push_back({1, 0.0003f * static_cast<float>(i), 1.2f});
+        radius.push_back(0.05f);
+    }
+    const Skeleton skeleton(parent, position, radius);
+    const QuadMesh mesh = mesh_skeleton(skeleton).mesh;
+    const TopologyReport t = topology(mesh);
+    EXPECT_TRUE(t.sound());
+    EXPECT_EQ(t.components, 1u);
+    EXPECT_EQ(t.euler, 2);
+    EXPECT_TRUE(all_finite(mesh));
+}
+
+// --- skeletons of others ------------------------------------------------------------------------------
+
+TEST(AcceptanceFiles, EverySkeletonGivesOneSphereForEachTree) {
+    const std::vector<fs::path> files = skeleton_files();
+    if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
+    for (const fs::path& file : files) {
+        SCOPED_TRACE(file.filename());
+        const Skeleton skeleton = read_skeleton(file).skeleton;
+        expect_spheres(mesh_skeleton(skeleton).mesh, skeleton);
+    }
+}
+
+class AcceptanceWorkload : public testing::TestWithParam<const char*> {
+  protected:
+    fs::path file() const { return workload(GetParam()); }
+};
+
+TEST_P(AcceptanceWorkload, IsFaithful) {
+    if (!fs::exists(file())) GTEST_SKIP() << "there is no " << file();
+    expect_faithful(read_skeleton(file()).skeleton);
+}
+
+TEST_P(AcceptanceWorkload, SameBitsForAnyNumberOfThreads) {
+    if (!fs::exists(file())) GTEST_SKIP() << "there is no " << file();
+    expect_same_bits(read_skeleton(file()).skeleton);
+}
+
+INSTANTIATE_TEST_SUITE_P(Trees, AcceptanceWorkload, testing::Values("tree300", "tree3k"),
+                         [](const auto& chosen) { return std::string(chosen.param); });
+
+}  // namespace
+}  // namespace coppice

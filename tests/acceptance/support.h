@@ -1,0 +1,41 @@
+#pragma once
+
+#include "paths.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+// Skeletons of others and the workloads lie in a folder beside the sources that not every checkout has;
+// without it those cases are skipped, and the zoo and made-up trees remain.
+
+namespace coppice::test {
+
+namespace fs = std::filesystem;
+
+inline const fs::path kShared = fs::path(COPPICE_SOURCE_DIR).parent_path() / "shared";
+
+inline bool is_skeleton_file(const fs::path& file) {
+    const std::string end = file.extension(), name = file.filename();
+    return end == ".swc" || end == ".csv" || end == ".mat" || name.find("TreeQSM.txt") != std::string::npos;
+}
+
+inline std::vector<fs::path> skeleton_files() {
+    std::vector<fs::path> files;
+    for (const char* folder : {"swc", "qsm"}) {
+        std::error_code absent;
+        for (const auto& entry : fs::directory_iterator(kShared / "data" / folder, absent)) {
+            if (is_skeleton_file(entry.path())) files.push_back(entry.path());
+        }
+    }
+    for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc", "tree3khard.swc"}) {
+        if (fs::exists(kShared / "workloads" / name)) files.push_back(kShared / "workloads" / name);
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+inline fs::path workload(const std::string& name) { return kShared / "workloads" / (name + ".swc"); }
+
+}  // namespace coppice::test

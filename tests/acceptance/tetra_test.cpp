@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "acceptance/support.h"
+#include "coppice/base/hash.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/measure/surface_report.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/random_tree.h"
+#include "zoo.h"
+
+// The whole way from skeleton to triangles by tetrahedra, held against what is promised of it.
+
+namespace coppice {
+namespace {
+
+using namespace test;
+
+MeshOptions tetrahedra(int levels = 1) {
+    MeshOptions options;
+    options.method = MeshMethod::tetrahedra;
+    options.tetra.tetra_levels = levels;
+    return options;
+}
+
+SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = tetrahedra()) {
+    return check_surface(to_polygons(mesh_skeleton(skeleton, options).triangles), &skeleton);
+}
+
+/// Closed, manifold, oriented, not inside out, and never through itself.
+void expect_solid(const SurfaceReport& r) {
+    EXPECT_TRUE(r.sound()) << r.topology.open_edges << " open, " << r.topology.non_manifold_edges
+                           << " non-manifold and " << r.topology.misoriented_edges << " misoriented edges, "
+                           << r.topology.non_manifold_vertices << " non-manifold vertices";
+    EXPECT_EQ(r.intersections->total, 0u);
+    EXPECT_GT(r.shape.signed_volume, 0);
+}
+
+TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolid) {
+    for (const int levels : {0, 1, 2}) {
+        for (const auto& [name, skeleton] : skeleton_zoo()) {
+            SCOPED_TRACE(name + ", level " + std::to_string(levels));
+            expect_solid(judge(skeleton, tetrahedra(levels)));
+        }
+    }
+}
+
+TEST(AcceptanceTetra, NoSegmentIsMissingFromHardTrees) {
+    for (const char* name :
+         {"random_hard_2", "random_large_hard", "whorl_on_short_trunk", "thin_lateral_15"}) {
+        SCOPED_TRACE(name);
+        const SurfaceReport r = judge(zoo_skeleton(name));
+        EXPECT_EQ(r.coverage->missing, 0u);
+        EXPECT_EQ(r.coverage->pinched, 0u);
+    }
+}
+
+TEST(AcceptanceTetra, BranchesThatCrossBecomeOneBody) {
+    // Two trees, each a bar through the other's middle.
+    const Skeleton cross({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
+                         {{-2, 0, 0}, {2, 0, 0}, {0, -2, 0}, {0, 2, 0}}, {0.3f, 0.3f, 0.3f, 0.3f});
+    const SurfaceReport r = judge(cross);
+    expect_solid(r);
+    EXPECT_EQ(r.topology.components, 1u);
+    EXPECT_EQ(r.topology.euler, 2);
+}
+
+TEST(AcceptanceTetra, TreesThatKeepApartStayApart) {
+    const Skeleton apart({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
+                         {{-2, 0, 0}, {2, 0, 0}, {-2, 1, 0}, {2, 1, 0}}, {0.3f, 0.3f, 0.3f, 0.3f});
+    const SurfaceReport r = judge(apart);
+    expect_solid(r);
+    EXPECT_EQ(r.topology.components, 2u);
+    EXPECT_EQ(r.topology.euler, 4);
+}
+
+TEST(AcceptanceTetra, FlatEndsLieInTheirPlanes) {
+    const Skeleton bar({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
+                       {0.25f, 0.25f, 0.25f});
+    MeshOptions options = tetrahedra(3);
+    options.tetra.edge = 0.15f;
+    options.control.tips = TipShape::flat;
+    const MeshResult result = mesh_skeleton(bar, options);
+    const SurfaceReport r = check_surface(to_polygons(result.triangles), nullptr);
+    expect_solid(r);
+    float low = 1, high = 0;
+    for (const Vec3 p : result.triangles.positions) {
+        low = std::min(low, p.z);
+        high = std::max(high, p.z);
+    }
+    EXPECT_NEAR(low, 0, 1e-4);
+    EXPECT_NEAR(high, 2, 1e-4);
+    const double cylinder = 3.14159265 * 0.25 * 0.25 * 2;
+    EXPECT_NEAR(r.shape.signed_volume / cylinder, 1, 0.02);
+    options.control = {.base = BaseShape::round};
+    const SurfaceReport round = check_surface(to_polygons(mesh_skeleton(bar, options).triangles), nullptr);
+    const double ball = 4.0 / 3 * 3.14159265 * 0.25 * 0.25 * 0.25;
+    EXPECT_NEAR(round.shape.signed_volume / (cylinder + ball), 1, 0.04);
+}
+
+TEST(AcceptanceTetra, EdgeMeansTheLengthOfEdgesWhateverTheLevels) {
+    const Skeleton tree = random_tree(100, 3);
+    for (const int levels : {1, 2, 3}) {
+        MeshOptions options = tetrahedra(levels);
+        const std::size_t coarse = mesh_skeleton(tree, options).triangles.triangles.size();
+        options.tetra.edge *= 0.5f;
+        const std::size_t fine = mesh_skeleton(tree, options).triangles.triangles.size();
+        EXPECT_NEAR(static_cast<double>(fine) / static_cast<double>(coarse), 4, 1) << levels << " levels";
+    }
+}
+
+TEST(AcceptanceTetra, SameBitsForAnyNumberOfThreads) {
+    const auto hash = [](const Skeleton& s, unsigned threads) {
+        const MeshResult r = mesh_skeleton(s, tetrahedra(), {.threads = threads});
+        return Hash()
+            .add(std::span<const Vec3>(r.triangles.positions))
+            .add(std::span<const Triangle>(r.triangles.triangles))
+            .value();
+    };
+    for (const char* name : {"soma", "forest", "random_hard_2", "random_large_hard"}) {
+        SCOPED_TRACE(name);
+        const Skeleton skeleton = zoo_skeleton(name);
+        const std::uint64_t one = hash(skeleton, 1);
+        for (const unsigned threads : {2u, 7u})
+            EXPECT_EQ(hash(skeleton, threads), one) << threads << " threads";
+    }
+}
+
+TEST(AcceptanceTetraFiles, EverySkeletonGivesASolid) {
+    const std::vector<fs::path> files = skeleton_files();
+    if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
+    for (const fs::path& file : files) {
+        SCOPED_TRACE(file.filename());
+        expect_solid(judge(read_skeleton(file).skeleton));
+    }
+}
+
+class AcceptanceTetraWorkload : public testing::TestWithParam<const char*> {};
+
+TEST_P(AcceptanceTetraWorkload, IsFaithful) {
+    if (!fs::exists(workload(GetParam()))) GTEST_SKIP() << "there is no " << workload(GetParam());
+    const SurfaceReport r = judge(read_skeleton(workload(GetParam())).skeleton);
+    expect_solid(r);
+    EXPECT_LE(r.radius->regular.mean_abs, 0.012);
+    EXPECT_EQ(r.coverage->missing, 0u);
+    EXPECT_EQ(r.coverage->pinched, 0u);
+    // The least angle of one triangle in a hundred: the sine of 12 degrees over that of 60.
+    EXPECT_GE(r.shape.scaled_jacobian.p1, 0.24);
+}
+
+INSTANTIATE_TEST_SUITE_P(Trees, AcceptanceTetraWorkload,
+                         testing::Values("tree300", "tree300hard", "tree3k", "tree3khard"),
+                         [](const auto& chosen) { return std::string(chosen.param); });
+
+}  // namespace
+}  // namespace coppice

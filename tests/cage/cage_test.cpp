@@ -1,0 +1,162 @@
+#include "coppice/cage/cage.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "coppice/cage/part.h"
+#include "coppice/mesh/topology.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+std::vector<NodeId> same_nodes(const Skeleton& s) {
+    std::vector<NodeId> ids;
+    for (const NodeId n : nodes(s)) ids.push_back(n);
+    return ids;
+}
+
+ControlMesh cage_of(const Skeleton& s, const ControlOptions& options = {}, unsigned threads = 2) {
+    Context ctx;
+    ctx.threads = threads;
+    return build_control_mesh(s, same_nodes(s), options, ctx);
+}
+
+void expect_spheres(const ControlMesh& m, std::uint32_t trees) {
+    const TopologyReport t = topology(m.cage);
+    EXPECT_TRUE(t.sound());
+    EXPECT_EQ(t.components, trees);
+    EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(trees));
+    EXPECT_EQ(t.vertices, m.cage.positions.size()) << "every vertex is used";
+}
+
+TEST(BuildControlMesh, EverySkeletonInTheZooGivesOneSpherePerTree) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const ControlMesh m = cage_of(skeleton);
+        expect_spheres(m, skeleton.tree_count());
+        for (std::size_t v = 0; v < m.anchors.size(); ++v) {
+            ASSERT_TRUE(is_finite(m.cage.positions[v]));
+            ASSERT_TRUE(is_finite(m.anchors[v]));
+        }
+    }
+}
+
+TEST(BuildControlMesh, EveryPartedSkeletonInTheZooGivesOneSpherePerTree) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const PartResult parted = part_branches(skeleton, {});
+        EXPECT_EQ(parted.skeleton.tree_count(), skeleton.tree_count());
+        expect_spheres(build_control_mesh(parted.skeleton, parted.source, {}, {}), skeleton.tree_count());
+    }
+}
+
+TEST(BuildControlMesh, EverySideCountCloses) {
+    for (const int sides : {4, 8, 16}) {
+        for (const auto& [name, skeleton] : skeleton_zoo()) {
+            SCOPED_TRACE(name + " with " + std::to_string(sides) + " sides");
+            expect_spheres(cage_of(skeleton, {.sides = sides}), skeleton.tree_count());
+        }
+    }
+}
+
+TEST(BuildControlMesh, AChainHasOneRingPerNodeAndACapAtEachEnd) {
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
+                     {0.1f, 0.1f, 0.1f});
+    const ControlOptions round{.base = BaseShape::round};
+    EXPECT_EQ(cage_of(s, round).cage.positions.size(), 3u * 4);
+    EXPECT_EQ(cage_of(s, round).cage.quads.size(), 2u * 4 + 2);
+    EXPECT_EQ(cage_of(s, {.sides = 8, .base = BaseShape::round}).cage.quads.size(), 2u * 8 + 2 * 4);
+}
+
+// Two poles of valence 6 are all that a fork costs; each tip adds the four corners of its cap.
+TEST(BuildControlMesh, AForkHasTwoIrregularPoles) {
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
+                     {{0, 0, 0}, {0, 0, 1}, {0.7f, 0, 1.7f}, {-0.7f, 0, 1.7f}}, {0.1f, 0.1f, 0.08f, 0.08f});
+    const ControlMesh m = cage_of(s, {.base = BaseShape::round});
+    EXPECT_EQ(m.cage.quads.size(), 3u * 4 + 3);
+    EXPECT_EQ(topology(m.cage).irregular_vertices, 2u + 3 * 4);
+}
+
+TEST(BuildControlMesh, AnOpenBaseLeavesOneHoleOfFourEdges) {
+    const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.1f});
+    const ControlMesh m = cage_of(s, {.base = BaseShape::open});
+    const TopologyReport t = topology(m.cage);
+    EXPECT_EQ(t.open_edges, 4u);
+    EXPECT_EQ(t.non_manifold_edges, 0u);
+    EXPECT_EQ(t.euler, 1);
+    EXPECT_TRUE(m.clip.empty());
+    for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(m.cage.positions[v].z, 0) << "the border lies in the plane";
+}
+
+TEST(BuildControlMesh, TheBaseIsFlatUnlessToldOtherwise) {
+    const Skeleton s = zoo_skeleton("one_segment");
+    EXPECT_EQ(cage_of(s).clip.size(), 1u);
+    EXPECT_TRUE(cage_of(s, {.base = BaseShape::round}).clip.empty());
+}
+
+// Both ends of a single segment, whose quads are all of one region.
+TEST(BuildControlMesh, FlatEndsAreCutAtTheirNodes) {
+    const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 1}, {0, 0, 3}}, {0.1f, 0.1f});
+    for (const int sides : {4, 8, 16}) {
+        SCOPED_TRACE(sides);
+        const ControlMesh m = cage_of(s, {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat});
+        ASSERT_EQ(m.clip.size(), 2u);
+        EXPECT_EQ(m.clip[0].normal, (Vec3{0, 0, -1}));
+        EXPECT_FLOAT_EQ(m.clip[0].offset, -1);
+        EXPECT_EQ(m.clip[1].normal, (Vec3{0, 0, 1}));
+        EXPECT_FLOAT_EQ(m.clip[1].offset, 3);
+        // A ring around a grid; the rim, where it meets the tube, lies in the plane, with its anchors.
+        const auto across = static_cast<std::uint32_t>(sides) / 4;
+        for (const ClipPlane& clip : m.clip) {
+            EXPECT_EQ(clip.quad_count, static_cast<std::uint32_t>(sides) + across * across);
+            std::vector<int> uses(m.cage.positions.size(), 0);
+            for (std::uint32_t q = 0; q < m.cage.quads.size(); ++q) {
+                const bool in_cap = q - clip.first_quad < clip.quad_count;
+                for (const std::uint32_t v : m.cage.quads[q]) uses[v] |= in_cap ? 1 : 2;
+            }
+            EXPECT_EQ(std::count(uses.begin(), uses.end(), 3), sides);
+            for (std::size_t v = 0; v < uses.size(); ++v) {
+                if (uses[v] != 3) continue;
+                EXPECT_NEAR(dot(clip.normal, m.cage.positions[v]), clip.offset, 1e-6f);
+                EXPECT_NEAR(dot(clip.normal, m.anchors[v]), clip.offset, 1e-6f);
+            }
+        }
+    }
+}
+
+TEST(BuildControlMesh, EverySkeletonWithFlatEndsGivesOneSpherePerTree) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const ControlMesh m = cage_of(skeleton, {.tips = TipShape::flat, .base = BaseShape::flat});
+        expect_spheres(m, skeleton.tree_count());
+        std::uint64_t taken = 0;
+        for (const ClipPlane& clip : m.clip) {
+            EXPECT_GE(clip.first_quad, taken);
+            taken = clip.first_quad + clip.quad_count;
+            EXPECT_NEAR(length(clip.normal), 1, 1e-5f);
+        }
+        EXPECT_LE(taken, m.cage.quads.size());
+    }
+}
+
+TEST(BuildControlMesh, SameBitsForAnyNumberOfThreads) {
+    const Skeleton s = zoo_skeleton("random_large_hard");
+    const ControlMesh one = cage_of(s, {}, 1);
+    for (const unsigned threads : {2u, 7u}) {
+        const ControlMesh m = cage_of(s, {}, threads);
+        EXPECT_EQ(m.cage.positions, one.cage.positions);
+        EXPECT_EQ(m.cage.quads, one.cage.quads);
+        EXPECT_EQ(m.anchors, one.anchors);
+    }
+}
+
+TEST(BuildControlMesh, RefusesAnOddNumberOfSides) {
+    EXPECT_THROW(cage_of(zoo_skeleton("one_segment"), {.sides = 6}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,164 @@
+#include "coppice/cage/graft.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "coppice/base/segment_distance.h"
+#include "coppice/skeleton/random_tree.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+constexpr float kDepth = 0.6f;
+
+// A stem, a long way round, and a branch that comes back and passes the stem at the given distance.
+Skeleton loop(float offset, float radius = 0.05f) {
+    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3), NodeId(4)},
+            {{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, offset, 2}, {1, offset, 2}, {-2, offset, 2}},
+            {0.1f, 0.1f, 0.1f, radius, radius, radius}};
+}
+
+double axis_distance(const Skeleton& s, NodeId a, NodeId b) {
+    const auto at = [&](NodeId n) { return Vec3d(s.position(n)); };
+    return segment_distance(at(s.parent(a)), at(a), at(s.parent(b)), at(b));
+}
+
+float segment_length(const Skeleton& s, NodeId n) {
+    return s.is_root(n) ? 0 : distance(s.position(n), s.position(s.parent(n)));
+}
+
+// What holds for any result: maps in range, tubes whose sources lie where they do, nothing longer or shorter.
+void expect_sound(const Skeleton& given, const GraftResult& r) {
+    ASSERT_EQ(r.source.size(), r.tubes.size());
+    ASSERT_EQ(r.tube.size(), r.skeleton.size());
+    EXPECT_EQ(r.tubes.tree_count(), given.tree_count());
+    float before = 0, after = 0;
+    for (const NodeId n : nodes(given)) before += segment_length(given, n);
+    for (const NodeId n : nodes(r.skeleton)) after += segment_length(r.skeleton, n);
+    EXPECT_NEAR(after, before, 1e-4f * before);
+    for (const NodeId n : nodes(r.tubes)) ASSERT_LT(r.source[n.index()].index(), r.skeleton.size());
+    for (const NodeId t : r.tube) {
+        ASSERT_TRUE(!t || t.index() < r.tubes.size());
+    }
+}
+
+TEST(GraftBranches, APieceEndsAtTheBarkAndTheRestSpringsFromThere) {
+    for (const float offset : {0.0f, 0.02f, 0.08f}) {
+        const Skeleton s = loop(offset);
+        const GraftResult r = graft_branches(s, kDepth, {});
+        expect_sound(s, r);
+        EXPECT_EQ(r.report.grafted, 1u);
+        EXPECT_EQ(r.report.cut, 1u);
+        std::size_t tips = 0;
+        for (const NodeId n : nodes(r.tubes)) {
+            if (!r.tubes.is_tip(n)) continue;
+            ++tips;
+            const Vec3 p = r.tubes.position(n);
+            const bool given_tip = p == s.position(NodeId(5));
+            const bool at_bark = std::abs(std::hypot(p.x, p.y) - 0.125f) < 0.02f && p.x > 0;
+            EXPECT_TRUE(given_tip || at_bark) << p.x << " " << p.y << " " << p.z;
+        }
+        EXPECT_EQ(tips, 2u);
+    }
+}
+
+TEST(GraftBranches, NoTwoTubesCrossAfterwards) {
+    const GraftResult r = graft_branches(loop(0.03f), kDepth, {});
+    for (const NodeId a : nodes(r.tubes)) {
+        for (const NodeId b : nodes(r.tubes)) {
+            if (r.tubes.is_root(a) || r.tubes.is_root(b) || a >= b) continue;
+            const std::set<NodeId> ends{a, b, r.tubes.parent(a), r.tubes.parent(b)};
+            EXPECT_TRUE(ends.size() < 4 || axis_distance(r.tubes, a, b) > 0.09);
+        }
+    }
+}
+
+TEST(GraftBranches, TheThickBranchStandsWhereverItComesFrom) {
+    // The way round is the thick one now: it cuts the stem's thin top.
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(0), NodeId(3), NodeId(4)},
+                     {{0, 0, 0}, {0, 0, 1}, {0, 0, 4}, {3, 0, 0}, {3, 0, 3}, {-3, 0, 3}},
+                     {0.2f, 0.03f, 0.03f, 0.2f, 0.2f, 0.2f});
+    const GraftResult r = graft_branches(s, kDepth, {});
+    expect_sound(s, r);
+    EXPECT_EQ(r.report.cut, 1u);
+    for (const NodeId n : nodes(r.tubes)) {
+        if (r.tubes.radius(n) != 0.2f || r.tubes.is_root(n)) continue;
+        EXPECT_EQ(r.tubes.radius(r.tubes.parent(n)), 0.2f) << "a thick piece springs from a thin one";
+    }
+}
+
+TEST(GraftBranches, ATwigThatEndsInsideABranchIsCutThere) {
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
+                     {{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 2}, {0, 0, 2}},
+                     {0.3f, 0.3f, 0.3f, 0.05f, 0.05f});
+    const GraftResult r = graft_branches(s, kDepth, {});
+    expect_sound(s, r);
+    EXPECT_EQ(r.report.cut, 1u);
+    EXPECT_EQ(r.report.grafted, 0u);
+    EXPECT_EQ(r.report.buried, 1u);
+}
+
+TEST(GraftBranches, OrdinaryTreesAndShallowOverlapsStayAsTheyAre) {
+    for (const Skeleton& s : {loop(0.13f), loop(1), Skeleton({NodeId::none()}, {{}}, {1})}) {
+        const GraftResult r = graft_branches(s, kDepth, {});
+        EXPECT_EQ(r.report.cut, 0u);
+        EXPECT_EQ(r.report.grafted, 0u);
+        EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
+        expect_sound(s, r);
+    }
+    const Skeleton tree = random_tree(3000, 2);
+    const GraftResult r = graft_branches(tree, kDepth, {});
+    EXPECT_LT(r.report.grafted, 30u);
+    expect_sound(tree, r);
+}
+
+TEST(GraftBranches, DepthZeroChangesNothing) {
+    const Skeleton s = loop(0);
+    const GraftResult r = graft_branches(s, 0, {});
+    EXPECT_TRUE(std::ranges::equal(r.tubes.positions(), s.positions()));
+    EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
+}
+
+TEST(GraftBranches, OfDifferentTreesNothingIsGrafted) {
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
+                     {{0, 0, 0}, {0, 0, 4}, {-2, 0, 2}, {2, 0, 2}}, {0.1f, 0.1f, 0.05f, 0.05f});
+    const GraftResult r = graft_branches(s, kDepth, {});
+    EXPECT_EQ(r.tubes.size(), 4u);
+    EXPECT_EQ(r.report.cut, 0u);
+}
+
+TEST(GraftBranches, EverySkeletonOfTheZooGivesATree) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        expect_sound(skeleton, graft_branches(skeleton, kDepth, {}));
+    }
+}
+
+TEST(GraftBranches, TanglesEndAndGiveATree) {
+    // Every second node of a zigzag comes back to nearly the same two places, so that all segments cross.
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    constexpr std::uint32_t kNodes = 2000;
+    for (std::uint32_t i = 0; i < kNodes; ++i) {
+        parent.push_back(i == 0 ? NodeId::none() : NodeId(i - 1));
+        position.push_back({i % 2 == 0 ? -10.0f : 10.0f, 0, 1e-4f * static_cast<float>(i)});
+    }
+    const Skeleton s(parent, position, std::vector<float>(kNodes, 0.5f));
+    expect_sound(s, graft_branches(s, kDepth, {}));
+}
+
+TEST(GraftBranches, IsTheSameForAnyNumberOfThreads) {
+    const Skeleton s = loop(0.02f);
+    Context one, seven;
+    one.threads = 1;
+    seven.threads = 7;
+    const GraftResult a = graft_branches(s, kDepth, one), b = graft_branches(s, kDepth, seven);
+    EXPECT_TRUE(std::ranges::equal(a.tubes.positions(), b.tubes.positions()));
+    EXPECT_EQ(a.tube, b.tube);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,91 @@
+#include "coppice/cage/part.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+// A stem along z with a lateral that leaves node 1 at an angle; the stem goes on over several nodes.
+Skeleton stem_with_lateral(float degrees) {
+    const float a = degrees * 3.14159265f / 180;
+    const Vec3 d{std::sin(a), 0, std::cos(a)};
+    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(4), NodeId(5)},
+            {{0, 0, 0},
+             {0, 0, 1},
+             {0, 0, 1.4f},
+             {0, 0, 2.8f},
+             Vec3{0, 0, 1} + d * 0.5f,
+             Vec3{0, 0, 1} + d * 1.2f,
+             Vec3{0, 0, 1} + d * 2.2f},
+            {0.2f, 0.2f, 0.2f, 0.1f, 0.08f, 0.08f, 0.05f}};
+}
+
+TEST(PartBranches, LeavesAWideForkAlone) {
+    const Skeleton s = stem_with_lateral(80);
+    const PartResult r = part_branches(s, {});
+    EXPECT_EQ(r.skeleton.size(), s.size());
+    EXPECT_EQ(r.report.absorbed + r.report.advanced + r.report.bundled + r.report.swallowed, 0u);
+}
+
+TEST(PartBranches, MovesTheForkOfAnAcuteLateralTowardsItsCrotch) {
+    const Skeleton s = stem_with_lateral(15);
+    const PartResult r = part_branches(s, {});
+    // (0.2 + 0.08 cos 15) / tan 15 is where the tubes part: more than a length unit above the node.
+    float highest = 0;
+    for (const NodeId n : nodes(r.skeleton)) {
+        if (r.skeleton.children(n).size() > 1) highest = std::max(highest, r.skeleton.position(n).z);
+    }
+    EXPECT_GT(highest, 1.3f);
+}
+
+TEST(PartBranches, ATipInsideAnotherBranchIsSwallowed) {
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
+                     {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0.1f, 0, 1}}, {0.5f, 0.5f, 0.5f, 0.05f});
+    EXPECT_EQ(part_branches(s, {}).report.swallowed, 1u);
+}
+
+TEST(PartBranches, EveryNodeHasATubeAndEverySourceIsANode) {
+    for (const auto& [name, s] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const PartResult r = part_branches(s, {});
+        ASSERT_EQ(r.tube.size(), s.size());
+        ASSERT_EQ(r.source.size(), r.skeleton.size());
+        for (const NodeId t : r.tube) ASSERT_LT(t.index(), r.skeleton.size());
+        for (const NodeId n : r.source) ASSERT_LT(n.index(), s.size());
+    }
+}
+
+TEST(PartBranches, TipsStayUnlessSwallowed) {
+    for (const auto& [name, s] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const PartResult r = part_branches(s, {});
+        std::set<std::uint32_t> kept;
+        for (const NodeId n : nodes(r.skeleton)) {
+            if (r.skeleton.is_tip(n)) kept.insert(r.source[n.index()].index());
+        }
+        std::uint32_t lost = 0;
+        for (const NodeId n : nodes(s)) lost += s.is_tip(n) && !kept.contains(n.index());
+        EXPECT_EQ(lost, r.report.swallowed);
+    }
+}
+
+TEST(PartBranches, NodesComeInDepthFirstOrder) {
+    for (const auto& [name, s] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const Skeleton parted = part_branches(s, {}).skeleton;
+        std::vector<NodeId> open;
+        for (const NodeId n : nodes(parted)) {
+            while (!open.empty() && open.back() != parted.parent(n)) open.pop_back();
+            ASSERT_TRUE(parted.is_root(n) || !open.empty());
+            open.push_back(n);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,204 @@
+#include "coppice/extract/cloud/draft_internal.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/cloud/strand_internal.h"
+#include "extract/cloud_support.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+/// A cloud with all that the steps of a draft want to know of it.
+struct Prepared {
+    Buffer<Vec3> points;
+    Graph graph;
+    Buffer<float> spacing;
+    FitSamples samples;
+    explicit Prepared(const PointSet& set) : points(set.positions.begin(), set.positions.end()) {
+        const Neighbours near = nearest_neighbours(points, 12, {});
+        graph = make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {});
+        spacing = local_spacing(near, 4);
+        samples = {points, {}, std::vector<std::uint32_t>(points.size(), kNone)};
+    }
+};
+
+/// A stem of radius 0.1 up to a height of 2, as one segment.
+DraftTree stem() {
+    DraftTree tree;
+    tree.add(kNone, {0, 0, 0}, 0.1);
+    tree.add(0, {0, 0, 2}, 0.1);
+    return tree;
+}
+
+TEST(CloudCover, PointsBelongToTheSurfaceTheyLieOn) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
+    const std::size_t on = set.size();
+    // Off the surface by more than noise, a fifth of the radius or a third of a spacing of some 20 mm.
+    for (int i = 0; i < 40; ++i) set.positions.push_back({0.135f, 0, 0.5f + 0.02f * static_cast<float>(i)});
+    Prepared p(set);
+    const Cover cover = claim_points(stem(), p.samples, p.spacing, {});
+    EXPECT_EQ(std::ranges::count(p.samples.node, kNone), 40);
+    EXPECT_EQ(
+        std::count(p.samples.node.begin() + static_cast<std::ptrdiff_t>(on), p.samples.node.end(), kNone),
+        40);
+    EXPECT_NEAR(cover.distance[on], 0.035, 1e-5);
+    // The sum of three uniform numbers of 2 mm each has a standard deviation of 1 mm.
+    EXPECT_NEAR(cover.noise, 0.001, 0.0002);
+}
+
+TEST(CloudCover, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
+    strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1.2}, 0.03, 0.03, 400, 0.002);
+    Prepared p(set);
+    DraftTree tree = stem();
+    const std::uint32_t fork = tree.add(0, {0, 0, 0.95}, 0.1);
+    tree.parent[1] = fork;
+    tree.add(fork, {0.5, 0, 1.2}, 0.03);       // the branch
+    tree.add(fork, {0.08, 0.02, 1.6}, 0.015);  // a second axis along the bark
+    const auto new_of_old = sort_parents_first(tree);
+    EXPECT_EQ(new_of_old.size(), 5u);
+    const Cover cover = claim_points(tree, p.samples, p.spacing, {});
+    EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, cover.noise, {}), 1u);
+    ASSERT_EQ(tree.size(), 4u);
+    EXPECT_EQ(std::ranges::count_if(tree.position, [](Vec3d q) { return q.x > 0.4; }), 1);
+    // Nothing else explains what is left.
+    EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, cover.noise, {}), 0u);
+}
+
+TEST(CloudChains, FollowATwigOfTenPointsBackToTheStem) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
+    strew_cone(set, {0.1, 0, 1}, {0.4, 0, 1}, 0.01, 0.01, 10);
+    Prepared p(set);
+    DraftTree tree = stem();
+    const Cover cover = claim_points(tree, p.samples, p.spacing, {});
+    grow_chains(tree, p.samples, p.graph, p.spacing, cover, {}, {});
+    ASSERT_GT(tree.size(), 2u);
+    const DraftLinks links(tree);
+    int tips = 0;
+    for (std::uint32_t n = 2; n < tree.size(); ++n) {
+        tips += links.is_tip(n) ? 1 : 0;
+        EXPECT_LT(std::hypot(tree.position[n].y, tree.position[n].z - 1), 0.015) << n;
+        EXPECT_LE(tree.radius[n], 0.02) << n;
+    }
+    EXPECT_EQ(tips, 1);
+    EXPECT_NEAR(tree.position.back().x, 0.4, 0.07);
+}
+
+TEST(CloudJoin, HangsLooseTubesOnEachOtherAndOnTheRoot) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 6000);
+    Prepared p(set);
+    DraftTree tree;  // two tubes, the upper one the wrong way round, with half a metre between them
+    tree.add(kNone, {0, 0, 0.1}, 0.1);
+    tree.add(0, {0, 0, 0.7}, 0.1);
+    tree.add(kNone, {0, 0, 1.9}, 0.1);
+    tree.add(2, {0, 0, 1.2}, 0.1);
+    claim_points(tree, p.samples, p.spacing, {});
+    std::vector<std::vector<std::uint32_t>> feet(1);
+    for (std::uint32_t i = 0; i < p.points.size(); ++i)
+        if (p.points[i].z < 0.03f) feet[0].push_back(i);
+    EXPECT_EQ(join_tubes(tree, p.samples, p.graph, feet, p.spacing, {}, {}), p.points.size());
+    EXPECT_EQ(std::ranges::count(tree.parent, kNone), 1);
+    const auto top = std::ranges::max_element(tree.position, {}, &Vec3d::z) - tree.position.begin();
+    EXPECT_TRUE(DraftLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
+    EXPECT_DOUBLE_EQ(tree.position[static_cast<std::size_t>(top)].z, 1.9);
+    EXPECT_LT(tree.position[0].z, 0.03);
+}
+
+TEST(CloudForks, LateralsStartWhereTheirAxesMeet) {
+    DraftTree tree = stem();
+    tree.position[1].z = 4;
+    const std::uint32_t fork = tree.add(0, {0, 0, 1.4}, 0.1);  // too high
+    tree.parent[1] = fork;
+    const std::uint32_t inside = tree.add(fork, {0.03, 0, 1.3}, 0.02);
+    const std::uint32_t outside = tree.add(inside, {0.3, 0, 1.3}, 0.02);
+    tree.add(outside, {0.6, 0, 1.6}, 0.02);
+    FitSamples samples;
+    samples.node = {inside};
+    const auto new_of_old = sort_parents_first(tree);
+    samples.node[0] = new_of_old[inside];
+    settle_forks(tree, samples);
+    // At 45 degrees, from 0.3 off the stem at a height of 1.3: it leaves the stem at 1.0.
+    const auto lateral = std::ranges::find(tree.position, Vec3d(0.3, 0, 1.3)) - tree.position.begin();
+    ASSERT_LT(lateral, tree.size());
+    const Vec3d start = tree.position[tree.parent[static_cast<std::size_t>(lateral)]];
+    EXPECT_DOUBLE_EQ(start.x, 0);
+    EXPECT_NEAR(start.z, 1.0, 0.1);
+    EXPECT_EQ(samples.node[0], static_cast<std::uint32_t>(lateral));
+    EXPECT_EQ(std::ranges::count(tree.position, Vec3d(0.03, 0, 1.3)), 0);
+}
+
+TEST(CloudStrand, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 600);
+    strew_cone(set, {0.3, 0, 0}, {0.3, 0, 1}, 0.05, 0.05, 600, 0, false, 2);
+    Prepared p(set);
+    std::vector<std::uint32_t> foot;
+    for (std::uint32_t i = 0; i < 600; ++i) {
+        if (p.points[i].z >= 0.02f) continue;
+        foot.push_back(i);
+        p.samples.node[i] = 0;
+    }
+    const Paths paths = shortest_paths(p.graph, foot, p.samples.node, p.spacing, {});
+    Strand strand(p.points, p.graph, p.spacing, p.samples.node, 1);
+    strand.trace(paths.order.back(), paths);
+    strand.shape(0.1);
+    EXPECT_GT(strand.members().size(), 540u);
+    for (const Strand::Member& m : strand.members()) EXPECT_LT(m.point, 600u);
+}
+
+TEST(CloudDraft, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
+    DraftTree tree;
+    tree.add(kNone, {0, 0, 0}, 0.1);
+    for (std::uint32_t i = 1; i <= 10; ++i) tree.add(i - 1, {0, 0, 0.1 * i}, 0.01);
+    tree.radius[8] = 0.05;    // 0.1 m long, of 0.6 m that it may be
+    tree.radius[10] = 0.022;  // 2.2 times as thick
+    slim_clubs(tree);
+    EXPECT_EQ(tree.radius[8], 0.01);
+    EXPECT_EQ(tree.radius[10], 0.022);
+    // What is thick for longer is a branch, as is what stands on the root or beyond a thin place.
+    for (std::uint32_t i = 7; i <= 10; ++i) tree.radius[i] = 0.03;
+    tree.radius[2] = 0.002;
+    const auto before = tree.radius;
+    slim_clubs(tree);
+    EXPECT_EQ(tree.radius, before);
+}
+
+TEST(CloudJoin, ShortTubesMuchThickerThanWhatTheyHangOnAreNone) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
+    strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1}, 0.01, 0.01, 200);
+    const std::size_t first = set.size();
+    strew_cone(set, {0.5, 0, 1}, {0.7, 0, 1}, 0.06, 0.06, 100);
+    Prepared p(set);
+    std::vector<std::uint32_t> foot;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        if (p.points[i].z < 0.05f) foot.push_back(i);
+        p.samples.node[i] = 1;
+    }
+    const std::vector<std::vector<std::uint32_t>> feet{foot};
+    for (const double end : {0.7, 1.5}) {
+        Prepared q = p;
+        DraftTree tree = stem();
+        tree.add(kNone, {0.1, 0, 1}, 0.01);
+        tree.add(2, {0.5, 0, 1}, 0.01);
+        tree.add(kNone, {0.5, 0, 1}, 0.06);
+        tree.add(4, {end, 0, 1}, 0.06);  // 3 radii long, then 17
+        for (std::size_t i = 3000; i < first; ++i) q.samples.node[i] = 3;
+        for (std::size_t i = first; i < q.points.size(); ++i) q.samples.node[i] = 5;
+        join_tubes(tree, q.samples, q.graph, feet, q.spacing, {}, {});
+        const bool kept = end > 1;
+        EXPECT_EQ(std::ranges::count(tree.radius, 0.06), kept ? 2 : 0);
+        EXPECT_EQ(q.samples.node.back() == kNone, !kept);
+    }
+}
+
+}  // namespace
+}  // namespace coppice::extract_internal

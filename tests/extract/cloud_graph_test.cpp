@@ -1,0 +1,150 @@
+#include "coppice/extract/cloud/graph_internal.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "coppice/base/random.h"
+#include "coppice/extract/cloud/clean_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+std::vector<Vec3> strewn(std::uint64_t count, std::uint64_t seed) {
+    std::vector<Vec3> points;
+    const CounterRandom random(seed, 1);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        points.push_back(
+            Vec3(Vec3d{random.uniform(3 * i), random.uniform(3 * i + 1), random.uniform(3 * i + 2)}));
+    }
+    return points;
+}
+
+TEST(CloudGraph, NeighboursAreTheNearestOnes) {
+    const auto points = strewn(300, 1);
+    const Neighbours near = nearest_neighbours(points, 5, {});
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        std::vector<float> all;
+        for (std::uint32_t j = 0; j < points.size(); ++j) {
+            if (j != i) all.push_back(static_cast<float>(distance(Vec3d(points[i]), Vec3d(points[j]))));
+        }
+        std::ranges::sort(all);
+        for (std::size_t k = 0; k < 5; ++k) EXPECT_FLOAT_EQ(near.distances(i)[k], all[k]);
+    }
+    EXPECT_EQ(nearest_neighbours(std::span(points).first(3), 5, {}).count, 2u);
+}
+
+TEST(CloudGraph, BridgesAreAMinimalSpanningTree) {
+    // Clusters of one point each: bridges against Prim's algorithm.
+    const auto points = strewn(120, 2);
+    const std::vector<std::uint8_t> used(points.size(), 0);
+    Components alone;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        alone.of.push_back(i);
+        alone.size.push_back(1);
+    }
+    double sum = 0;
+    const auto bridges = bridge_gaps(points, used, alone, 10, {});
+    for (const Link& link : bridges) sum += link.length;
+    EXPECT_EQ(bridges.size(), points.size() - 1);
+    std::vector<double> reach(points.size(), 1e9);
+    std::vector<bool> in(points.size(), false);
+    reach[0] = 0;
+    double least = 0;
+    for (std::size_t turn = 0; turn < points.size(); ++turn) {
+        std::size_t next = points.size();
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (!in[i] && (next == points.size() || reach[i] < reach[next])) next = i;
+        }
+        in[next] = true;
+        least += reach[next];
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            reach[i] = std::min(reach[i], distance(Vec3d(points[i]), Vec3d(points[next])));
+        }
+    }
+    EXPECT_NEAR(sum, least, 1e-4);
+    EXPECT_TRUE(bridge_gaps(points, used, alone, 1e-6, {}).empty());
+}
+
+TEST(CloudGraph, PathsPreferManyShortSteps) {
+    // A square with one side in steps of 1, and a straight way of 3: 1 + 1 + 1 < 9.
+    const std::vector<Vec3> points{{0, 0, 0}, {1, 0.1f, 0}, {2, 0.1f, 0}, {3, 0, 0}};
+    const Neighbours near = nearest_neighbours(points, 3, {});
+    const Graph graph = make_graph(near, std::vector<std::uint8_t>(4, 0), {});
+    const std::vector<float> spacing(4, 1);
+    const std::vector<std::uint32_t> root{0}, free(4, kNone);
+    const Paths paths = shortest_paths(graph, root, free, spacing, {});
+    EXPECT_EQ(paths.parent[3], 2u);
+    EXPECT_EQ(paths.parent[2], 1u);
+    EXPECT_NEAR(paths.distance[3], 3.02, 1e-5);
+}
+
+TEST(CloudGraph, StopsWhenAskedTo) {
+    const auto points = strewn(100, 3);
+    const Neighbours near = nearest_neighbours(points, 6, {});
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_THROW(
+        make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {}, {.stop = source.get_token()}),
+        Cancelled);
+}
+
+TEST(CloudGraph, IgnoredPointsHaveNoLinks) {
+    const auto points = strewn(100, 3);
+    const Neighbours near = nearest_neighbours(points, 6, {});
+    std::vector<std::uint8_t> ignored(points.size(), 0);
+    ignored[7] = 1;
+    const Graph graph = make_graph(near, ignored, {});
+    EXPECT_EQ(graph.first[7], graph.first[8]);
+    EXPECT_EQ(std::ranges::count(graph.to, 7u), 0);
+    std::size_t both = 0;
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+        for (std::uint32_t e = graph.first[i]; e < graph.first[i + 1]; ++e) {
+            const std::uint32_t j = graph.to[e];
+            both +=
+                std::count(graph.to.begin() + graph.first[j], graph.to.begin() + graph.first[j + 1], i) == 1;
+        }
+    }
+    EXPECT_EQ(both, graph.to.size());
+}
+
+TEST(CloudClean, SortsAndDropsDuplicates) {
+    auto points = strewn(500, 4);
+    const auto once = sorted_without_duplicates(points, {});
+    EXPECT_EQ(once.size(), points.size());
+    points.insert(points.end(), points.begin(), points.begin() + 100);
+    EXPECT_EQ(sorted_without_duplicates(points, {}), once);
+    points.push_back({1e30f, 1e30f, 1e30f});  // throws all others into one cube of the sorting
+    EXPECT_EQ(sorted_without_duplicates(points, {}).size(), once.size() + 1);
+}
+
+TEST(CloudClean, ThinsToOnePointACube) {
+    const std::vector<Vec3> points{{0, 0, 0}, {0.2f, 0, 0}, {0.4f, 0, 0}, {1.5f, 0, 0}};
+    const auto kept = thinned(points, 1, {});
+    ASSERT_EQ(kept.size(), 2u);
+    EXPECT_FLOAT_EQ(kept[0].x, 0.2f);
+    EXPECT_FLOAT_EQ(kept[1].x, 1.5f);
+    const auto many = strewn(5000, 5);
+    const auto few = thinned_to({many.begin(), many.end()}, 700, {});
+    EXPECT_LE(few.size(), 700u);
+    EXPECT_GE(few.size(), 200u);
+}
+
+TEST(CloudClean, FindsGroundOnSlopesOnly) {
+    std::vector<Vec3> points;
+    const CounterRandom random(6, 1);
+    for (std::uint64_t i = 0; i < 4000; ++i) {
+        const double x = random.uniform(2 * i, -5, 5), y = random.uniform(2 * i + 1, -5, 5);
+        points.push_back(Vec3(Vec3d{x, y, 0.3 * x + 0.02 * y * y}));
+    }
+    for (int i = 0; i < 2000; ++i) points.push_back({0, 0, 0.005f * static_cast<float>(i)});
+    const Ground ground = find_ground(points);
+    ASSERT_TRUE(ground.found);
+    EXPECT_NEAR(ground.height(2, 3), 0.6 + 0.18, 0.02);
+    EXPECT_FALSE(find_ground(strewn(4000, 7)).found);
+}
+
+}  // namespace
+}  // namespace coppice::extract_internal

@@ -1,0 +1,264 @@
+#include "coppice/extract/cloud/from_cloud.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stop_token>
+#include <string>
+
+#include "coppice/base/error.h"
+#include "coppice/skeleton/measure.h"
+#include "extract/cloud_support.h"
+
+namespace coppice {
+namespace {
+
+double distance_to_axis(const Skeleton& s, Vec3d p) {
+    double best = 1e300;
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const Segment q = s.segment(n);
+        const Vec3d a(q.a), d = Vec3d(q.b) - a;
+        const double t = std::clamp(dot(p - a, d) / std::max(dot(d, d), 1e-30), 0.0, 1.0);
+        best = std::min(best, distance(p, a + d * t));
+    }
+    return best;
+}
+
+double mean_radius(const Skeleton& s) {
+    double sum = 0;
+    for (const float r : s.radii()) sum += r;
+    return sum / s.size();
+}
+
+std::string error_of(const PointSet& set, const CloudOptions& options = {}) {
+    try {
+        extract_from_cloud(set, options);
+    } catch (const InvalidInput& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+TEST(FromCloud, FindsTheAxisOfACylinder) {
+    PointSet set;
+    strew_cone(set, {1, 2, 0}, {1, 2, 3}, 0.1, 0.1, 6000, 0.002);
+    const CloudExtraction found = extract_from_cloud(set);
+    const SkeletonMeasures m = measure(found.skeleton);
+    EXPECT_EQ(m.trees, 1u);
+    EXPECT_EQ(m.tips, 1u);
+    EXPECT_NEAR(m.length, 3, 0.1);
+    EXPECT_NEAR(mean_radius(found.skeleton), 0.1, 0.003);
+    for (const double z : {0.2, 1.0, 2.0, 2.8})
+        EXPECT_LT(distance_to_axis(found.skeleton, {1, 2, z}), 0.01) << z;
+}
+
+TEST(FromCloud, FitsWhereOnlyOneSideIsSeen) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 3}, 0.1, 0.1, 4000, 0.002, true);
+    const CloudExtraction found = extract_from_cloud(set);
+    // The mean of a half circle lies 2 r / pi = 64 mm off its middle.
+    for (const double z : {0.5, 1.5, 2.5}) EXPECT_LT(distance_to_axis(found.skeleton, {0, 0, z}), 0.02) << z;
+    EXPECT_NEAR(mean_radius(found.skeleton), 0.1, 0.01);
+}
+
+TEST(FromCloud, FindsForksAndTips) {
+    const CloudExtraction found = extract_from_cloud(fork_cloud(0.002));
+    const SkeletonMeasures m = measure(found.skeleton);
+    EXPECT_EQ(m.trees, 1u);
+    EXPECT_EQ(m.tips, 2u);
+    EXPECT_EQ(m.branch_nodes, 1u);
+    EXPECT_NEAR(m.length, 4, 0.25);
+    for (const Vec3d p : {Vec3d{0, 0, 1}, Vec3d{0.3, 0, 2.4}, Vec3d{-0.3, 0.05, 2.4}, Vec3d{0.57, 0, 2.76}}) {
+        EXPECT_LT(distance_to_axis(found.skeleton, p), 0.03);
+    }
+    // Cones: pi/3 (2 (0.1^2 + 0.1 0.08 + 0.08^2) + 2 (0.06^2 + 0.06 0.05 + 0.05^2)) = 0.0702.
+    EXPECT_NEAR(m.volume, 0.0702, 0.007);
+}
+
+/// A stem with a whorl of four branches, at `points` per square metre.
+PointSet whorl_cloud(double points) {
+    PointSet set;
+    const auto strew = [&](Vec3d a, Vec3d b, double r, std::uint64_t seed) {
+        const double area = 2 * 3.14159 * r * distance(a, b);
+        strew_cone(set, a, b, r, r, static_cast<int>(points * area), 0.001, false, seed);
+    };
+    strew({0, 0, 0}, {0, 0, 2}, 0.08, 1);
+    // They begin at the surface of the stem, as a scanner sees them.
+    for (std::uint64_t k = 0; k < 4; ++k) {
+        const double turn = 1.570796 * static_cast<double>(k);
+        const Vec3d out{std::cos(turn), std::sin(turn), 0.5};
+        strew(Vec3d{0, 0, 1.2} + out * 0.08, Vec3d{0, 0, 1.2} + out * 0.6, 0.02, k + 2);
+    }
+    return set;
+}
+
+// From a spacing of 7 mm, a third of a branch's radius, to one of 23 mm, above its radius.
+TEST(FromCloud, FindsAWhorlAtAnyDensity) {
+    for (const double density : {30'000.0, 8'000.0, 2'500.0}) {
+        const CloudExtraction found = extract_from_cloud(whorl_cloud(density));
+        const SkeletonMeasures m = measure(found.skeleton);
+        EXPECT_EQ(m.trees, 1u) << density;
+        EXPECT_EQ(m.tips, 5u) << density;
+        // 2 m and four times 0.6 sqrt(1.25) from the axis.
+        EXPECT_NEAR(m.length, 2 + 4 * 0.6708, 0.2) << density;
+        for (const Vec3d p :
+             {Vec3d{0.3, 0, 1.35}, Vec3d{0, 0.5, 1.45}, Vec3d{-0.5, 0, 1.45}, Vec3d{0, -0.3, 1.35}})
+            EXPECT_LT(distance_to_axis(found.skeleton, p), 0.012) << density;
+    }
+}
+
+TEST(FromCloud, FindsSeveralTrees) {
+    PointSet set = fork_cloud();
+    strew_cone(set, {5, 0, 0.1}, {5, 0.2, 2.5}, 0.08, 0.06, 3000);
+    const CloudExtraction found = extract_from_cloud(set);
+    EXPECT_EQ(found.skeleton.tree_count(), 2u);
+    EXPECT_LT(distance_to_axis(found.skeleton, {5, 0.1, 1.3}), 0.02);
+    const CloudExtraction one = extract_from_cloud(set, {.max_trees = 1});
+    EXPECT_EQ(one.skeleton.tree_count(), 1u);
+    EXPECT_EQ(one.cleaning.unreached, 3000u);
+}
+
+TEST(FromCloud, StartsAtTheRootThatIsGiven) {
+    PointSet set;
+    set.origin = {500000, 4000000, 100};
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.05, 0.05, 3000);
+    const CloudExtraction found = extract_from_cloud(set, {.root = Vec3d{500000, 4000000, 102}});
+    EXPECT_GT(found.skeleton.position(NodeId(0)).z, 1.9f);
+    EXPECT_EQ(found.skeleton.origin(), set.origin);
+}
+
+TEST(FromCloud, BridgesGapsUpToTheirWidth) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 2000);
+    strew_cone(set, {0, 0, 1.2}, {0, 0, 2}, 0.05, 0.05, 1600);
+    const CloudExtraction wide = extract_from_cloud(set, {.gap = 0.3f});
+    EXPECT_EQ(wide.report.joined, 1u);
+    // The bridge runs along the surface, so the axis bends towards it.
+    EXPECT_NEAR(measure(wide.skeleton).length, 2, 0.2);
+    const CloudExtraction narrow = extract_from_cloud(set, {.gap = 0.1f, .max_trees = 1});
+    EXPECT_EQ(narrow.report.joined, 0u);
+    EXPECT_LT(measure(narrow.skeleton).length, 1.1);
+    EXPECT_EQ(narrow.cleaning.unreached, 1600u);
+}
+
+PointSet tree_on_ground() {
+    PointSet set = fork_cloud();
+    const CounterRandom random(9, 1);
+    for (std::uint64_t i = 0; i < 8000; ++i) {
+        const double x = random.uniform(3 * i, -2, 2), y = random.uniform(3 * i + 1, -2, 2);
+        set.positions.push_back(Vec3(Vec3d{x, y, 0.1 * x + random.uniform(3 * i + 2, -0.01, 0.01)}));
+    }
+    return set;
+}
+
+TEST(FromCloud, LeavesTheGroundOut) {
+    const PointSet set = tree_on_ground();
+    const CloudExtraction found = extract_from_cloud(set);
+    EXPECT_GE(found.cleaning.ground, 8000u);
+    EXPECT_LT(found.cleaning.ground, 8300u);
+    EXPECT_EQ(measure(found.skeleton).tips, 2u);
+    EXPECT_EQ(extract_from_cloud(set, {.ground = GroundRule::none}).cleaning.ground, 0u);
+    // A tree alone has none.
+    EXPECT_EQ(extract_from_cloud(fork_cloud()).cleaning.ground, 0u);
+}
+
+TEST(FromCloud, LeavesOutWhatLiesBelowAHeight) {
+    PointSet set = fork_cloud();
+    set.origin = {0, 0, 100};
+    const CloudExtraction found =
+        extract_from_cloud(set, {.ground = GroundRule::height, .ground_height = 101});
+    EXPECT_NEAR(measure(found.skeleton).length, 3, 0.25);
+    EXPECT_GT(found.skeleton.bounds().low.z, 0.85f);
+}
+
+TEST(FromCloud, CleansAndCountsIt) {
+    PointSet set = fork_cloud();
+    const std::size_t clean = set.size();
+    for (std::size_t i = 0; i < 50; ++i) set.positions.push_back(set.positions[i]);
+    for (const float x : {-3.0f, 3.0f}) set.positions.push_back({x, 4, 1});
+    const CloudExtraction found = extract_from_cloud(set);
+    EXPECT_EQ(found.cleaning.points, clean + 52);
+    EXPECT_EQ(found.cleaning.duplicates, 50u);
+    EXPECT_EQ(found.cleaning.strays, 2u);
+    EXPECT_NEAR(measure(found.skeleton).length, 4, 0.25);
+    const CloudExtraction thin = extract_from_cloud(set, {.voxel = 0.05f});
+    EXPECT_GT(thin.cleaning.thinned, 3000u);
+    EXPECT_NEAR(measure(thin.skeleton).length, 4, 0.4);
+    const CloudExtraction few = extract_from_cloud(set, {.max_points = 1000});
+    EXPECT_LE(few.report.samples, 1000u);
+}
+
+TEST(FromCloud, SaysHowSureItIs) {
+    const CloudExtraction found = extract_from_cloud(fork_cloud(0.002));
+    ASSERT_EQ(found.confidence.size(), found.skeleton.size());
+    std::uint64_t samples = 0;
+    for (const NodeConfidence& c : found.confidence) samples += c.samples;
+    EXPECT_EQ(samples, found.report.samples);
+    // All points but a few about the rim of the stem lie on the surface that was found.
+    EXPECT_GT(samples, 6750u);
+    EXPECT_LT(found.report.residual, 0.1f);
+}
+
+TEST(FromCloud, GivesTheSameBitsForAnyNumberOfThreads) {
+    const PointSet set = tree_on_ground();
+    const CloudExtraction one = extract_from_cloud(set, {}, {.threads = 1});
+    for (const unsigned threads : {2u, 7u}) {
+        const CloudExtraction more = extract_from_cloud(set, {}, {.threads = threads});
+        ASSERT_EQ(more.skeleton.size(), one.skeleton.size());
+        EXPECT_TRUE(std::ranges::equal(more.skeleton.positions(), one.skeleton.positions()));
+        EXPECT_TRUE(std::ranges::equal(more.skeleton.radii(), one.skeleton.radii()));
+        EXPECT_TRUE(std::ranges::equal(more.skeleton.parents(), one.skeleton.parents()));
+        EXPECT_EQ(more.confidence, one.confidence);
+    }
+}
+
+TEST(FromCloud, RefusesWhatIsNoTree) {
+    PointSet set;
+    EXPECT_EQ(error_of(set), "extract: 0 points are left in the cloud, but a skeleton needs at least 20");
+    for (int i = 0; i < 1000; ++i) set.positions.push_back({1, 2, 3});
+    EXPECT_EQ(error_of(set), "extract: 1 points are left after cleaning, but a skeleton needs at least 20");
+    EXPECT_EQ(error_of(fork_cloud(), {.ground = GroundRule::height, .ground_height = 10}),
+              "extract: 0 points are left after cleaning, but a skeleton needs at least 20");
+    EXPECT_EQ(error_of(fork_cloud(), {.neighbours = 3}),
+              "extract: neighbours must lie between 4 and 64, but is 3");
+}
+
+TEST(FromCloud, EndsOnOddClouds) {
+    PointSet line, grid, far;
+    const CounterRandom random(4, 1);
+    for (int i = 0; i < 300; ++i) line.positions.push_back({0, 0, static_cast<float>(i)});
+    for (int i = 0; i < 1000; ++i) {
+        grid.positions.push_back(
+            {static_cast<float>(i % 10), static_cast<float>(i / 10 % 10), static_cast<float>(i / 100)});
+    }
+    far = fork_cloud();
+    far.positions.push_back({1e30f, -1e30f, 1e30f});
+    PointSet ball;
+    for (std::uint64_t i = 0; i < 2000; ++i) {
+        ball.positions.push_back(
+            Vec3(Vec3d{random.uniform(3 * i), random.uniform(3 * i + 1), random.uniform(3 * i + 2)}));
+    }
+    for (const PointSet& set : {line, grid, far, ball}) {
+        const CloudExtraction found = extract_from_cloud(set);
+        EXPECT_GE(found.skeleton.size(), 1u);
+    }
+}
+
+TEST(FromCloud, CanBeStoppedAndTellsHowFarItIs) {
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_THROW(extract_from_cloud(fork_cloud(), {}, {.stop = source.get_token()}), Cancelled);
+    float last = 0;
+    bool rises = true;
+    extract_from_cloud(fork_cloud(), {}, {.progress = [&](float f) {
+                           rises = rises && f >= last && f <= 1;
+                           last = f;
+                       }});
+    EXPECT_TRUE(rises);
+    EXPECT_EQ(last, 1);
+}
+
+}  // namespace
+}  // namespace coppice

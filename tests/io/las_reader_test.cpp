@@ -1,0 +1,146 @@
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "coppice/base/error.h"
+#include "coppice/base/random.h"
+#include "coppice/io/points/reader.h"
+
+namespace coppice {
+namespace {
+
+template <class T>
+void put(std::string& bytes, std::size_t at, T value) {
+    static_assert(std::endian::native == std::endian::little);
+    std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+struct LasKind {
+    int minor = 2, format = 3;
+    std::uint16_t record = 34;
+};
+
+/// Three points at (1, 2, 3), (-1, 0.5, 4) and (1.001, 2, 3), less the offset in millimetres.
+std::string las_file(const LasKind& kind) {
+    const std::size_t header = kind.minor == 4 ? 375 : kind.minor == 3 ? 235 : 227;
+    std::string bytes(header + 3u * kind.record, '\0');
+    std::memcpy(bytes.data(), "LASF", 4);
+    put<std::uint8_t>(bytes, 24, 1);
+    put(bytes, 25, static_cast<std::uint8_t>(kind.minor));
+    put(bytes, 94, static_cast<std::uint16_t>(header));
+    put(bytes, 96, static_cast<std::uint32_t>(header));
+    put(bytes, 104, static_cast<std::uint8_t>(kind.format));
+    put(bytes, 105, kind.record);
+    put<std::uint32_t>(bytes, 107, kind.minor == 4 ? 0 : 3);
+    if (kind.minor == 4) put<std::uint64_t>(bytes, 247, 3);
+    const double offset[3] = {1e6, 2e6, 100};
+    const std::int32_t raw[3][3] = {{1000, 2000, 3000}, {-1000, 500, 4000}, {1001, 2000, 3000}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        put(bytes, 131 + 8 * axis, 0.001);
+        put(bytes, 155 + 8 * axis, offset[axis]);
+        for (std::size_t i = 0; i < 3; ++i) put(bytes, header + i * kind.record + 4 * axis, raw[i][axis]);
+    }
+    return bytes;
+}
+
+std::string error_of(std::string_view bytes) {
+    try {
+        parse_points(bytes, "p.las");
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+constexpr LasKind kKinds[] = {{0, 0, 20}, {1, 1, 28}, {2, 3, 34}, {2, 2, 40}, {3, 4, 57},
+                              {3, 5, 63}, {4, 6, 30}, {4, 7, 36}, {4, 8, 38}, {4, 10, 67}};
+
+TEST(LasReader, ReadsAllVersionsAndFormats) {
+    for (const LasKind& kind : kKinds) {
+        SCOPED_TRACE(kind.format);
+        const PointSet set = parse_points(las_file(kind), "p.las");
+        ASSERT_EQ(set.size(), 3u);
+        EXPECT_LT(distance(set.world(0), {1e6 + 1, 2e6 + 2, 103}), 1e-6);
+        EXPECT_LT(distance(set.world(1), {1e6 - 1, 2e6 + 0.5, 104}), 1e-6);
+        // A millimetre beside the first, which floats at 2e6 would lose.
+        EXPECT_NEAR(set.world(2).x - set.world(0).x, 0.001, 1e-6);
+    }
+}
+
+TEST(LasReader, PassesOverWithheldPoints) {
+    std::string old = las_file({2, 3, 34});
+    put<std::uint8_t>(old, 227 + 34 + 15, 0x82);
+    EXPECT_EQ(parse_points(old, "p.las").size(), 2u);
+    std::string recent = las_file({4, 6, 30});
+    put<std::uint8_t>(recent, 375 + 15, 0x04);
+    EXPECT_EQ(parse_points(recent, "p.las").size(), 2u);
+}
+
+TEST(LasReader, RefusesWhatItCannotRead) {
+    std::string bytes = las_file({2, 3, 34});
+    put<std::uint8_t>(bytes, 25, 5);
+    EXPECT_EQ(error_of(bytes),
+              "p.las: it is LAS 1.5, but only 1.0 to 1.4 can be read; convert it to LAS 1.4");
+    bytes = las_file({2, 3, 34});
+    put<std::uint8_t>(bytes, 104, 11);
+    EXPECT_EQ(error_of(bytes), "p.las: its point format 11 is unknown; 0 to 10 can be read");
+    bytes = las_file({2, 3, 34});
+    put<std::uint16_t>(bytes, 105, 33);
+    EXPECT_EQ(error_of(bytes), "p.las: its points have 33 bytes, fewer than format 3 has");
+    bytes = las_file({2, 3, 34});
+    put(bytes, 131, 0.0);
+    EXPECT_EQ(error_of(bytes), "p.las: its LAS header has scales or offsets that are zero or not finite");
+    put(bytes, 131, std::nan(""));
+    EXPECT_EQ(error_of(bytes), "p.las: its LAS header has scales or offsets that are zero or not finite");
+    put(bytes, 131, 1e300);
+    EXPECT_EQ(error_of(bytes), "p.las: point 0 is not finite or beyond 1e30");
+    bytes = las_file({2, 3, 34});
+    put<std::uint32_t>(bytes, 107, 0);
+    EXPECT_EQ(error_of(bytes), "p.las: it holds no points");
+}
+
+TEST(LasReader, RefusesCountsBeyondTheFile) {
+    std::string bytes = las_file({4, 6, 30});
+    put<std::uint64_t>(bytes, 247, std::uint64_t{1} << 62);
+    EXPECT_EQ(
+        error_of(bytes),
+        "p.las: the file is cut off or damaged: its header names 4611686018427387904 points, but it holds 3");
+    bytes = las_file({2, 3, 34});
+    put<std::uint32_t>(bytes, 96, 0xffffffffu);
+    EXPECT_NE(error_of(bytes).find("but it holds 0"), std::string::npos);
+    put<std::uint32_t>(bytes, 96, 4);  // points within the header
+    EXPECT_NE(error_of(bytes).find("cut off or damaged"), std::string::npos);
+}
+
+TEST(LasReader, RefusesEveryTruncation) {
+    for (const LasKind& kind : {kKinds[2], kKinds[6]}) {
+        const std::string bytes = las_file(kind);
+        for (std::size_t size = 4; size < bytes.size(); ++size) {
+            EXPECT_THROW(parse_points(std::string_view(bytes).substr(0, size), "p.las"), InvalidInput)
+                << size;
+        }
+    }
+}
+
+TEST(LasReader, SurvivesDamage) {
+    const CounterRandom random(5, 1);
+    for (std::uint64_t turn = 0; turn < 3000; ++turn) {
+        std::string bytes = las_file(kKinds[turn % std::size(kKinds)]);
+        for (std::uint64_t k = 0; k < 3; ++k) {
+            const std::uint64_t draw = random.bits(8 * turn + k);
+            bytes[4 + (draw >> 8) % (bytes.size() - 4)] = static_cast<char>(draw);
+        }
+        try {
+            const PointSet set = parse_points(bytes, "p.las");
+            for (const Vec3 p : set.positions) ASSERT_TRUE(is_finite(p));
+        } catch (const Error&) {  // the proper answer to a bad file
+        }
+    }
+}
+
+}  // namespace
+}  // namespace coppice

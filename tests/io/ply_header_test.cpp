@@ -1,0 +1,143 @@
+#include "coppice/io/ply_header.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "skeleton/text.h"
+
+namespace coppice {
+namespace {
+
+using test::bytes_of;
+using test::error_of;
+
+const std::string kHead =
+    "ply\nformat ascii 1.0\ncomment  made by hand \nelement vertex 2\nproperty float x\nproperty uchar red\n"
+    "element face 1\nproperty list uint8 int32 vertex_indices\nproperty double area\nend_header\n";
+
+std::string with_format(const std::string& format) {
+    std::string head = kHead;
+    return head.replace(head.find("ascii"), 5, format);
+}
+
+std::string reversed(std::string bytes) {
+    std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+}
+
+/// All values of all rows, lists after their lengths.
+std::vector<double> all_values(const std::string& file) {
+    const PlyHeader header = parse_ply_header(file, "t.ply");
+    PlyRows rows(file, header, "t.ply");
+    std::vector<double> values;
+    PlyRow row;
+    for (const PlyElement& element : header.elements) {
+        rows.begin_element(element);
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            rows.read(row);
+            for (std::size_t p = 0; p < element.properties.size(); ++p) {
+                if (element.properties[p].is_list())
+                    values.push_back(static_cast<double>(row.list(p).size()));
+                for (const double v : row.list(p)) values.push_back(v);
+            }
+        }
+    }
+    return values;
+}
+
+const std::vector<double> kValues{1.5, 255, -2.25, 7, 3, 0, 1, -1, 0.1};
+
+TEST(PlyHeader, NamesElementsAndProperties) {
+    const PlyHeader header = parse_ply_header(kHead, "t.ply");
+    EXPECT_EQ(header.encoding, PlyEncoding::ascii);
+    ASSERT_EQ(header.elements.size(), 2u);
+    EXPECT_EQ(header.elements[0].name, "vertex");
+    EXPECT_EQ(header.elements[0].count, 2u);
+    EXPECT_EQ(header.elements[0].find({"y", "red"}), 1u);
+    EXPECT_FALSE(header.elements[0].find({"y"}));
+    EXPECT_FALSE(header.elements[0].has_list());
+    EXPECT_TRUE(header.elements[1].has_list());
+    EXPECT_EQ(header.elements[0].least_row_bytes(PlyEncoding::little_endian), 5u);
+    EXPECT_EQ(header.elements[1].least_row_bytes(PlyEncoding::little_endian), 9u);
+    ASSERT_EQ(header.comments.size(), 1u);
+    EXPECT_EQ(header.comments[0], "made by hand");
+    EXPECT_EQ(header.data_offset, kHead.size());
+}
+
+TEST(PlyRows, AsciiAnywhereOnLines) {
+    EXPECT_EQ(all_values(kHead + "1.5 255\r\n-2.25\n7\n3 0 1 -1 0.1"), kValues);
+}
+
+TEST(PlyRows, BothByteOrders) {
+    const std::string little = bytes_of(1.5f) + bytes_of<std::uint8_t>(255) + bytes_of(-2.25f) +
+                               bytes_of<std::uint8_t>(7) + bytes_of<std::uint8_t>(3) + bytes_of(0) +
+                               bytes_of(1) + bytes_of(-1) + bytes_of(0.1);
+    const std::string big = reversed(bytes_of(1.5f)) + "\xff" + reversed(bytes_of(-2.25f)) + "\x07" + "\x03" +
+                            reversed(bytes_of(0)) + reversed(bytes_of(1)) + reversed(bytes_of(-1)) +
+                            reversed(bytes_of(0.1));
+    EXPECT_EQ(all_values(with_format("binary_little_endian") + little), kValues);
+    EXPECT_EQ(all_values(with_format("binary_big_endian") + big), kValues);
+}
+
+TEST(PlyRows, FixedRowsAreTakenWhole) {
+    const std::string file =
+        "ply\nformat binary_little_endian 1.0\nelement a 2\nproperty uchar v\nelement b 1\nproperty uchar v\n"
+        "end_header\nabc";
+    const PlyHeader header = parse_ply_header(file, "t.ply");
+    PlyRows rows(file, header, "t.ply");
+    rows.begin_element(header.elements[0]);
+    EXPECT_EQ(rows.take_fixed_rows(), "ab");
+    rows.begin_element(header.elements[1]);
+    rows.skip_element();
+    EXPECT_EQ(rows.offset(), file.size());
+}
+
+TEST(PlyRows, TruncatedFilesAreRefusedAtEveryLength) {
+    const std::string binary =
+        with_format("binary_little_endian") + std::string(10, '\0') + "\x01" + std::string(12, '\0');
+    ASSERT_NO_THROW(all_values(binary));
+    for (std::size_t size = 0; size < binary.size(); ++size) {
+        EXPECT_THROW(all_values(binary.substr(0, size)), InvalidInput) << size;
+    }
+}
+
+TEST(PlyRows, AbsurdCountsAreRefusedBeforeMemoryIsTaken) {
+    std::string head = kHead;
+    head.replace(head.find("vertex 2"), 8, "vertex 9007199254740992");
+    EXPECT_EQ(error_of<InvalidInput>([&] { all_values(head + "1 2 3 4"); }),
+              "t.ply: the head claims 9007199254740992 rows of 'vertex', for which the file is too short; it "
+              "is cut or "
+              "damaged");
+    EXPECT_EQ(error_of<InvalidInput>([&] { all_values(kHead + "1 2 3 4 4000000000 1 2"); }),
+              "t.ply: the list 'vertex_indices' claims 4000000000 items, which the file cannot hold in row 1 "
+              "of 'face'");
+    EXPECT_THROW(all_values(kHead + "1 2 3 4 -1 1 2"), InvalidInput);
+    EXPECT_THROW(all_values(kHead + "1 2 3 4 nan 1 2"), InvalidInput);
+}
+
+TEST(PlyHeader, ErrorsNameTheLine) {
+    const auto error = [](const std::string& text) {
+        return error_of<InvalidInput>([&] { parse_ply_header(text, "t.ply"); });
+    };
+    EXPECT_EQ(error("plx\n"), "t.ply: not a PLY file: it does not start with 'ply'");
+    EXPECT_EQ(error("ply\nformat ascii 1.0\n"), "t.ply: the PLY head has no end_header; the file is cut");
+    EXPECT_EQ(error("ply\nend_header\n"), "t.ply: the PLY head has no 'format' line");
+    EXPECT_EQ(error("ply\nformat text 1.0\n"),
+              "t.ply:2: the format must be ascii, binary_little_endian or binary_big_endian");
+    EXPECT_EQ(error("ply\nproperty float x\n"), "t.ply:2: a property stands before the first element");
+    EXPECT_EQ(error("ply\nelement vertex -1\n"), "t.ply:2: expected 'element NAME COUNT'");
+    EXPECT_EQ(error("ply\nelement vertex 1\nproperty half x\n"), "t.ply:3: 'half' is no PLY type");
+    EXPECT_EQ(error("ply\nelement f 1\nproperty list float int v\n"),
+              "t.ply:3: the length of a list must be an integer");
+    EXPECT_EQ(error("ply\nelement f 1\nproperty list uchar v\n"),
+              "t.ply:3: expected 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
+    EXPECT_EQ(error("ply\nhello\n"), "t.ply:2: 'hello' is no keyword of a PLY head");
+    EXPECT_EQ(error("ply\nformat ascii 1.0\nelement vertex 5\nend_header\n"),
+              "t.ply: the PLY element 'vertex' has rows but no properties");
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include "coppice/base/random.h"
+#include "coppice/io/file.h"
+#include "coppice/io/points/reader.h"
+#include "coppice/io/points/writer.h"
+#include "errors.h"
+#include "temporary_folder.h"
+
+namespace coppice {
+namespace {
+
+namespace fs = std::filesystem;
+
+PointSet many(std::size_t n) {
+    PointSet set;
+    const CounterRandom random(3, 1);
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3d p(random.uniform(3 * i, -1, 1), random.uniform(3 * i + 1),
+                      random.uniform(3 * i + 2, 0, 1e-6));
+        set.positions.push_back(Vec3(p));
+    }
+    return set;
+}
+
+std::string error_of(std::string_view bytes) {
+    return test::error_of([&] { parse_points(bytes, "p.xyz"); });
+}
+
+class PointFiles : public test::FolderTest {};
+
+TEST_F(PointFiles, ComeBackBitForBit) {
+    const PointSet set = many(20000);  // three runs of the writer
+    for (const char* name : {"a.xyz", "a.txt", "a.csv", "a.ply", "a.PLY"}) {
+        write_points(folder_ / name, set);
+        EXPECT_EQ(read_points(folder_ / name), set) << name;
+    }
+}
+
+TEST_F(PointFiles, KeepTheDigitsOfPointsFarFromZero) {
+    PointSet set = many(1000);
+    set.origin = {500000, 4.5e6, 0.5};
+    for (const char* name : {"a.xyz", "a.ply"}) {
+        write_points(folder_ / name, set);
+        const PointSet back = read_points(folder_ / name);
+        ASSERT_EQ(back.size(), set.size());
+        for (std::size_t i = 0; i < set.size(); ++i) {
+            EXPECT_LT(distance(back.world(i), set.world(i)), 1e-6) << name;
+        }
+    }
+}
+
+TEST_F(PointFiles, HoldTheSameBytesForAnyNumberOfThreads) {
+    const PointSet set = many(30000);
+    for (const char* name : {"a.xyz", "a.ply"}) {
+        write_points(folder_ / name, set, {.threads = 1});
+        const std::string one = read_file(folder_ / name);
+        write_points(folder_ / name, set, {.threads = 7});
+        EXPECT_EQ(read_file(folder_ / name), one);
+    }
+}
+
+TEST_F(PointFiles, WhatCannotBeWrittenLeavesNothing) {
+    PointSet set = many(3);
+    EXPECT_THROW(write_points(folder_ / "a.obj", set), Unsupported);
+    EXPECT_THROW(write_points(folder_ / "none" / "a.xyz", set), IoError);
+    set.positions[1].y = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(write_points(folder_ / "a.xyz", set), InvalidInput);
+    EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST(PointText, IsReadInAllItsWritings) {
+    PointSet expected;
+    expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};
+    EXPECT_EQ(parse_points("1 2 3\n-.5 1e3 0\n", "p"), expected);
+    EXPECT_EQ(parse_points("\xEF\xBB\xBFx,y,z,r\r\n1,2,3,9\r\n-0.5;1000;0;9", "p"), expected);
+    EXPECT_EQ(parse_points("# head\n\n  1\t2\t3 255 0 0 # red\r-0.5 1000 0 // end", "p"), expected);
+    EXPECT_EQ(
+        parse_points("ply\nformat ascii 1.0\nelement note 1\nproperty int n\nelement vertex 2\n"
+                     "property float z\nproperty uchar red\nproperty float x\nproperty double y\nend_header\n"
+                     "7\n3 255 1 2\n0 1 -0.5 1000\n",
+                     "p"),
+        expected);
+}
+
+TEST(PointText, DamagedFilesAreRefusedWithTheirLine) {
+    EXPECT_EQ(error_of(""), "p.xyz: it holds no points");
+    EXPECT_EQ(error_of("# nothing\n"), "p.xyz: it holds no points");
+    EXPECT_EQ(error_of("1 2 3\n1 2\n"), "p.xyz:2: a point needs three coordinates");
+    EXPECT_EQ(error_of("1 2 3\n1 2 3x\n"), "p.xyz:2: '3x' is not a number");
+    EXPECT_EQ(error_of("1.2.3 2 3\n"), "p.xyz:1: '1.2.3' is not a number");
+    EXPECT_EQ(error_of("1 2 3\nx y z\n"), "p.xyz:2: 'x' is not a number");
+    EXPECT_EQ(error_of("1 2 nan\n"), "p.xyz:1: a coordinate is not finite or beyond 1e30");
+    EXPECT_EQ(error_of("1 2 1e31\n"), "p.xyz:1: a coordinate is not finite or beyond 1e30");
+    EXPECT_NE(error_of(std::string("\0\1\2\3", 4)), "no error");
+}
+
+TEST(PointText, DamagedPlyIsRefused) {
+    const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+    const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    EXPECT_NE(error_of(head + "99999999999" + xyz).find("too short"), std::string::npos);
+    EXPECT_NE(error_of(head + "2" + xyz + std::string(23, '\0')).find("too short"), std::string::npos);
+    EXPECT_EQ(error_of(head + "0" + xyz), "p.xyz: it holds no points");
+    EXPECT_NE(error_of(head + "1\nproperty float x\nproperty float y\nend_header\n12345678").find("lack"),
+              std::string::npos);
+    EXPECT_NE(
+        error_of(head + "1\nproperty list uchar float x\nproperty float y\nproperty float z\nend_header\n" +
+                 std::string(20, '\0'))
+            .find("lists"),
+        std::string::npos);
+    const std::string nan("\0\0\xc0\x7f", 4);
+    EXPECT_NE(error_of(head + "1" + xyz + nan + nan + nan).find("point 0 is not finite"), std::string::npos);
+    EXPECT_NE(error_of("ply\nformat ascii 1.0\nelement face 0\nproperty int x\nend_header\n")
+                  .find("no element vertex"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,131 @@
+// Reads the third-party files beside the checkout, where they are.
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "coppice/base/error.h"
+#include "coppice/io/file.h"
+#include "coppice/io/skeleton/parsers_internal.h"
+#include "coppice/io/skeleton/reader.h"
+#include "paths.h"
+
+namespace coppice {
+namespace {
+
+const std::filesystem::path kData = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "data";
+
+std::vector<std::filesystem::path> files_in(const char* folder) {
+    std::vector<std::filesystem::path> files;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(kData / folder, error))
+        files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+TEST(SkeletonData, EverySwcFileHasTheNodesOfItsTable) {
+    // Nodes and roots as data/README.md counts them.
+    const std::map<std::string, std::pair<std::size_t, std::size_t>> expected{
+        {"neurom_simple", {9, 1}},
+        {"neurom_Neuron", {847, 1}},
+        {"neurom_Neuron_disconnected_components", {843, 5}},
+        {"neurom_z_jump", {11, 1}},
+        {"neurom_fat_end", {10, 1}},
+        {"morphio_simple-windows-eol", {9, 1}},
+        {"treestoolbox_25HSS", {2252, 1}},
+        {"arbor_pyramidal", {5799, 1}},
+        {"arbor_720575940661139073", {8798, 1}},
+        {"morphopy_EC3-60126.CNG", {13070, 1}},
+        {"navis_722817260", {4332, 1}},
+        {"navis_1734350788", {4465, 1}},
+        {"modulartree_small", {188, 1}}};
+    const auto files = files_in("swc");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    for (const auto& path : files) {
+        SCOPED_TRACE(path.filename());
+        const auto raw = parse_swc(read_file(path), path.string());
+        const auto known = expected.find(path.stem().string());
+        if (known != expected.end()) {
+            EXPECT_EQ(raw.size(), known->second.first);
+        }
+        const SkeletonFile file = read_skeleton(path);
+        EXPECT_EQ(file.format, "swc");
+        EXPECT_EQ(file.skeleton.size() + file.report.zero_length + file.report.coincident, raw.size());
+        if (known != expected.end()) {
+            EXPECT_EQ(file.skeleton.tree_count(), known->second.second);
+        }
+    }
+}
+
+TEST(SkeletonData, EveryCylinderListIsOneTree) {
+    const auto files = files_in("qsm");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    int read = 0;
+    for (const auto& path : files) {
+        const std::string name = path.filename().string();
+        if (name.find("_pc") != std::string::npos || name.find("cloud") != std::string::npos) continue;
+        SCOPED_TRACE(name);
+        const SkeletonFile file = read_skeleton(path);
+        EXPECT_EQ(file.format, path.extension() == ".mat" ? "mat" : "cylinders");
+        EXPECT_EQ(file.skeleton.tree_count(), 1u);
+        EXPECT_EQ(file.report.missing_parents, 0u);
+        EXPECT_EQ(file.report.missing_radii, 0u);
+        ++read;
+    }
+    EXPECT_EQ(read, 13);
+}
+
+TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
+    const auto files = files_in("qsm");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    for (const auto& path : files) {
+        if (path.extension() != ".mat") continue;
+        SCOPED_TRACE(path.filename());
+        auto table_path = path;
+        table_path.replace_extension(".cylinders.csv");
+        const auto table = parse_cylinders(read_file(table_path), table_path.string());
+        const auto mat = parse_mat(read_file(path), path.string(), 0);
+        ASSERT_EQ(mat.size(), table.size());
+        for (std::size_t i = 0; i < mat.size(); ++i) {
+            EXPECT_EQ(mat[i].parent, table[i].parent);
+            EXPECT_NEAR(mat[i].radius, table[i].radius, 1e-6);
+            // The table has five decimals of the start and six digits of the axis.
+            EXPECT_NEAR(distance(mat[i].start, table[i].start), 0, 2e-5);
+            EXPECT_NEAR(distance(mat[i].end, table[i].end), 0, 4e-5);
+        }
+    }
+}
+
+TEST(SkeletonData, DamagedMatFilesAreRefusedOrRead) {
+    const auto files = files_in("qsm");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    const std::string whole = read_file(kData / "qsm" / "itsme_tree_1_qsm.mat");
+    const auto try_read = [&](const std::string& bytes) {
+        try {
+            parse_mat(bytes, "damaged.mat", 0);
+        } catch (const Error&) {
+        }
+    };
+    for (std::size_t size = 0; size < whole.size(); size += 7) try_read(whole.substr(0, size));
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        std::string flipped = whole;
+        flipped[i] = static_cast<char>(flipped[i] ^ 0x55);
+        try_read(flipped);
+    }
+}
+
+TEST(SkeletonData, PointCloudsAreNotTakenForSkeletons) {
+    for (const char* name : {"qsm/rtwig_cloud.txt", "qsm/itsme_buttressed_tree_1_pc.txt"}) {
+        if (!std::filesystem::exists(kData / name)) GTEST_SKIP() << "no data beside the checkout";
+        EXPECT_THROW(read_skeleton(kData / name), Unsupported);
+    }
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,125 @@
+#include "coppice/io/skeleton/writer.h"
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "coppice/io/skeleton/reader.h"
+#include "skeleton/text.h"
+
+namespace coppice {
+namespace {
+
+using test::error_of;
+
+/// Two trees: a fork with numbers that have no short decimal form, and a single node.
+Skeleton fork(Vec3d origin = {}) {
+    return Skeleton({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId::none()},
+                    {{0.1f, 0.2f, 0}, {0.1f, 1.0f / 3, 1}, {0.5f, 0, 2e-7f}, {-0.5f, 0, 1.7f}, {7, 7, 7}},
+                    {0.3f, 1.0f / 7, 0.1f, 0.05f, 0.75f}, origin);
+}
+
+void expect_equal(const Skeleton& a, const Skeleton& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (const NodeId n : nodes(a)) {
+        EXPECT_EQ(a.parent(n), b.parent(n));
+        EXPECT_EQ(a.position(n), b.position(n)) << n.index();
+        EXPECT_EQ(a.radius(n), b.radius(n)) << n.index();
+    }
+}
+
+const std::vector<WriteSkeletonOptions> kLossless{{SkeletonFormat::swc},
+                                                  {SkeletonFormat::json},
+                                                  {SkeletonFormat::obj},
+                                                  {SkeletonFormat::ply, true},
+                                                  {SkeletonFormat::ply, false}};
+
+TEST(SkeletonWriter, WhatIsReadBackHasTheSameBits) {
+    for (const WriteSkeletonOptions& options : kLossless) {
+        SCOPED_TRACE(name_of(options.format));
+        const SkeletonFile file =
+            parse_skeleton(encode_skeleton(fork(), options), "t", {.format = options.format});
+        expect_equal(file.skeleton, fork());
+        EXPECT_EQ(file.report.total(), 0u);
+        EXPECT_TRUE(file.notes.empty());
+    }
+}
+
+TEST(SkeletonWriter, GeoreferencedTreesKeepTheirDigits) {
+    const Vec3d origin{5123456, 612345, -100};
+    const Skeleton s = fork(origin);
+    for (const WriteSkeletonOptions& options : kLossless) {
+        SCOPED_TRACE(name_of(options.format));
+        const Skeleton back =
+            parse_skeleton(encode_skeleton(s, options), "t", {.format = options.format}).skeleton;
+        ASSERT_EQ(back.size(), s.size());
+        for (const NodeId n : nodes(s)) {
+            const Vec3d world = s.origin() + Vec3d(s.position(n)),
+                        read = back.origin() + Vec3d(back.position(n));
+            EXPECT_NEAR(distance(world, read), 0, 2e-6) << n.index();
+        }
+    }
+}
+
+TEST(SkeletonWriter, CylindersHaveTheVolumeOfTheirSegments) {
+    const std::string text = encode_skeleton(fork(), {SkeletonFormat::cylinders});
+    // Cone 0 to 1: radii 0.3 and 1/7, so sqrt((0.09 + 0.042857 + 0.020408) / 3) = 0.2260275;
+    // length 1.0088497.
+    EXPECT_EQ(text.substr(0, text.find('\n', 130)),
+              "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,length,branchOrder,branchID,segmentID,"
+              "parentSegmentID\n"
+              "0,-1,0.1,0.2,0,0.1,0.33333334,1,0.22602752,1.0088497,0,0,0,-1");
+    EXPECT_NE(text.find("\n1,0,0.1,0.33333334,1,0.5,0,2e-07,"), std::string::npos);
+    EXPECT_NE(text.find(",0,0,1,0\n2,0,"), std::string::npos)
+        << "the leader stays in its branch, in a new segment";
+    EXPECT_EQ(text.substr(text.size() - 9), ",1,1,2,0\n") << "the other child begins a branch";
+    const SkeletonFile file = parse_skeleton(text, "t.csv");
+    EXPECT_EQ(file.format, "cylinders");
+    EXPECT_EQ(file.skeleton.tree_count(), 1u);
+}
+
+TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
+    const std::filesystem::path folder(testing::TempDir());
+    for (const char* name : {"w.swc", "w.JSON", "w.obj", "w.ply"}) {
+        write_skeleton(folder / name, fork());
+        expect_equal(read_skeleton(folder / name).skeleton, fork());
+    }
+    write_skeleton(folder / "w.txt", fork(), {.format = SkeletonFormat::swc});
+    EXPECT_EQ(read_skeleton(folder / "w.txt").format, "swc");
+}
+
+TEST(SkeletonWriter, AttributesStandBesideTheNodesAndArePassedOver) {
+    const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.05f});
+    const std::vector<NodeAttribute> attributes{{"samples", {12, 7}}, {"residual", {0.25f, 0.5f}}};
+    const std::string json = encode_skeleton(s, {.format = SkeletonFormat::json}, attributes);
+    EXPECT_NE(json.find("\"samples\": [12,7]"), std::string::npos);
+    EXPECT_NE(json.find("\"residual\": [0.25,0.5]"), std::string::npos);
+    const std::string ply = encode_skeleton(s, {.format = SkeletonFormat::ply, .binary = false}, attributes);
+    EXPECT_NE(ply.find("property float samples\nproperty float residual\n"), std::string::npos);
+    EXPECT_NE(ply.find("0 0 1 0.05 7 0.5\n"), std::string::npos);
+    const std::string binary = encode_skeleton(s, {.format = SkeletonFormat::ply}, attributes);
+    for (const auto& [bytes, name] : {std::pair{json, "a.json"}, {ply, "a.ply"}, {binary, "a.ply"}}) {
+        const Skeleton back = parse_skeleton(bytes, name).skeleton;
+        EXPECT_EQ(back.size(), 2u) << name;
+        EXPECT_EQ(back.radius(NodeId(1)), 0.05f) << name;
+        EXPECT_EQ(back.position(NodeId(1)), Vec3(0, 0, 1)) << name;
+    }
+}
+
+TEST(SkeletonWriter, Errors) {
+    EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.xyz", fork()); }),
+              "t.xyz: the ending of the name tells no skeleton format; use .swc, .csv, .ply, .obj or .json");
+    EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.mat", fork()); }),
+              "skeletons are not written as mat; choose swc, cylinders, ply, obj or json");
+    EXPECT_THROW(encode_skeleton(Skeleton({NodeId::none()}, {Vec3{}}, {1.0f}), {SkeletonFormat::cylinders}),
+                 Unsupported);
+    EXPECT_THROW(write_skeleton("no/such/folder/t.swc", fork()), IoError);
+    EXPECT_FALSE(std::filesystem::exists("t.mat"));
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,177 @@
+#include "coppice/measure/intersections.h"
+
+#include <gtest/gtest.h>
+
+#include <stop_token>
+
+#include "mesh/shapes.h"
+
+namespace coppice {
+namespace {
+
+using namespace shapes;
+
+constexpr NodeId kRoot = NodeId::none();
+constexpr std::uint32_t kMany = 1'000'000;
+
+std::size_t count(const PolygonMesh& m) { return crossing_faces(SurfaceTree(m), kMany).pairs.size(); }
+
+TEST(CrossingFaces, OfSoundSurfacesAreNone) {
+    EXPECT_EQ(count(cube()), 0u);
+    EXPECT_EQ(count(torus(16, 40, 1, 3)), 0u);
+    EXPECT_EQ(count(capsule(16, 4, 1, 0, 5)), 0u);
+    EXPECT_EQ(count(moebius(20)), 0u);
+    EXPECT_EQ(count(both(cube(), box({2, 0, 0}, {3, 1, 1}))), 0u);
+    EXPECT_EQ(count(PolygonMesh{}), 0u);
+}
+
+TEST(CrossingFaces, OfTwoBoxes) {
+    // Each of the three faces of one box that reach into the other crosses the two across it.
+    EXPECT_EQ(count(both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}))), 6u);
+    // A bar through a slab: its four sides cross both faces of the slab.
+    EXPECT_EQ(count(both(box({0, 0, 0}, {9, 9, 1}), box({4, 4, -3}, {5, 5, 3}))), 8u);
+    // One box inside another does not touch it.
+    EXPECT_EQ(count(both(box({0, 0, 0}, {9, 9, 9}), box({4, 4, 4}, {5, 5, 5}))), 0u);
+}
+
+TEST(CrossingFaces, OfTouchingBoxesTouch) {
+    // Five faces of each box reach the common square: the two in it meet all five, and a side meets all but
+    // its opposite.
+    EXPECT_EQ(count(both(cube(), box({1, 0, 0}, {2, 1, 1}))), 5u + 4 * 4);
+    EXPECT_EQ(count(both(cube(), box({1, 1, 1}, {2, 2, 2}))), 9u);  // three faces each about one point
+    EXPECT_EQ(count(both(cube(), box({std::nextafter(1.f, 2.f), 0, 0}, {2, 1, 1}))), 0u);
+}
+
+TEST(CrossingFaces, ThatShareCorners) {
+    // Folded flat onto each other along an edge; laid open; upright.
+    EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 0, 3}})), 1u);
+    EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, -1, 0}}, {{0, 1, 2}, {1, 0, 3}})), 0u);
+    EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 1, 1}}, {{0, 1, 2}, {1, 0, 3}})), 0u);
+    // The same corners; one corner in common and piercing.
+    EXPECT_EQ(count(polygons({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}}, {{0, 1, 2}, {2, 1, 0}})), 1u);
+    EXPECT_EQ(
+        count(polygons({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {3, 3, 1}, {3, 3, -1}}, {{0, 1, 2}, {0, 3, 4}})),
+        1u);
+}
+
+TEST(CrossingFaces, CountOncePerPairOfFaces) {
+    // A disc of twelve corners, ten triangles, and a blade through its middle that crosses many of them.
+    PolygonMesh m;
+    for (std::uint32_t i = 0; i < 12; ++i)
+        m.positions.push_back({std::cos(angle(i, 12)), std::sin(angle(i, 12)), 0});
+    m.add_face(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+    const PolygonMesh crossed =
+        both(m, polygons({{-2, 0.1f, -1}, {2, 0.1f, -1}, {2, 0.1f, 1}, {-2, 0.1f, 1}}, {{0, 1, 2, 3}}));
+    const FacePairs found = crossing_faces(SurfaceTree(crossed), kMany);
+    ASSERT_EQ(found.pairs.size(), 1u);
+    EXPECT_EQ(found.pairs[0], (FacePair{0, 1}));
+    EXPECT_TRUE(found.complete);
+}
+
+TEST(CrossingFaces, IgnoreFacesWithoutArea) {
+    EXPECT_EQ(
+        count(both(cube(), polygons({{-1, 0.5f, 0.5f}, {2, 0.5f, 0.5f}, {0, 0.5f, 0.5f}}, {{0, 1, 2}}))), 0u);
+}
+
+PolygonMesh stack(std::uint32_t n) {
+    PolygonMesh m;
+    for (std::uint32_t i = 0; i < n; ++i)
+        m = both(std::move(m), polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
+    return m;
+}
+
+TEST(CrossingFaces, EndAtTheLimit) {
+    const PolygonMesh m = stack(100);
+    EXPECT_EQ(count(m), 100u * 99 / 2);
+    const FacePairs few = crossing_faces(SurfaceTree(m), 1000);
+    EXPECT_EQ(few.pairs.size(), 1000u);
+    EXPECT_FALSE(few.complete);
+    EXPECT_TRUE(crossing_faces(SurfaceTree(m), 4950).complete);
+}
+
+TEST(CrossingFaces, CanBeCancelled) {
+    std::stop_source source;
+    source.request_stop();
+    const PolygonMesh m = cube();
+    EXPECT_THROW(crossing_faces(SurfaceTree(m), kMany, {.stop = source.get_token()}), Cancelled);
+}
+
+/// Bars along x and y that cross in eight pairs of faces: either's outer face the other's two sides, and
+/// sides by sides.
+PolygonMesh crossing_bars() {
+    return both(box({-1, -0.3f, -0.3f}, {5, 0.3f, 0.3f}), box({-0.3f, -1, 0.2f}, {0.3f, 5, 0.8f}));
+}
+
+IntersectionReport kinds(const Skeleton& s) {
+    const PolygonMesh m = crossing_bars();
+    const CapsuleTree capsules(s, m.origin);
+    return classify(crossing_faces(SurfaceTree(m), kMany), m, &s, &capsules);
+}
+
+/// Two trees of one segment each, along the middles of the bars, half a metre apart.
+Skeleton two_trees(float radius) {
+    return Skeleton({kRoot, NodeId(0), kRoot, NodeId(2)},
+                    {{-1, 0, 0}, {5, 0, 0}, {0, -1, 0.5f}, {0, 5, 0.5f}}, {radius, radius, radius, radius});
+}
+
+TEST(Classify, ByWayAndByCapsules) {
+    const IntersectionReport remote = kinds(two_trees(0.2f));
+    EXPECT_EQ(remote.total, 8u);
+    EXPECT_EQ(remote.remote, 8u);
+    const IntersectionReport overlap = kinds(two_trees(0.26f));
+    EXPECT_EQ(overlap.total, 8u);
+    EXPECT_EQ(overlap.overlap, 8u);
+    const IntersectionReport near = kinds(two_trees(0.245f));  // apart, but by less than 5 %
+    EXPECT_EQ(near.overlap, 8u);
+}
+
+TEST(Classify, ByStepsAlongTheSkeleton) {
+    // From the end of the bar along x over `joints` nodes of a far detour to the bar along y.
+    const auto chain = [](std::uint32_t joints) {
+        std::vector<NodeId> parent{kRoot, NodeId(0)};
+        std::vector<Vec3> x{{-1, 0, 0}, {5, 0, 0}};
+        for (std::uint32_t i = 0; i < joints; ++i) {
+            parent.emplace_back(static_cast<std::uint32_t>(x.size()) - 1);
+            x.push_back({9.f + static_cast<float>(i), 9, 9});
+        }
+        parent.emplace_back(static_cast<std::uint32_t>(x.size()) - 1);
+        x.push_back({0, 5, 0.5f});
+        parent.emplace_back(static_cast<std::uint32_t>(x.size()) - 1);
+        x.push_back({0, -1, 0.5f});
+        return Skeleton(parent, x, std::vector<float>(x.size(), 0.2f));
+    };
+    EXPECT_EQ(kinds(chain(1)).local, 8u);   // three steps: joint, end, end
+    EXPECT_EQ(kinds(chain(2)).remote, 8u);  // four
+}
+
+TEST(Classify, AShortWayIsLocalWhateverItsSteps) {
+    // Eight steps of a centimetre each, for radii of 0.2.
+    std::vector<NodeId> parent{kRoot, NodeId(0)};
+    std::vector<Vec3> x{{5, 0, 0}, {-1, 0, 0}};
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        parent.emplace_back(static_cast<std::uint32_t>(x.size()) - 1);
+        x.push_back({-1.01f - 0.01f * static_cast<float>(i), 0, 0});
+    }
+    parent.emplace_back(static_cast<std::uint32_t>(x.size()) - 1);
+    x.push_back({0, -1, 0.5f});
+    parent.emplace_back(static_cast<std::uint32_t>(x.size()) - 1);
+    x.push_back({0, 5, 0.5f});
+    const auto with_radius = [&](float r) {
+        return kinds(Skeleton(parent, x, std::vector<float>(x.size(), r)));
+    };
+    EXPECT_EQ(with_radius(0.2f).remote,
+              8u);                       // the way leads over a segment of 1.5 m as well: 3 radii are 0.6
+    x[x.size() - 2] = {-1.1f, 0, 0.5f};  // and now over one of half a metre
+    x.back() = {0, 5, 0.5f};
+    EXPECT_EQ(with_radius(0.2f).local, with_radius(0.2f).total);
+}
+
+TEST(Classify, WithoutASkeletonAllAreLocal) {
+    const PolygonMesh m = crossing_bars();
+    const IntersectionReport r = classify(crossing_faces(SurfaceTree(m), kMany), m, nullptr, nullptr);
+    EXPECT_EQ(r.total, 8u);
+    EXPECT_EQ(r.local, 8u);
+}
+
+}  // namespace
+}  // namespace coppice

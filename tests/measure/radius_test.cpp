@@ -1,0 +1,119 @@
+#include "coppice/measure/radius.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mesh/shapes.h"
+
+namespace coppice {
+namespace {
+
+using namespace shapes;
+
+constexpr NodeId kRoot = NodeId::none();
+
+/// One segment of ten metres along z, of radius 0.5.
+Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }
+
+RadiusReport radius(const PolygonMesh& m, const Skeleton& s) {
+    return radius_deviation(m, s, CapsuleTree(s, m.origin));
+}
+CoverageReport cover(const PolygonMesh& m, const Skeleton& s) {
+    return coverage(SurfaceTree(m), CapsuleTree(s, m.origin));
+}
+
+TEST(RadiusDeviation, OfATrueCapsuleIsNone) {
+    const PolygonMesh m = capsule(64, 16, 0.5f, 0, 10);
+    const RadiusReport r = radius(m, pole());
+    EXPECT_EQ(r.all.n, m.positions.size());
+    EXPECT_NEAR(r.all.min, 0, 1e-5);
+    EXPECT_NEAR(r.all.max, 0, 1e-5);
+    // Rings stand every 0.625 m; those from 1.25 to 8.75 m are two radii away from root and tip.
+    EXPECT_EQ(r.regular.n, 13u * 64);
+    EXPECT_EQ(r.tips, 1u);
+    EXPECT_EQ(r.tip_reach.n, 1u);
+    EXPECT_NEAR(r.tip_reach.p50, 1, 1e-6);
+}
+
+TEST(RadiusDeviation, OfThickerAndThinnerOnes) {
+    const RadiusReport thick = radius(capsule(32, 8, 0.6f, 0, 10), pole());
+    EXPECT_NEAR(thick.regular.mean, 0.2, 1e-5);
+    EXPECT_NEAR(thick.tip_reach.p50, 1.2, 1e-5);
+    const RadiusReport thin = radius(capsule(32, 8, 0.4f, 0, 10), pole());
+    EXPECT_NEAR(thin.regular.mean, -0.2, 1e-5);
+    EXPECT_NEAR(thin.regular.mean_abs, 0.2, 1e-5);
+    EXPECT_NEAR(radius(capsule(32, 8, 0.5f, 0, 9), pole()).tip_reach.p50, -1,
+                1e-5);  // half a metre short of the tip
+}
+
+TEST(RadiusDeviation, RegularMeansAwayFromBranchNodesButNotFromJoints) {
+    const PolygonMesh m = capsule(32, 16, 0.5f, 0, 10);
+    const Skeleton joint({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 4.9f}, {0, 0, 10}},
+                         {0.5f, 0.5f, 0.5f});
+    EXPECT_EQ(radius(m, joint).regular.n, 13u * 32);
+    // A thin lateral at 4.9 m takes away the rings at 4.375, 5 and 5.625 m.
+    const Skeleton fork({kRoot, NodeId(0), NodeId(1), NodeId(1)},
+                        {{0, 0, 0}, {0, 0, 4.9f}, {0, 0, 10}, {9, 0, 4.9f}}, {0.5f, 0.5f, 0.5f, 0.01f});
+    EXPECT_EQ(radius(m, fork).regular.n, 10u * 32);
+    EXPECT_EQ(radius(m, fork).tips, 2u);
+    EXPECT_EQ(radius(m, fork).tip_reach.n, 1u);  // no vertex belongs to the lateral
+}
+
+TEST(RadiusDeviation, LeavesOutVerticesThatNoFaceUses) {
+    PolygonMesh m = capsule(16, 4, 0.5f, 0, 10);
+    m.positions.push_back({0, 0, 99});
+    EXPECT_NEAR(radius(m, pole()).all.max, 0, 1e-5);
+}
+
+TEST(RadiusDeviation, OfASingleNodeIsNotKnown) {
+    const RadiusReport r = radius(cube(), Skeleton({kRoot}, {{0, 0, 0}}, {1}));
+    EXPECT_EQ(r.all.n, 0u);
+    EXPECT_EQ(r.tips, 0u);
+}
+
+TEST(RadiusDeviation, DoesNotMindDifferentOrigins) {
+    PolygonMesh m = capsule(32, 8, 0.5f, -2, 8);
+    m.origin = {5e5, 4e6, 102};
+    const Skeleton s({kRoot, NodeId(0)}, {{1, 0, 0}, {1, 0, 10}}, {0.5f, 0.5f}, {5e5 - 1, 4e6, 100});
+    const RadiusReport r = radius(m, s);
+    EXPECT_NEAR(r.all.min, 0, 1e-5);
+    EXPECT_NEAR(r.all.max, 0, 1e-5);
+    EXPECT_NEAR(cover(m, s).middle_to_surface.p50, std::cos(std::numbers::pi / 32) - 1, 1e-5);
+}
+
+TEST(Coverage, MeasuresFromTheMiddle) {
+    const CoverageReport c = cover(capsule(64, 16, 0.5f, 0, 10), pole());
+    EXPECT_EQ(c.middle_to_surface.n, 1u);
+    EXPECT_NEAR(c.middle_to_surface.p50, std::cos(std::numbers::pi / 64) - 1,
+                1e-6);  // to the middle of a flat side
+    EXPECT_EQ(c.missing, 0u);
+    EXPECT_EQ(c.pinched, 0u);
+}
+
+TEST(Coverage, CountsMissingAndPinchedSegments) {
+    EXPECT_EQ(cover(capsule(16, 4, 0.14f, 0, 10), pole()).pinched, 1u);
+    EXPECT_EQ(cover(capsule(16, 4, 0.16f, 0, 10), pole()).pinched, 0u);
+    EXPECT_EQ(cover(capsule(64, 4, 0.95f, 0, 10), pole()).missing, 1u);
+    EXPECT_EQ(cover(capsule(64, 4, 0.85f, 0, 10), pole()).missing, 0u);
+    const CoverageReport none = cover(PolygonMesh{}, pole());
+    EXPECT_EQ(none.missing, 1u);
+    EXPECT_EQ(none.middle_to_surface.n, 0u);
+}
+
+TEST(Coverage, LeavesOutSegmentsInsideOthers) {
+    // A twig whose middle lies within 1.3 radii of the pole, and one that leaves it.
+    const auto with_twig = [](float to) {
+        return Skeleton({kRoot, NodeId(0), NodeId(1), NodeId(1)},
+                        {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {to, 0, 5}}, {0.5f, 0.5f, 0.5f, 0.01f});
+    };
+    const PolygonMesh m = capsule(64, 16, 0.5f, 0, 10);
+    EXPECT_EQ(cover(m, with_twig(1.2f)).middle_to_surface.n, 2u);
+    EXPECT_EQ(cover(m, with_twig(1.2f)).missing, 0u);
+    EXPECT_EQ(cover(m, with_twig(2)).middle_to_surface.n, 3u);
+    EXPECT_EQ(cover(m, with_twig(2)).missing, 1u);
+}
+
+}  // namespace
+}  // namespace coppice

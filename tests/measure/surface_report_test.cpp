@@ -1,0 +1,128 @@
+#include "coppice/measure/surface_report.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "coppice/base/error.h"
+#include "mesh/shapes.h"
+
+namespace coppice {
+namespace {
+
+using namespace shapes;
+
+constexpr NodeId kRoot = NodeId::none();
+
+Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }
+
+TEST(CheckSurface, BringsAllTogether) {
+    const PolygonMesh m = capsule(16, 4, 0.5f, 0, 10);
+    const Skeleton s = pole();
+    const SurfaceReport r = check_surface(m, &s);
+    EXPECT_TRUE(r.sound());
+    EXPECT_EQ(r.topology.euler, 2);
+    EXPECT_GT(r.shape.signed_volume, 0);
+    ASSERT_TRUE(r.intersections && r.radius && r.coverage);
+    EXPECT_EQ(r.intersections->total, 0u);
+    EXPECT_EQ(r.radius->all.n, m.positions.size());
+    EXPECT_EQ(r.coverage->missing, 0u);
+}
+
+TEST(CheckSurface, LeavesOutWhatIsNotAskedFor) {
+    const SurfaceReport r = check_surface(cube(), nullptr, {.intersections = false});
+    EXPECT_FALSE(r.intersections || r.radius || r.coverage);
+    EXPECT_TRUE(r.sound());
+    const Skeleton s = pole();
+    EXPECT_TRUE(check_surface(cube(), &s, {.intersections = false}).coverage);
+}
+
+TEST(CheckSurface, UnsoundIsAResult) {
+    EXPECT_FALSE(check_surface(tube(8, 2, 1, 1), nullptr).sound());
+    EXPECT_FALSE(check_surface(PolygonMesh{}, nullptr).sound());
+    const Skeleton s = pole();
+    EXPECT_EQ(check_surface(PolygonMesh{}, &s).coverage->missing, 1u);
+    EXPECT_EQ(check_surface(both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f})), nullptr)
+                  .intersections->total,
+              6u);
+}
+
+TEST(CheckSurface, RefusesWhatCannotBeJudged) {
+    PolygonMesh m = cube();
+    m.positions[0].x = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(check_surface(m, nullptr), InvalidInput);
+    EXPECT_THROW(check_surface(polygons({{}, {}, {}}, {{0, 1, 7}}), nullptr), InvalidInput);
+    EXPECT_THROW(check_surface(cube(), nullptr, {.most_intersections = -1}), InvalidInput);
+}
+
+TEST(CheckSurface, StandsExtremeCoordinates) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    const Skeleton s = pole();
+    EXPECT_TRUE(check_surface(box({-kMost, -kMost, -kMost}, {kMost, kMost, kMost}), &s).sound());
+    EXPECT_TRUE(check_surface(box({0, 0, 0}, {1e-44f, 1e-44f, 1e-44f}), &s).sound());
+    EXPECT_EQ(check_surface(box({1, 1, 1}, {1, 1, 1}), &s).shape.inverted_faces, 6u);
+}
+
+TEST(CheckSurface, SaysWhenThereAreMoreCrossings) {
+    const PolygonMesh m = both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
+    const SurfaceReport r = check_surface(m, nullptr, {.most_intersections = 2});
+    EXPECT_EQ(r.intersections->total, 2u);
+    EXPECT_FALSE(r.intersections->complete);
+}
+
+TEST(CheckSurface, SameBitsForAnyNumberOfThreads) {
+    // Rough surfaces that cross each other many times, large enough for many ranges.
+    const PolygonMesh m =
+        both(both(torus(60, 200, 0.51f, 2), tube(100, 100, 0.49f, 10)), capsule(80, 40, 2.2f, 1, 3));
+    const Skeleton s({kRoot, NodeId(0), NodeId(1), NodeId(1)}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {2, 0, 5}},
+                     {0.5f, 0.5f, 0.5f, 0.2f});
+    const SurfaceReport one = check_surface(m, &s, {}, {.threads = 1});
+    EXPECT_GT(one.intersections->total, 100u);
+    EXPECT_EQ(check_surface(m, &s, {}, {.threads = 2}), one);
+    EXPECT_EQ(check_surface(m, &s, {}, {.threads = 7}), one);
+}
+
+TEST(CheckSurface, ReportsProgressThatNeverFalls) {
+    float last = 0;
+    const Skeleton s = pole();
+    check_surface(cube(), &s, {}, {.progress = [&](float f) {
+                      EXPECT_GE(f, last);
+                      last = f;
+                  }});
+    EXPECT_EQ(last, 1);
+}
+
+/// Names of all figures, groups with a dot.
+struct Names {
+    std::string prefix;
+    std::string* all;
+    template <class T>
+    void operator()(const char* name, const T& value) const {
+        if constexpr (requires { visit_figures(value, *this); }) {
+            visit_figures(value, Names{prefix + name + ".", all});
+        } else {
+            static_assert(std::is_arithmetic_v<T>);
+            *all += prefix + name + '\n';
+        }
+    }
+};
+
+TEST(Figures, AreNamedOnce) {
+    const Skeleton s = pole();
+    std::string all;
+    visit_figures(check_surface(capsule(16, 4, 0.5f, 0, 10), &s), Names{"", &all});
+    for (const char* name :
+         {"sound\n", "vertices\n", "euler\n", "open_edges\n", "scaled_jacobian.p1\n", "signed_volume\n",
+          "intersections.local\n", "radius_all.n\n", "radius_regular.mean_abs\n", "tip_reach.p99\n",
+          "segments_missing\n", "segments_pinched\n", "middle_to_surface.p50\n"}) {
+        EXPECT_NE(all.find(name), std::string::npos) << name;
+    }
+    std::string bare;
+    visit_figures(check_surface(cube(), nullptr), Names{"", &bare});
+    EXPECT_EQ(bare.find("radius"), std::string::npos);
+    EXPECT_NE(bare.find("intersections.total"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace coppice

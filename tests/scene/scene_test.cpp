@@ -1,0 +1,207 @@
+#include "coppice/scene/scene.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/implicit/solid/solid_field.h"
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+std::string refusal(Scene& scene, const std::string& text) {
+    return test::error_of<Error>([&] { scene.run_text(text, "f.coppice"); });
+}
+
+const Solid& solid_of_scene(const Scene& scene, const std::string& name) {
+    return std::get<Solid>(scene.state().objects.at({ObjectKind::solid, name})->value);
+}
+
+const PointSet& points_of_scene(const Scene& scene, const std::string& name) {
+    return std::get<PointSet>(scene.state().objects.at({ObjectKind::points, name})->value);
+}
+
+float value_at(const Scene& scene, const std::string& name, Vec3 p) {
+    float value = 0;
+    SolidField(solid_of_scene(scene, name)).values(std::span(&p, 1), std::span(&value, 1));
+    return value;
+}
+
+// The commands of the thesis: an ellipsoid, and a ball without a line.
+TEST(Scene, RunsTheCommandsOfTheThesis) {
+    Scene scene;
+    scene.run_text(
+        "sphere s\nscale s 50 80 50\nsphere s1\nline s2\ndiff s1 s2 s3\n"
+        "pointset gen s poisson count=200\nsphere secondary\nscale secondary 30\n"
+        "pointset thin s secondary 80",
+        "thesis");
+    EXPECT_NEAR(value_at(scene, "s", {0, 80, 0}), 0.5f, 1e-3f);
+    EXPECT_NEAR(value_at(scene, "s", {50, 0, 0}), 0.5f, 1e-3f);
+    EXPECT_GT(value_at(scene, "s1", {0, 0, 0.5f}), 0.5f);
+    EXPECT_LT(value_at(scene, "s3", {0, 0, 0.5f}), 0.5f);  // in the line
+    EXPECT_GT(value_at(scene, "s3", {0, 0, -0.7f}), 0.5f);
+}
+
+TEST(Scene, ThinningTakesTheGivenShare) {
+    Scene scene;
+    scene.run_text("sphere s\npointset gen s uniform count=1000\nsphere whole radius=3", "x");
+    scene.run("pointset thin s whole 80");
+    EXPECT_EQ(points_of_scene(scene, "s").size(), 200u);
+    scene.run("pointset densify s whole count=50");
+    EXPECT_EQ(points_of_scene(scene, "s").size(), 250u);
+    scene.run("copy s more kind=points");
+    scene.run("pointset add s more");
+    EXPECT_EQ(points_of_scene(scene, "s").size(), 500u);
+}
+
+TEST(Scene, AFailingLineLeavesEverythingAsItWas) {
+    Scene scene;
+    scene.run_text("sphere a\nsphere b\nset seed 3\npointset gen a count=10", "x");
+    const SceneState before = scene.state();
+    for (const char* line :
+         {"sphere a radius=-1", "scale a 0", "diff a c d", "union a b 2x", "pointset thin a b 101", "bogus",
+          "polygonize a cell=1e-6", "set seed -1", "undo 50", "grow t a root=nan,0,0", "delete a b c",
+          "delete a", "bend a 170 to=0,0,0.1", "twist a 1 axis=0,0,0", "save recipe x.txt", "sphere \"",
+          "copy a z"}) {
+        EXPECT_NE(refusal(scene, line), "no error") << line;
+        EXPECT_EQ(scene.state().objects, before.objects) << line;
+        EXPECT_EQ(scene.state().history, before.history) << line;
+        EXPECT_EQ(scene.state().seed, 3) << line;
+        EXPECT_EQ(scene.state().bytes, before.bytes) << line;
+    }
+}
+
+TEST(Scene, MessagesNameFileLineAndCommand) {
+    Scene scene;
+    EXPECT_EQ(refusal(scene, "sphere s\n\nsphre t"),
+              "f.coppice:3: there is no command 'sphre'; did you mean sphere?");
+    EXPECT_EQ(refusal(scene, "\nprofile p 0,0 1,0 2,0").substr(0, 22), "f.coppice:2: profile: ");
+    EXPECT_EQ(refusal(scene, "sphere \\\n s \\\n x=1").substr(0, 12), "f.coppice:1:");
+    EXPECT_TRUE(
+        scene.state().objects.contains({ObjectKind::solid, "s"}));  // what ran before the failing line stays
+}
+
+TEST(Scene, ObjectsDoNotChangeThroughOthers) {
+    Scene scene;
+    scene.run_text("sphere a\nsphere b center=3,0,0\nunion a b u\ntranslate a 0 0 10", "x");
+    EXPECT_GT(value_at(scene, "u", {0, 0, 0}), 0.5f);
+    EXPECT_LT(value_at(scene, "a", {0, 0, 0}), 0.5f);
+    scene.run("delete a b");
+    EXPECT_GT(value_at(scene, "u", {3, 0, 0}), 0.5f);
+}
+
+TEST(Scene, UndoTakesBackWhatChangedSomething) {
+    Scene scene;
+    scene.run_text("sphere a\nscale a 2\nlist\ndescribe a\nset seed 9\npointset gen a count=5", "x");
+    EXPECT_EQ(scene.undo_depth(), 4u);
+    scene.run("undo");
+    EXPECT_FALSE(scene.state().objects.contains({ObjectKind::points, "a"}));
+    EXPECT_EQ(scene.state().seed, 9);
+    scene.run("undo 2");
+    EXPECT_EQ(scene.state().seed, 0);
+    EXPECT_NEAR(value_at(scene, "a", {1, 0, 0}), 0.5f, 1e-3f);
+    EXPECT_EQ(scene.state().history.size(), 1u);
+    scene.run("undo");
+    EXPECT_TRUE(scene.state().objects.empty());
+    EXPECT_EQ(scene.state().bytes, 0u);
+    EXPECT_EQ(refusal(scene, "undo"), "f.coppice:1: undo: there is nothing to take back");
+}
+
+TEST(Scene, DeletingComesBackByUndo) {
+    Scene scene;
+    scene.run_text("sphere a\npointset gen a count=5\ndelete a kind=points\nundo", "x");
+    EXPECT_EQ(points_of_scene(scene, "a").size(), 5u);
+    scene.run_text("delete a kind=points\nundo\nundo\nundo", "x");
+    EXPECT_TRUE(scene.state().objects.empty());
+}
+
+TEST(Scene, WhatNeedsTooMuchMemoryIsRefusedBeforeItStarts) {
+    Scene scene({.max_memory = 20});
+    scene.run_text("sphere s\npointset gen s count=1000\ngrow t s root=0,0,-1 kill_radius=0.05 step=0.03",
+                   "x");
+    for (const char* line :
+         {"pointset gen s count=100000000", "pointset gen s uniform count=100000000", "mesh t levels=6",
+          "polygonize s cell=0.001", "render t big.png width=16384 height=16384",
+          "pointset gen s jittered count=100000000", "pointset gen s blue_noise count=100000000"}) {
+        EXPECT_NE(refusal(scene, line).find("MiB"), std::string::npos) << line << refusal(scene, line);
+    }
+}
+
+TEST(Scene, WorkCanBeInterrupted) {
+    Scene scene;
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_THROW(scene.run("sphere s", {}, {.stop = stop.get_token()}), Cancelled);
+    EXPECT_TRUE(scene.state().objects.empty());
+}
+
+TEST(Scene, NestingAndNumbersAreBounded) {
+    Scene scene;
+    std::string deep = "sphere s\n";
+    for (int i = 0; i < 300; ++i) deep += "twist s 1\n";
+    EXPECT_NE(refusal(scene, deep), "no error");
+    Scene wide;
+    std::string parts = "sphere s0\n";
+    for (int i = 0; i < 30; ++i)
+        parts +=
+            "union s" + std::to_string(i) + " s" + std::to_string(i) + " s" + std::to_string(i + 1) + "\n";
+    EXPECT_NE(refusal(wide, parts), "no error");
+    Scene many;
+    std::string names;
+    for (int i = 0; i <= 10'000; ++i) names += "path p" + std::to_string(i) + " 0,0,0 1,0,0\n";
+    EXPECT_NE(refusal(many, names).find("at most 10000 objects"), std::string::npos);
+}
+
+TEST(Scene, TheSameBitsForAnyNumberOfThreads) {
+    std::vector<std::vector<Vec3>> positions;
+    for (const unsigned threads : {1u, 2u, 7u}) {
+        Scene scene;
+        scene.run_text(
+            "sphere s\npointset gen s poisson count=2000\n"
+            "grow t s root=0,0,-1.5 influence_radius=1 kill_radius=0.08 step=0.04\nradii t\ntidy t",
+            "x", {.threads = threads});
+        const auto& tree = std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value);
+        positions.emplace_back(tree.positions().begin(), tree.positions().end());
+    }
+    EXPECT_GT(positions[0].size(), 500u);
+    EXPECT_EQ(positions[0], positions[1]);
+    EXPECT_EQ(positions[0], positions[2]);
+}
+
+TEST(Scene, AGuardKeepsTheTreeOutOfTheSolid) {
+    Scene scene;
+    scene.run_text(
+        "sphere s\npointset gen s density=outside_boundary count=800\n"
+        "grow t s root=0,0,-1.05 influence_radius=0.5 kill_radius=0.1 step=0.05 guard=s",
+        "x");
+    const auto& tree = std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value);
+    std::vector<float> values(tree.size());
+    SolidField(solid_of_scene(scene, "s")).values(tree.positions(), values);
+    EXPECT_GT(tree.size(), 200u);
+    EXPECT_EQ(std::ranges::count_if(values, [](float v) { return v > 0.5f; }), 0);
+    EXPECT_EQ(scene.state().last_grown, "t");
+}
+
+TEST(Scene, SeveralRootsMakeSeveralTrees) {
+    Scene scene;
+    scene.run_text(
+        "sphere s\npointset gen s count=300\n"
+        "grow t s root=-1,0,-1.2 root=1,0,-1.2,0,0,1 influence_radius=2 kill_radius=0.2 step=0.1",
+        "x");
+    EXPECT_EQ(std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value).tree_count(),
+              2u);
+}
+
+TEST(Scene, ADensityOfOnesOwnAndACachedField) {
+    Scene scene;
+    scene.run_text("sphere s\npointset gen s uniform count=300 curve=0.6,1 curve=0.7,1\n", "x");
+    for (const Vec3 p : points_of_scene(scene, "s").positions) {
+        EXPECT_GE(value_at(scene, "s", p), 0.599f);
+        EXPECT_LE(value_at(scene, "s", p), 0.701f);
+    }
+    scene.run("pointset gen s uniform count=300 cached=true");
+    EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
+    EXPECT_NE(refusal(scene, "pointset gen s density=inverse cached=true"), "no error");
+}
+
+}  // namespace
+}  // namespace coppice
