@@ -9,27 +9,32 @@ namespace coppice {
 
 /// An axis-aligned box; the default one is empty and grows by `extend`.
 struct Box3 {
+    /// low of the empty box; its high is the negative
     static constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    Vec3 low{kInfinity, kInfinity, kInfinity};
-    Vec3 high{-kInfinity, -kInfinity, -kInfinity};
+    Vec3 low{kInfinity, kInfinity, kInfinity};      ///< [m] the least corner
+    Vec3 high{-kInfinity, -kInfinity, -kInfinity};  ///< [m] the greatest corner
 
-    bool empty() const { return !(low.x <= high.x); }
-    Vec3 size() const { return empty() ? Vec3{} : high - low; }
-    Vec3 center() const { return 0.5f * (low + high); }
-    float diagonal() const { return length(size()); }
+    bool empty() const { return !(low.x <= high.x); }            ///< nothing was put in yet
+    Vec3 size() const { return empty() ? Vec3{} : high - low; }  ///< [m] 0 where empty
+    Vec3 center() const { return 0.5f * (low + high); }          ///< [m] not a number where empty
+    float diagonal() const { return length(size()); }            ///< [m] 0 where empty
 
+    /// Grows just so far that p lies in it.
     void extend(Vec3 p) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
+    /// Grows just so far that b, which must not be empty, lies in it.
     void extend(const Box3& b) {
         extend(b.low);
         extend(b.high);
     }
+    /// The box with `margin` [m] more on all six sides.
     Box3 inflated(float margin) const {
         const Vec3 m{margin, margin, margin};
         return {low - m, high + m};
     }
+    /// Whether the two share a point; boxes that only touch do.
     bool overlaps(const Box3& b) const {
         return low.x <= b.high.x && b.low.x <= high.x && low.y <= b.high.y && b.low.y <= high.y &&
                low.z <= b.high.z && b.low.z <= high.z;

@@ -17,6 +17,7 @@ struct Context {
     void throw_if_cancelled() const {
         if (stop.stop_requested()) throw Cancelled();
     }
+    /// Calls `progress`, if there is one.
     void report(float fraction) const {
         if (progress) progress(fraction);
     }

@@ -33,9 +33,10 @@ class Unsupported : public Error {
 /// Work was cancelled through `Context::stop` where no partial result makes sense. Exit code 130.
 class Cancelled : public Error {
   public:
-    Cancelled() : Error("interrupted") {}
+    Cancelled() : Error("interrupted") {}  ///< says "interrupted"
 };
 
+/// What COPPICE_ASSERT calls: says so and ends the process.
 [[noreturn]] void assertion_failed(const char* condition, const char* file, int line);
 
 }  // namespace coppice

@@ -7,6 +7,7 @@
 
 namespace coppice {
 
+/// What a number of an option struct is measured in.
 enum class Unit { none, metre, radian, radius, second };
 
 /// What a front end has to know of one member of an option struct; the default is the member's own.
@@ -15,7 +16,7 @@ struct Field {
     std::string_view help;   ///< one sentence without a full stop
     Unit unit = Unit::none;  ///< `radius` = multiples of the local radius
     double low = 0;          ///< least and greatest value allowed, both included; unused for bool and enums
-    double high = 0;
+    double high = 0;         ///< see `low`
 };
 
 /// The names of an enum's values, in the order of the values from 0: specialise `enum_names` beside the enum.
@@ -27,6 +28,7 @@ concept NamedEnum = std::is_enum_v<E> && requires {
     EnumNames<E>::names;
 };
 
+/// The word for a value in options, JSON and schema.
 template <NamedEnum E>
 constexpr std::string_view name_of(E value) {
     return EnumNames<E>::names[static_cast<std::size_t>(value)];

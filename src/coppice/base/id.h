@@ -10,21 +10,21 @@ namespace coppice {
 template <class Tag>
 class Id {
   public:
-    constexpr Id() = default;
-    constexpr explicit Id(std::uint32_t index) : index_(index) {}
-    static constexpr Id none() { return {}; }
+    constexpr Id() = default;                                      ///< names nothing
+    constexpr explicit Id(std::uint32_t index) : index_(index) {}  ///< the element of this index
+    static constexpr Id none() { return {}; }                      ///< names nothing
 
-    constexpr std::uint32_t index() const { return index_; }
-    constexpr explicit operator bool() const { return index_ != kNone; }
-    friend constexpr auto operator<=>(Id, Id) = default;
+    constexpr std::uint32_t index() const { return index_; }              ///< 2^32 - 1 for `none()`
+    constexpr explicit operator bool() const { return index_ != kNone; }  ///< false for `none()`
+    friend constexpr auto operator<=>(Id, Id) = default;  ///< by index; `none()` is the greatest
 
   private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
     std::uint32_t index_ = kNone;
 };
 
-using NodeId = Id<struct NodeTag>;
-using VertexId = Id<struct VertexTag>;
-using FaceId = Id<struct FaceTag>;
+using NodeId = Id<struct NodeTag>;      ///< of a Skeleton
+using VertexId = Id<struct VertexTag>;  ///< of a mesh
+using FaceId = Id<struct FaceTag>;      ///< of a mesh
 
 }  // namespace coppice

@@ -13,9 +13,9 @@ namespace coppice {
 
 /// Half-open range of indices.
 struct IndexRange {
-    std::size_t begin = 0;
-    std::size_t end = 0;
-    std::size_t size() const { return end - begin; }
+    std::size_t begin = 0;                            ///< the first index
+    std::size_t end = 0;                              ///< one past the last
+    std::size_t size() const { return end - begin; }  ///< number of indices
 };
 
 /// Runs body(range) over disjoint ranges that cover [0, count), each `grain` long but for the last. The

@@ -16,9 +16,11 @@ constexpr std::uint64_t mix_bits(std::uint64_t x) {
 /// order of draws.
 class CounterRandom {
   public:
+    /// Draws of one stage of work: stages of one seed are independent.
     constexpr CounterRandom(std::uint64_t seed, std::uint64_t stage)
         : key_(mix_bits(mix_bits(seed) ^ stage)) {}
 
+    /// 64 random bits
     constexpr std::uint64_t bits(std::uint64_t index) const { return mix_bits(key_ ^ mix_bits(index)); }
 
     /// Uniform in [0, 1).

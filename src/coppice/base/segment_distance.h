@@ -15,9 +15,11 @@ inline double closest_parameter(Vec3d p, Vec3d a, Vec3d d, double none = 0) {
 /// Parameters in [0, 1] of the closest points of the segments a0 a1 and b0 b1; points without length are
 /// allowed. Source: [Ericson2005] 5.1.9.
 struct ClosestParameters {
-    double on_a, on_b;
+    double on_a;  ///< 0 at a0, 1 at a1
+    double on_b;  ///< 0 at b0, 1 at b1
 };
 
+/// See ClosestParameters.
 inline ClosestParameters closest_parameters(Vec3d a0, Vec3d a1, Vec3d b0, Vec3d b1) {
     const Vec3d da = a1 - a0, db = b1 - b0, r = a0 - b0;
     const double aa = dot(da, da), bb = dot(db, db), ab = dot(da, db), ar = dot(da, r), br = dot(db, r);
@@ -32,6 +34,7 @@ inline ClosestParameters closest_parameters(Vec3d a0, Vec3d a1, Vec3d b0, Vec3d 
     return {s, std::clamp(t, 0.0, 1.0)};
 }
 
+/// [m] Least distance of the segments a0 a1 and b0 b1.
 inline double segment_distance(Vec3d a0, Vec3d a1, Vec3d b0, Vec3d b1) {
     const ClosestParameters c = closest_parameters(a0, a1, b0, b1);
     return distance(lerp(a0, a1, c.on_a), lerp(b0, b1, c.on_b));

@@ -7,17 +7,26 @@ namespace coppice {
 /// A point or direction in space: metres in world space, Z up, right-handed, unless said otherwise.
 template <class T>
 struct BasicVec3 {
-    T x{}, y{}, z{};
+    T x{};  ///< along the first axis
+    T y{};  ///< along the second
+    T z{};  ///< along the third: up
 
-    constexpr BasicVec3() = default;
+    constexpr BasicVec3() = default;  ///< 0, 0, 0
+    /// Of these coordinates.
     constexpr BasicVec3(T x_, T y_, T z_) : x(x_), y(y_), z(z_) {}
+    /// Of another precision.
     template <class U>
     constexpr explicit BasicVec3(const BasicVec3<U>& v)
         : x(static_cast<T>(v.x)), y(static_cast<T>(v.y)), z(static_cast<T>(v.z)) {}
 
+    /// The coordinate along an axis: 0, 1 or 2.
+    /// @{
     constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
     constexpr T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+    /// @}
 
+    /// Coordinate by coordinate.
+    /// @{
     constexpr BasicVec3& operator+=(BasicVec3 b) { return *this = *this + b; }
     constexpr BasicVec3& operator-=(BasicVec3 b) { return *this = *this - b; }
     constexpr BasicVec3& operator*=(T s) { return *this = *this * s; }
@@ -33,31 +42,39 @@ struct BasicVec3 {
     friend constexpr BasicVec3 operator*(T s, BasicVec3 a) { return a * s; }
     friend constexpr BasicVec3 operator/(BasicVec3 a, T s) { return a * (T{1} / s); }
     friend constexpr bool operator==(const BasicVec3&, const BasicVec3&) = default;
+    /// @}
 };
 
+/// What positions are stored in.
 using Vec3 = BasicVec3<float>;
+/// What is computed in where float is not enough, and georeferenced origins.
 using Vec3d = BasicVec3<double>;
 
+/// The scalar product.
 template <class T>
 constexpr T dot(BasicVec3<T> a, BasicVec3<T> b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/// The vector product, right-handed.
 template <class T>
 constexpr BasicVec3<T> cross(BasicVec3<T> a, BasicVec3<T> b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// dot(a, a).
 template <class T>
 constexpr T length_squared(BasicVec3<T> a) {
     return dot(a, a);
 }
 
+/// [m] Of a position or a difference of positions.
 template <class T>
 T length(BasicVec3<T> a) {
     return std::sqrt(dot(a, a));
 }
 
+/// Length of a - b.
 template <class T>
 T distance(BasicVec3<T> a, BasicVec3<T> b) {
     return length(a - b);
@@ -85,6 +102,7 @@ BasicVec3<T> perpendicular(BasicVec3<T> a) {
     return {T{1} + sign * a.x * a.x * k, sign * a.x * a.y * k, -sign * a.x};
 }
 
+/// No coordinate is infinite or not a number.
 template <class T>
 bool is_finite(BasicVec3<T> a) {
     return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);

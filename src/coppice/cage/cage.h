@@ -7,7 +7,9 @@
 
 namespace coppice {
 
+/// How a branch ends beyond its last node: in half a ball, or in a disc through the node.
 enum class TipShape { round, flat };
+/// How a tree ends at a root with one child: in a disc, half a ball, or a hole.
 enum class BaseShape { flat, round, open };
 
 template <>
@@ -19,6 +21,7 @@ struct EnumNames<BaseShape> {
     static constexpr std::array<std::string_view, 3> names{"flat", "round", "open"};
 };
 
+/// How the control cage is made.
 struct ControlOptions {
     int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16
     TipShape tips = TipShape::round;   ///< how branches end

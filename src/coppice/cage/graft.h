@@ -22,7 +22,7 @@ struct GraftResult {
     std::vector<NodeId> source;  ///< per node of `tubes`: the node of `skeleton` that it stands for
     std::vector<NodeId> tube;  ///< per node of `skeleton`: the node of `tubes` whose tube holds its segment;
                                ///< none for a little where a piece ends
-    GraftReport report;
+    GraftReport report;        ///< what was done
 };
 
 /// Lets every branch begin where it leaves the others. A branch whose axis runs inside another one needs no

@@ -20,10 +20,10 @@ struct PartReport {
 
 /// A skeleton for the cage: like the given one, but its branch nodes lie where the tubes part.
 struct PartResult {
-    Skeleton skeleton;
+    Skeleton skeleton;           ///< what the cage is made of
     std::vector<NodeId> source;  ///< per node: the node of the given skeleton it stands for
     std::vector<NodeId> tube;  ///< per node of the given skeleton: the new node whose tube wraps its segment
-    PartReport report;
+    PartReport report;         ///< what was done
 };
 
 /// A branch that leaves at an acute angle stays inside its leader for a while: two tubes that began at the

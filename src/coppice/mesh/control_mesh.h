@@ -11,10 +11,10 @@ namespace coppice {
 /// A flat end: the surface is cut at the plane dot(normal, p) = offset, and a run of cage quads fills the
 /// cut. The border of these quads is the rim, where plane and surface meet.
 struct ClipPlane {
-    Vec3 normal;  ///< outward, of any length but 0
-    float offset = 0;
-    std::uint32_t first_quad = 0;
-    std::uint32_t quad_count = 0;
+    Vec3 normal;                   ///< outward, of any length but 0
+    float offset = 0;              ///< [m] times the length of `normal`
+    std::uint32_t first_quad = 0;  ///< of the cut
+    std::uint32_t quad_count = 0;  ///< of the cut
 };
 
 /// A coarse closed cage of quads around a skeleton, with what subdivision and projection need to know about
@@ -24,7 +24,7 @@ struct ClipPlane {
 /// positions and anchors alike; projection then moves each refined vertex along the ray from its anchor
 /// through its position.
 struct ControlMesh {
-    QuadMesh cage;
+    QuadMesh cage;                      ///< closed, one sphere per tree
     Buffer<Vec3> anchors;               ///< [m] one per cage vertex
     std::vector<std::uint32_t> region;  ///< per quad: the tube it belongs to
     std::vector<NodeId> region_node;  ///< per region: the skeleton segment (named by its lower node) it wraps

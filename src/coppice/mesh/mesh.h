@@ -12,47 +12,55 @@
 
 namespace coppice {
 
+/// Vertices of a quad.
 using Quad = std::array<std::uint32_t, 4>;
+/// Vertices of a triangle.
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// An indexed surface of quads: counter-clockwise seen from outside. Indices are in range.
 struct QuadMesh {
     Buffer<Vec3> positions;  ///< [m] relative to origin
-    Buffer<Quad> quads;
-    Vec3d origin;  ///< [m] added back by writers
+    Buffer<Quad> quads;      ///< counter-clockwise
+    Vec3d origin;            ///< [m] added back by writers
 };
 
 /// An indexed surface of triangles; same conventions.
 struct TriMesh {
-    Buffer<Vec3> positions;
-    Buffer<Triangle> triangles;
-    Vec3d origin;
+    Buffer<Vec3> positions;      ///< [m] relative to origin
+    Buffer<Triangle> triangles;  ///< counter-clockwise
+    Vec3d origin;                ///< [m] added back by writers
 };
 
 /// A surface as files hold it: faces of three or more corners, not necessarily closed or manifold.
 struct PolygonMesh {
-    Buffer<Vec3> positions;
-    std::vector<std::uint32_t> corners;   ///< corner vertices of all faces, one after the other
-    std::vector<std::uint32_t> first{0};  ///< face f has corners first[f] .. first[f + 1]
-    Vec3d origin;
+    Buffer<Vec3> positions;                ///< [m] relative to origin
+    std::vector<std::uint32_t> corners;    ///< corner vertices of all faces, one after the other
+    std::vector<std::uint32_t> first{0};   ///< face f has corners first[f] .. first[f + 1]
+    Vec3d origin;                          ///< [m] added back by writers
     std::vector<std::string> group_names;  ///< of the groups or materials that the file tells apart
     std::vector<std::uint32_t> group;      ///< per face an index into group_names; empty when it tells none
 
+    /// number of faces
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }
+    /// Corner vertices of face f, in order.
     std::span<const std::uint32_t> face(std::uint32_t f) const {
         return {corners.data() + first[f], first[f + 1] - first[f]};
     }
+    /// Appends a face of three or more corners.
     void add_face(std::span<const std::uint32_t> face_corners) {
         corners.insert(corners.end(), face_corners.begin(), face_corners.end());
         first.push_back(static_cast<std::uint32_t>(corners.size()));
     }
 };
 
+/// The same surface as faces of any number of corners. O(n).
 PolygonMesh to_polygons(const QuadMesh& mesh);
+/// The same surface as faces of any number of corners. O(n).
 PolygonMesh to_polygons(const TriMesh& mesh);
 
 /// Each quad is cut along its shorter diagonal; larger faces become fans.
 TriMesh triangulate(const QuadMesh& mesh);
+/// Each quad is cut along its shorter diagonal; larger faces become fans. O(n).
 TriMesh triangulate(const PolygonMesh& mesh);
 
 }  // namespace coppice

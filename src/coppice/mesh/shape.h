@@ -19,11 +19,12 @@ struct ShapeReport {
     double signed_volume =
         0;            ///< [m^3] positive when faces are counter-clockwise from outside; means little if open
     double area = 0;  ///< [m^2]
-    friend bool operator==(const ShapeReport&, const ShapeReport&) = default;
+    friend bool operator==(const ShapeReport&, const ShapeReport&) = default;  ///< member by member
 };
 
 /// Judges a valid mesh. O(n).
 ShapeReport shape(const PolygonMesh& mesh, const Context& ctx = {});
+/// The same for quads.
 ShapeReport shape(const QuadMesh& mesh, const Context& ctx = {});
 
 /// The scaled Jacobian of one face.

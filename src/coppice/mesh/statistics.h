@@ -9,12 +9,17 @@ namespace coppice {
 /// number n / 100, p5 number n / 20, p50 number n / 2 (rounded down, from 0), and p95 and p99 lie as far from
 /// the end as p5 and p1 from the beginning. All are 0 when n is 0.
 struct Statistics {
-    std::uint64_t n = 0;
-    double mean = 0;
-    double mean_abs = 0;
-    double p1 = 0, p5 = 0, p50 = 0, p95 = 0, p99 = 0;
-    double min = 0, max = 0;
-    friend bool operator==(const Statistics&, const Statistics&) = default;
+    std::uint64_t n = 0;  ///< number of values
+    double mean = 0;      ///< their mean
+    double mean_abs = 0;  ///< the mean of their absolute values
+    double p1 = 0;        ///< 1 % are less
+    double p5 = 0;        ///< 5 % are less
+    double p50 = 0;       ///< the median
+    double p95 = 0;       ///< 5 % are greater
+    double p99 = 0;       ///< 1 % are greater
+    double min = 0;       ///< the least
+    double max = 0;       ///< the greatest
+    friend bool operator==(const Statistics&, const Statistics&) = default;  ///< member by member
 };
 
 /// Summarises finite values. O(n).

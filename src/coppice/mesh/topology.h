@@ -9,9 +9,9 @@ namespace coppice {
 
 /// How the faces of a mesh hang together. Vertices are told apart by their index, never by their position.
 struct TopologyReport {
-    std::uint64_t vertices = 0;  ///< those that faces use
-    std::uint64_t faces = 0;
-    std::uint64_t quads = 0;
+    std::uint64_t vertices = 0;            ///< those that faces use
+    std::uint64_t faces = 0;               ///< of any number of corners
+    std::uint64_t quads = 0;               ///< faces of four corners
     std::uint64_t edges = 0;               ///< pairs of vertices that follow each other in some face
     std::uint64_t open_edges = 0;          ///< edges of one face
     std::uint64_t non_manifold_edges = 0;  ///< edges of more than two faces
@@ -27,9 +27,9 @@ struct TopologyReport {
         return faces > 0 && open_edges == 0 && non_manifold_edges == 0 && misoriented_edges == 0 &&
                non_manifold_vertices == 0;
     }
-    double quads_percent() const { return percent(quads, faces); }
-    double irregular_percent() const { return percent(irregular_vertices, vertices); }
-    friend bool operator==(const TopologyReport&, const TopologyReport&) = default;
+    double quads_percent() const { return percent(quads, faces); }                      ///< of the faces
+    double irregular_percent() const { return percent(irregular_vertices, vertices); }  ///< of the vertices
+    friend bool operator==(const TopologyReport&, const TopologyReport&) = default;     ///< member by member
 
   private:
     static double percent(std::uint64_t part, std::uint64_t whole) {
@@ -43,6 +43,7 @@ void validate(const PolygonMesh& mesh);
 
 /// Judges a valid mesh. O(n) for bounded valence; about 60 bytes per quad of scratch.
 TopologyReport topology(const PolygonMesh& mesh, const Context& ctx = {});
+/// The same for quads.
 TopologyReport topology(const QuadMesh& mesh, const Context& ctx = {});
 
 }  // namespace coppice

@@ -23,6 +23,7 @@ concept OptionStruct = requires(const T& options) {
     visit_fields(options, [](const Field&, const auto&) {});
 };
 
+/// "metre", "radian", "radius", "second"; empty for a plain number.
 std::string_view name_of_unit(Unit unit);
 
 /// The number with the fewest digits that still gives this float: 0.1, not 0.10000000149.

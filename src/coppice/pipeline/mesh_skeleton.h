@@ -36,6 +36,7 @@ struct EnumNames<MeshMethod> {
     static constexpr std::array<std::string_view, 2> names{"quads", "tetrahedra"};
 };
 
+/// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
 struct TetraOptions {
     float edge = 0.5f;     ///< [radii] length of the triangles' edges, about
     int tetra_levels = 1;  ///< times the tetrahedra are cut into eight: more is faster for short edges, but
@@ -61,16 +62,16 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,
 /// tetra, and the ends of control.
 struct MeshOptions {
-    MeshMethod method = MeshMethod::quads;
+    MeshMethod method = MeshMethod::quads;  ///< quads or triangles
     int levels =
         2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
     float graft = 0.6f;  ///< [sum of radii] branches whose axes come nearer than this are grafted; 0 = off
-    PrepareOptions prepare;
-    ControlOptions control;
-    FieldOptions field;
-    ProjectOptions project;
-    UntangleOptions untangle;
-    TetraOptions tetra;
+    PrepareOptions prepare;    ///< what is done to the skeleton first
+    ControlOptions control;    ///< the cage, and how branches end
+    FieldOptions field;        ///< what surface the radii mean
+    ProjectOptions project;    ///< how the cage is moved onto it
+    UntangleOptions untangle;  ///< how folds are taken out
+    TetraOptions tetra;        ///< for tetrahedra only
 };
 
 template <class Self, class Visitor>
@@ -91,17 +92,18 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
 }
 
+/// A surface, and what every stage did.
 struct MeshResult {
-    QuadMesh mesh;      ///< empty for tetrahedra
-    TriMesh triangles;  ///< empty for quads
-    ControlMesh cage;
-    PrepareReport prepared;
-    GraftReport grafted;
+    QuadMesh mesh;                         ///< empty for tetrahedra
+    TriMesh triangles;                     ///< empty for quads
+    ControlMesh cage;                      ///< the quads before subdivision
+    PrepareReport prepared;                ///< changes to the skeleton
+    GraftReport grafted;                   ///< branches that run through each other
     std::optional<GlobalWeights> weights;  ///< where options.field.weights asked for it
-    PartReport parted;
-    ProjectReport projected;
-    UntangleReport untangled;
-    MarchReport tetra;
+    PartReport parted;                     ///< branch nodes that were moved
+    ProjectReport projected;               ///< how near the field's level the vertices are
+    UntangleReport untangled;              ///< folds found and taken out
+    MarchReport tetra;                     ///< of the tetrahedra
     std::uint32_t grown = 0;  ///< times the lattice of tetrahedra was enlarged to enclose the surface
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
 };

@@ -10,6 +10,7 @@ namespace coppice {
 
 // Numbers with units as people type and read them: angles are degrees there, and radians everywhere else.
 
+/// What a typed number is inside the library: degrees become radians.
 double in_library_unit(Unit unit, double typed);
 double in_typed_unit(Unit unit, double value);  ///< the other way round
 

@@ -11,6 +11,7 @@
 
 namespace coppice {
 
+/// Where the original surface is looked for.
 struct RestoreOptions {
     float reach = 0.5f;    ///< [radii] how far from a vertex the original is looked for, both ways
     int fade_passes = 20;  ///< rings of vertices, about, over which offsets fade where there is no original
@@ -27,6 +28,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.fade_passes);
 }
 
+/// What `restore_offsets` found and did, counted.
 struct RestoreReport {
     std::uint64_t found = 0;        ///< vertices with the original within reach
     std::uint64_t faded = 0;        ///< vertices without, that move with their neighbours
@@ -35,13 +37,14 @@ struct RestoreReport {
     bool turned = false;            ///< faces of the original that looked inward were turned
     Statistics offset;              ///< [radii] of all vertices; outward is positive
     Statistics distance_before;     ///< [radii] from vertices to the original; empty without any found
-    Statistics distance_after;
-    friend bool operator==(const RestoreReport&, const RestoreReport&) = default;
+    Statistics distance_after;      ///< [radii] of the same vertices
+    friend bool operator==(const RestoreReport&, const RestoreReport&) = default;  ///< member by member
 };
 
+/// How far each vertex moved, and the report.
 struct RestoreResult {
     Buffer<float> offsets;  ///< [m] per vertex, along its normal before: the mean of its faces' by area
-    RestoreReport report;
+    RestoreReport report;   ///< what was found and done
 };
 
 /// Moves the vertices of a surface along their normals onto the original that its skeleton was taken from, so

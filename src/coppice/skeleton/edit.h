@@ -7,10 +7,11 @@
 
 namespace coppice {
 
+/// An edited skeleton, and what became of the nodes.
 struct EditResult {
-    Skeleton skeleton;
-    std::uint32_t count = 0;  ///< what was changed: see each function
-    std::vector<NodeId> new_of_old;
+    Skeleton skeleton;               ///< the new one
+    std::uint32_t count = 0;         ///< what was changed: see each function
+    std::vector<NodeId> new_of_old;  ///< per old node: the one that stands for it
 };
 
 /// Averages radii along axes: a node keeps half of its radius and takes a quarter each of its parent's and

@@ -13,8 +13,8 @@ namespace coppice {
 struct PrepareOptions {
     float merge_branches = 0.5f;  ///< [radius] branch nodes nearer than this become one; 0 = never; in [0, 2]
     int smooth_passes = 0;        ///< times that radii are averaged along axes; in [0, 1000]
-    ResampleOptions resample;
-    int max_children = 0;  ///< nodes with more children are split; 0 = never, else in [2, 1000]
+    ResampleOptions resample;     ///< how the nodes between branch nodes are chosen
+    int max_children = 0;         ///< nodes with more children are split; 0 = never, else in [2, 1000]
 };
 
 template <class Self, class Visitor>
@@ -30,16 +30,18 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.max_children);
 }
 
+/// What `prepare` changed, counted.
 struct PrepareReport {
     std::uint32_t merged_branches = 0;  ///< branch nodes that became part of another one
-    std::uint32_t smoothed_radii = 0;
-    ResampleReport resample;
-    std::uint32_t split_nodes = 0;  ///< nodes added to share the children of crowded ones
+    std::uint32_t smoothed_radii = 0;   ///< radii that changed
+    ResampleReport resample;            ///< of the nodes between branch nodes
+    std::uint32_t split_nodes = 0;      ///< nodes added to share the children of crowded ones
 };
 
+/// A skeleton ready for meshing, and what was done to it.
 struct PrepareResult {
-    Skeleton skeleton;
-    PrepareReport report;
+    Skeleton skeleton;               ///< the new one
+    PrepareReport report;            ///< what was done
     std::vector<NodeId> new_of_old;  ///< for every node of the input the one that stands for it
 };
 

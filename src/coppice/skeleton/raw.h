@@ -11,7 +11,7 @@ namespace coppice {
 
 /// A node as a file gives it, before anything is checked.
 struct RawNode {
-    std::int64_t id = 0;
+    std::int64_t id = 0;       ///< any, but each once
     std::int64_t parent = -1;  ///< an id; any negative number, or an id that no node has, means a root
     Vec3d position;            ///< [m] world
     double radius = 0;         ///< [m]; NaN or less than 1e-12 means missing
@@ -20,11 +20,12 @@ struct RawNode {
 
 /// A cylinder of a quantitative structure model, before anything is checked.
 struct RawCylinder {
-    std::int64_t id = 0;
-    std::int64_t parent = -1;
-    Vec3d start, end;   ///< [m] world
-    double radius = 0;  ///< [m]; NaN or less than 1e-12 means missing
-    std::uint32_t line = 0;
+    std::int64_t id = 0;       ///< any, but each once
+    std::int64_t parent = -1;  ///< as in RawNode
+    Vec3d start;               ///< [m] world
+    Vec3d end;                 ///< [m] world
+    double radius = 0;         ///< [m]; NaN or less than 1e-12 means missing
+    std::uint32_t line = 0;    ///< as in RawNode
 };
 
 /// What `repair` mended, counted.
@@ -45,9 +46,10 @@ struct RepairReport {
     }
 };
 
+/// A valid skeleton, and what had to be mended for it.
 struct RepairResult {
-    Skeleton skeleton;
-    RepairReport report;
+    Skeleton skeleton;    ///< every node of the input but those merged
+    RepairReport report;  ///< what was mended
 };
 
 /// Makes a valid skeleton of raw nodes. Parents are put first, otherwise the order is kept. Nodes without a

@@ -10,6 +10,7 @@
 
 namespace coppice {
 
+/// By what rule nodes between branch nodes go and come.
 enum class ResampleMethod {
     none,      ///< leave the nodes as they are
     zhu,       ///< the rule of [Zhu2015] section 3.1
@@ -23,7 +24,7 @@ struct EnumNames<ResampleMethod> {
 
 /// How the nodes between branch nodes are chosen. Roots, branch nodes and tips always stay.
 struct ResampleOptions {
-    ResampleMethod method = ResampleMethod::simplify;
+    ResampleMethod method = ResampleMethod::simplify;  ///< the rule
     float tolerance = 0.02f;    ///< [radius] simplify: how far the surface may move; in [0, 1]
     float min_spacing = 0.9f;   ///< [radius] simplify: least distance of nodes along a chain; in [0, 10]
     float max_length = 20;      ///< [radius] simplify: longer segments are split; in [1, 1e6]
@@ -51,15 +52,17 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.zhu_spacing);
 }
 
+/// What `resample` changed, counted.
 struct ResampleReport {
     std::uint32_t removed = 0;   ///< nodes left out
     std::uint32_t moved = 0;     ///< nodes pushed apart, so that a jump in radius keeps both of its radii
     std::uint32_t inserted = 0;  ///< nodes added on long segments and beside sharp turns
 };
 
+/// A resampled skeleton, and what was done to it.
 struct ResampleResult {
-    Skeleton skeleton;
-    ResampleReport report;
+    Skeleton skeleton;      ///< the new one
+    ResampleReport report;  ///< what was done
     /// For every old node: itself, or where it was left out, the next one kept towards the tip.
     std::vector<NodeId> new_of_old;
 };

@@ -14,8 +14,10 @@ namespace coppice {
 /// The part of space between a node and its parent: a cone with rounded ends, radius running linearly from a
 /// to b.
 struct Segment {
-    Vec3 a, b;                 ///< [m] at the parent, at the node
-    float radius_a, radius_b;  ///< [m] > 0
+    Vec3 a;          ///< [m] at the parent
+    Vec3 b;          ///< [m] at the node
+    float radius_a;  ///< [m] > 0
+    float radius_b;  ///< [m] > 0
 };
 
 /// A forest of nodes with radii: trees, roots, vessels, neurons. Immutable; an edit makes a new one.
@@ -33,25 +35,25 @@ class Skeleton {
     Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius,
              Vec3d origin = {});
 
-    std::uint32_t size() const { return parent_.size(); }
-    NodeId parent(NodeId n) const { return parent_[n]; }  ///< none for a root; parent(n) < n always
-    Vec3 position(NodeId n) const { return position_[n]; }
-    float radius(NodeId n) const { return radius_[n]; }
-    std::span<const NodeId> parents() const { return parent_.span(); }
+    std::uint32_t size() const { return parent_.size(); }   ///< number of nodes; ids below it are valid
+    NodeId parent(NodeId n) const { return parent_[n]; }    ///< none for a root; parent(n) < n always
+    Vec3 position(NodeId n) const { return position_[n]; }  ///< [m] relative to origin(), Z up
+    float radius(NodeId n) const { return radius_[n]; }     ///< [m] > 0
+    std::span<const NodeId> parents() const { return parent_.span(); }    ///< by id; see parent()
     std::span<const Vec3> positions() const { return position_.span(); }  ///< [m] relative to origin(), Z up
     std::span<const float> radii() const { return radius_.span(); }       ///< [m] > 0
     Vec3d origin() const { return origin_; }                              ///< [m]
 
-    std::span<const NodeId> children(NodeId n) const;  ///< in order of id
-    bool is_root(NodeId n) const { return !parent_[n]; }
+    std::span<const NodeId> children(NodeId n) const;            ///< in order of id
+    bool is_root(NodeId n) const { return !parent_[n]; }         ///< whether it has no parent
     bool is_tip(NodeId n) const { return children(n).empty(); }  ///< a single node is root and tip
     NodeId leader(NodeId n) const { return leader_[n]; }         ///< none for a tip
 
     /// The segment that ends at n; n must not be a root.
     Segment segment(NodeId n) const;
 
-    std::uint32_t tree_count() const { return tree_count_; }
-    Box3 bounds() const;  ///< of the balls about the nodes
+    std::uint32_t tree_count() const { return tree_count_; }  ///< number of roots
+    Box3 bounds() const;                                      ///< of the balls about the nodes
 
   private:
     Column<NodeId, NodeId> parent_;
@@ -67,27 +69,30 @@ class Skeleton {
 /// All ids of a skeleton, in order: for (NodeId n : nodes(s)).
 class NodeRange {
   public:
+    /// What a range-based for needs of an iterator.
     class Iterator {
       public:
-        explicit Iterator(std::uint32_t i) : i_(i) {}
-        NodeId operator*() const { return NodeId(i_); }
+        explicit Iterator(std::uint32_t i) : i_(i) {}    ///< at the id of this index
+        NodeId operator*() const { return NodeId(i_); }  ///< the id
+        /// to the next id
         Iterator& operator++() {
             ++i_;
             return *this;
         }
-        friend bool operator==(Iterator, Iterator) = default;
+        friend bool operator==(Iterator, Iterator) = default;  ///< at the same id
 
       private:
         std::uint32_t i_;
     };
-    explicit NodeRange(std::uint32_t size) : size_(size) {}
-    Iterator begin() const { return Iterator(0); }
-    Iterator end() const { return Iterator(size_); }
+    explicit NodeRange(std::uint32_t size) : size_(size) {}  ///< the ids below `size`
+    Iterator begin() const { return Iterator(0); }           ///< at the first id
+    Iterator end() const { return Iterator(size_); }         ///< past the last id
 
   private:
     std::uint32_t size_;
 };
 
+/// The ids of a skeleton, parents before their children.
 inline NodeRange nodes(const Skeleton& s) { return NodeRange(s.size()); }
 
 }  // namespace coppice

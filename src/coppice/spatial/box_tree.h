@@ -18,13 +18,15 @@ namespace coppice {
 /// however the boxes lie. A place is the position of an item in the sorted order. O(n).
 class BoxTree {
   public:
-    static constexpr std::uint32_t kWidth = 8;
+    static constexpr std::uint32_t kWidth = 8;  ///< boxes that one box of the level above bounds
 
     /// Boxes must be finite and not empty.
     BoxTree(std::span<const Box3> boxes, const Context& ctx);
 
-    std::uint32_t size() const { return static_cast<std::uint32_t>(item_.size()); }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(item_.size()); }  ///< number of items
+    /// the index, in the span given, of what lies at a place
     std::uint32_t item(std::uint32_t place) const { return item_[place]; }
+    /// 0 without items
     std::uint32_t level_count() const { return static_cast<std::uint32_t>(level_.size()); }
     /// Level 0 holds the items' boxes by place; box i of a level bounds boxes 8 i .. 8 i + 7 of the level
     /// below.
