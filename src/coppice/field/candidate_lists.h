@@ -15,17 +15,19 @@ namespace coppice {
 /// A part of space about one segment, named by the segment's lower node. A root names the segment to its
 /// leader, or itself where the tree is a single node.
 struct FieldRegion {
-    Box3 box;
-    NodeId seed;
+    Box3 box;     ///< [m] where it is sampled
+    NodeId seed;  ///< names the segment
 };
 
 /// Where a segment has influence: a capsule and its box.
 struct SegmentSupport {
-    Box3 box;
-    Vec3 a, b;         ///< [m] ends, extensions included
+    Box3 box;          ///< [m] holds the capsule
+    Vec3 a;            ///< [m] one end of the axis, its extension included
+    Vec3 b;            ///< [m] the other
     float radius = 0;  ///< [m] greatest
 };
 
+/// [m^2] From p to the axis of a support.
 inline float axis_distance_squared(const SegmentSupport& s, Vec3 p) {
     const Vec3 axis = s.b - s.a, w = p - s.a;
     const float along = dot(w, axis), length2 = length_squared(axis);
@@ -48,8 +50,8 @@ inline float clearance(const SegmentSupport& s, Vec3 p) {
 
 /// Lists of segments, ascending, one list per region: entries [first[i], first[i + 1]) of `segments`.
 struct CandidateLists {
-    std::vector<std::uint64_t> first{0};
-    Buffer<std::uint32_t> segments;  ///< by lower node
+    std::vector<std::uint64_t> first{0};  ///< one more than there are regions
+    Buffer<std::uint32_t> segments;       ///< by lower node
 };
 
 /// No list is longer than this, so that hubs and huge boxes cannot make time and memory quadratic.

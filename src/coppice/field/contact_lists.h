@@ -22,8 +22,8 @@ struct TubeTree {
 /// not: the two surfaces press against each other instead of passing through each other. Of more than 48
 /// rivals the nearest are kept: time and memory stay linear where hundreds of branches overlap.
 struct ContactLists {
-    CandidateLists own;
-    CandidateLists rivals;
+    CandidateLists own;     ///< segments that a region's tube grows together with
+    CandidateLists rivals;  ///< segments that it presses against
 };
 
 /// `supports` has one entry per node of the skeleton. O((regions + lists) log n). Deterministic for any

@@ -54,11 +54,13 @@ class ConvolutionField {
     /// branches that cross become one body.
     void set_regions(std::span<const Box3> boxes, const Context& ctx = {});
 
-    float level() const { return 1.0f; }
+    float level() const { return 1.0f; }  ///< the surface is where the value is 1
+    /// see set_regions
     std::uint32_t region_count() const { return static_cast<std::uint32_t>(lists_.first.size() - 1); }
 
     /// The segments of a region by lower node: axis by axis, ascending in each; blend 1: ascending.
     std::span<const std::uint32_t> candidates(std::uint32_t region) const;
+    /// Those that the region's own press against; none without tubes.
     std::span<const std::uint32_t> rivals(std::uint32_t region) const;
 
     /// Value and gradient at points of a region, from its list. Thread safe, no allocation. The bits of a
@@ -77,7 +79,7 @@ class ConvolutionField {
 
     /// The axis of every segment, named by the highest of its lower nodes.
     std::span<const std::uint32_t> axes() const { return axes_; }
-    const KernelConstants& kernel() const { return builder_.kernel(); }
+    const KernelConstants& kernel() const { return builder_.kernel(); }  ///< the kernel of all segments
 
   private:
     void set_lists(CandidateLists lists, const Context& ctx);

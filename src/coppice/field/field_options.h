@@ -30,8 +30,9 @@ struct EnumNames<Weights> {
     static constexpr std::array<std::string_view, 2> names{"local", "global"};
 };
 
+/// What surface the radii of a skeleton mean.
 struct FieldOptions {
-    Kernel kernel = Kernel::quartic;
+    Kernel kernel = Kernel::quartic;  ///< how influence falls with distance
     float support = 1.5f;  ///< [radii] quartic: distance at which a segment's influence ends; 2 is Zhu2015's
     float width = 2.0f;    ///< [1/radii] Cauchy: greater is sharper
     float reach =

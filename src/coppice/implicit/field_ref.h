@@ -9,7 +9,7 @@ namespace coppice {
 
 /// Value and gradient of a scalar field at one point.
 struct FieldSample {
-    float value;
+    float value;    ///< greater than the level inside
     Vec3 gradient;  ///< [1/m] points inward: the field falls outward
 };
 
@@ -21,6 +21,7 @@ struct FieldSample {
 /// thread safe.
 class FieldRef {
   public:
+    /// The field must outlive the reference, and have `level()` and `sample(region, points, out)`.
     template <class F>
     explicit FieldRef(const F& field)
         : object_(&field),
@@ -30,7 +31,8 @@ class FieldRef {
               static_cast<const F*>(object)->sample(region, points, out);
           }) {}
 
-    float level() const { return level_; }
+    float level() const { return level_; }  ///< what the field is on its surface
+    /// Value and gradient at each point, as many as `out` holds.
     void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
         sample_(object_, region, points, out);
     }

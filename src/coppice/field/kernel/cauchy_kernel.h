@@ -22,11 +22,13 @@ class CauchyKernel {
           half_weight_(0.5 * weight),
           weight_d_h2_(-0.5 * width * width * weight) {}
 
+    /// The factor that gives an infinite line the value 1 at distance 1.
     COPPICE_HOST_DEVICE static double line_weight(double width) {
         const double q = 1 + width * width;
         return 2 / 3.14159265358979323846 * width * q * std::sqrt(q);
     }
 
+    /// The integral over a piece of a line, and its derivatives.
     COPPICE_HOST_DEVICE NormalForm<T> operator()(T h2, T x0, T x1) const {
         const T p2 = T(1) + k2_ * h2;
         const T kp = k_ * square_root(p2);

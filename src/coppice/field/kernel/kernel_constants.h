@@ -8,11 +8,12 @@ namespace coppice {
 
 /// A kernel with its parameter, ready for use.
 struct KernelConstants {
-    Kernel kernel = Kernel::quartic;
-    double shape = 0;   ///< support or width
-    double weight = 0;  ///< line_weight of the kernel; unused for SCALIS
+    Kernel kernel = Kernel::quartic;  ///< which one
+    double shape = 0;                 ///< support or width
+    double weight = 0;                ///< line_weight of the kernel; unused for SCALIS
 };
 
+/// The kernel that the options name; they must be in range.
 KernelConstants kernel_constants(const FieldOptions& options);
 
 /// One segment in double precision: what the constants are calibrated with, and the reference for the vector
@@ -27,7 +28,7 @@ class SegmentBuilder {
     /// Throws InvalidInput naming an option out of range.
     explicit SegmentBuilder(const FieldOptions& options);
 
-    const KernelConstants& kernel() const { return kernel_; }
+    const KernelConstants& kernel() const { return kernel_; }  ///< the same for all segments
 
     /// [radii] Length of line beyond a tip of constant radius so that the surface ends 1 radius beyond it.
     double tip_extension() const { return tip_extension_; }

@@ -21,17 +21,21 @@
 /// its namespace.
 namespace coppice::kernel {
 
+/// The lesser of two, without branches.
 template <class T>
 COPPICE_HOST_DEVICE inline T smaller(T a, T b) {
     return b < a ? b : a;
 }
 
+/// The greater of two, without branches.
 template <class T>
 COPPICE_HOST_DEVICE inline T larger(T a, T b) {
     return a < b ? b : a;
 }
 
+/// As std::sqrt, also for vectors of numbers.
 COPPICE_HOST_DEVICE inline float square_root(float x) { return std::sqrt(x); }
+/// As std::sqrt, also for vectors of numbers.
 COPPICE_HOST_DEVICE inline double square_root(double x) { return std::sqrt(x); }
 
 /// `value` where 0 < x < high, else 0.
@@ -42,6 +46,7 @@ COPPICE_HOST_DEVICE inline T value_within(T x, T high, T value) {
 
 /// Angle in [0, pi] of the point (x, y) with y >= 0.
 COPPICE_HOST_DEVICE inline float upper_angle(float y, float x) { return std::atan2(y, x); }
+/// The same in double precision.
 COPPICE_HOST_DEVICE inline double upper_angle(double y, double x) { return std::atan2(y, x); }
 
 }  // namespace coppice::kernel

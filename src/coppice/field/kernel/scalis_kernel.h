@@ -19,6 +19,7 @@ class ScalisKernel {
     static constexpr double kSupport = 2;     ///< [radii]
     static constexpr double kMaxSlope = 0.4;  ///< the clipping needs kSupport * slope < 1
 
+    /// Adds what one segment contributes at p: value and gradient.
     COPPICE_HOST_DEVICE void add(const SegmentConstants<T>& s, Point<T> p, Sample<T>& sum) const {
         const T wx = p.x - s.ax, wy = p.y - s.ay, wz = p.z - s.az;
         const T t = wx * s.ux + wy * s.uy + wz * s.uz;

@@ -9,30 +9,50 @@ namespace coppice::COPPICE_KERNEL_NAMESPACE {
 /// A segment as the kernels want it. Lengths along it are measured from its first node.
 template <class T>
 struct SegmentConstants {
-    T ax, ay, az;  ///< [m] the first node
-    T ux, uy, uz;  ///< unit vector towards the second
-    T begin, end;  ///< [m] <= 0 and >= length: where the skeleton line starts and stops, extensions included
-    T length;      ///< [m] >= 0, between the nodes
-    T radius, slope;  ///< [m] at the first node, and its change per metre
-    T weight;         ///< factor of the whole
+    /// [m] The first node.
+    /// @{
+    T ax, ay, az;
+    /// @}
+    /// Unit vector towards the second node.
+    /// @{
+    T ux, uy, uz;
+    /// @}
+    T begin;   ///< [m] <= 0: where the skeleton line starts, extension included
+    T end;     ///< [m] >= length: where it stops
+    T length;  ///< [m] >= 0, between the nodes
+    T radius;  ///< [m] at the first node
+    T slope;   ///< change of the radius per metre
+    T weight;  ///< factor of the whole
 };
 
+/// Where a field is sampled.
 template <class T>
 struct Point {
+    /// [m] Relative to the origin of the skeleton.
+    /// @{
     T x, y, z;
+    /// @}
 };
 
 /// Value of a field and its gradient.
 template <class T>
 struct Sample {
-    T value, gx, gy, gz;
+    T value;  ///< in units of the level
+    /// [1/m] The gradient.
+    /// @{
+    T gx, gy, gz;
+    /// @}
 };
 
 /// A kernel's integral along a piece of a line, in units of the local radius d, and its derivatives:
 /// `h2` squared distance from the line, `x0` <= `x1` ends of the piece measured from the foot point.
 template <class T>
 struct NormalForm {
-    T value, d_h2, d_x0, d_x1;
+    T value;  ///< the integral
+    /// Its derivatives.
+    /// @{
+    T d_h2, d_x0, d_x1;
+    /// @}
 };
 
 /// Adds what one segment contributes at p, for a kernel given by its normal form (quartic, Cauchy). The

@@ -12,7 +12,8 @@ namespace coppice {
 
 /// How far values of the field at the constraints are from the level, in units of the level.
 struct WeightResidual {
-    double rms = 0, greatest = 0;
+    double rms = 0;       ///< root of the mean square
+    double greatest = 0;  ///< the greatest absolute value
 };
 
 /// A point that the surface is to go through.
@@ -29,14 +30,17 @@ struct WeightConstraint {
 std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, const FieldOptions& options,
                                                   const Context& ctx = {});
 
+/// Factors of all segments, and how well they fit.
 struct GlobalWeights {
     std::vector<float> factors;     ///< of the local weights, by lower node: for scale_weights
     std::uint64_t constraints = 0;  ///< points that were fitted
     std::uint64_t entries = 0;      ///< pairs of a point and a segment that it sees
     std::uint64_t zero = 0;         ///< segments that got no weight: they are not in the surface any more
     std::uint64_t unseen = 0;       ///< segments that no constraint sees: they keep their local weight
-    WeightResidual local, global;   ///< of the plain sum, before and after
-    int pivots = 0, sweeps = 0;     ///< see nnls
+    WeightResidual local;           ///< of the plain sum, before
+    WeightResidual global;          ///< and after
+    int pivots = 0;                 ///< see nnls
+    int sweeps = 0;                 ///< see nnls
     bool converged = false;         ///< false: better than local, but not the best
 };
 

@@ -14,18 +14,19 @@ namespace coppice {
 /// A matrix by rows: row j has the entries [first[j], first[j + 1]) of `column` and `value`, none of a row in
 /// the same column. A dense matrix is one with all its entries.
 struct SparseRows {
-    std::uint32_t columns = 0;
-    std::vector<std::uint64_t> first{0};
-    Buffer<std::uint32_t> column;  ///< < columns
-    Buffer<double> value;          ///< finite
+    std::uint32_t columns = 0;            ///< unknowns
+    std::vector<std::uint64_t> first{0};  ///< one more than there are rows
+    Buffer<std::uint32_t> column;         ///< < columns
+    Buffer<double> value;                 ///< finite
 
-    std::size_t rows() const { return first.size() - 1; }
-    std::size_t entries() const { return value.size(); }
+    std::size_t rows() const { return first.size() - 1; }  ///< equations
+    std::size_t entries() const { return value.size(); }   ///< numbers stored
 };
 
 /// A x, row by row. O(entries).
 std::vector<double> product(const SparseRows& a, std::span<const double> x, const Context& ctx = {});
 
+/// When to stop.
 struct NnlsOptions {
     int most_pivots = 200;  ///< exchanges of sets before descent takes over; 0: descent alone
     int most_sweeps = 500;  ///< of the descent
@@ -39,6 +40,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"most_sweeps", "of the descent", Unit::none, 0, 1e6}, o.most_sweeps);
 }
 
+/// A solution, and how good it is.
 struct NnlsResult {
     std::vector<double> x;   ///< >= 0, whether converged or not
     int pivots = 0;          ///< systems solved

@@ -12,6 +12,7 @@
 
 namespace coppice {
 
+/// How finely a field is remembered, and how far from its surface.
 struct CacheOptions {
     float cell = 0;  ///< [m] side of a cell; 0: 1/64 of the longest side of the box
     float band =
@@ -47,8 +48,8 @@ class CachedField {
     /// field says of a point must not depend on the other points of a call.
     CachedField(FieldRef field, const Box3& box, const CacheOptions& options = {}, const Context& ctx = {});
 
-    float level() const { return level_; }
-    float cell() const { return cell_; }
+    float level() const { return level_; }                   ///< that of the field
+    float cell() const { return cell_; }                     ///< [m] side of a cell
     std::span<const Box3> blocks() const { return boxes_; }  ///< those near the surface
     /// The lowest corners of the cells, all of side `cell`, in which some interpolated value lies in [low,
     /// high]: who draws points with such values need not look elsewhere. In a fixed order.
@@ -56,8 +57,9 @@ class CachedField {
     /// The greatest difference found, at the centres of 64 cells of every block near the surface.
     float error() const { return error_; }
 
+    /// Value and gradient at each point. Thread safe.
     void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const;
-    void values(std::span<const Vec3> points, std::span<float> out) const;
+    void values(std::span<const Vec3> points, std::span<float> out) const;  ///< The values alone.
 
   private:
     struct Builder;

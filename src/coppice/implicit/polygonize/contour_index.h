@@ -10,22 +10,29 @@ namespace coppice {
 
 /// A point or direction in a plane [m].
 struct Vec2d {
-    double x = 0, y = 0;
+    double x = 0;  ///< along the first axis
+    double y = 0;  ///< along the second
 
+    /// Coordinate by coordinate.
     friend constexpr Vec2d operator+(Vec2d a, Vec2d b) { return {a.x + b.x, a.y + b.y}; }
+    /// Coordinate by coordinate.
     friend constexpr Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
+    /// Coordinate by coordinate.
     friend constexpr Vec2d operator*(Vec2d a, double s) { return {a.x * s, a.y * s}; }
+    /// Coordinate by coordinate.
     friend constexpr bool operator==(Vec2d, Vec2d) = default;
 };
 
 /// Distance to a profile and its gradient, at a point of the profile's plane.
 struct PlaneSample {
-    double value = 0;
-    Vec2d gradient;
+    double value = 0;  ///< [m] negative inside
+    Vec2d gradient;    ///< away from the profile
 };
 
+/// A line between two points in a plane.
 struct PlaneSegment {
-    Vec2d a, b;
+    Vec2d a;  ///< one end
+    Vec2d b;  ///< the other
 };
 
 /// [m^2] Of the polygon; positive when it turns counterclockwise.
@@ -46,12 +53,12 @@ class ContourIndex {
     /// the distance signed.
     ContourIndex(std::vector<PlaneSegment> segments, bool closed);
 
-    Vec2d low() const { return low_; }
-    Vec2d high() const { return high_; }
+    Vec2d low() const { return low_; }    ///< least corner of the box about all segments
+    Vec2d high() const { return high_; }  ///< greatest corner
 
     /// Infinite for a point that is not a number.
     PlaneSample distance(Vec2d p) const;
-    bool inside(Vec2d p) const;
+    bool inside(Vec2d p) const;  ///< Whether p lies within an odd number of contours.
 
   private:
     enum class Side : std::uint8_t { unknown, inside, outside };

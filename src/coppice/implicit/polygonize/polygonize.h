@@ -14,6 +14,7 @@
 
 namespace coppice {
 
+/// How fine the grid is, and how exactly vertices lie on the surface.
 struct PolygonizeOptions {
     float cell = 0;  ///< [m] side of a cell; 0: 1/64 of the longest side of the box
     int refinements =

@@ -19,15 +19,16 @@ class Profile {
     /// Several closed contours: an area within an even number of them is a hole, within an odd number inside.
     explicit Profile(std::span<const std::vector<Vec2d>> contours, CurveKind kind = CurveKind::polyline);
 
-    bool closed() const { return closed_; }
+    bool closed() const { return closed_; }                                     ///< whether it bounds an area
     std::span<const std::vector<Vec2d>> contours() const { return contours_; }  ///< as polygons
     Vec2d low() const { return index_.low(); }                                  ///< of the box around it
-    Vec2d high() const { return index_.high(); }
+    Vec2d high() const { return index_.high(); }                                ///< and its greatest corner
     double reach() const;  ///< [m] greatest distance from the origin of the plane
 
     /// [m] Negative inside a closed profile. The gradient has unit length; on the line it points outward.
     /// Thread safe. Near the profile O(1) for most points, farther than its size O(log n).
     PlaneSample distance(Vec2d p) const { return index_.distance(p); }
+    /// The same for many points.
     void distance(std::span<const Vec2d> points, std::span<PlaneSample> out) const;
 
   private:

@@ -6,7 +6,7 @@ namespace coppice {
 
 /// A line in space that things turn about.
 struct Axis {
-    Vec3 origin{};
+    Vec3 origin{};            ///< [m] a point of it
     Vec3 direction{0, 0, 1};  ///< of any length but zero
 };
 

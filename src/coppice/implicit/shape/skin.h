@@ -21,9 +21,10 @@ struct EnumNames<SkinBlend> {
     static constexpr std::array<std::string_view, 4> names{"linear", "quadratic", "cubic", "smooth"};
 };
 
+/// How sections go over into each other.
 struct SkinOptions {
-    SkinBlend blend = SkinBlend::linear;
-    float roll = 0;  ///< [rad] turns all sections about the path; right-handed
+    SkinBlend blend = SkinBlend::linear;  ///< how smoothly
+    float roll = 0;                       ///< [rad] turns all sections about the path; right-handed
     float twist =
         0;  ///< [rad] turns them on, evenly over the length; whole turns only when the path is closed
 };
@@ -43,7 +44,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// united, such as the four legs of a table whose top is one section at the other end.
 struct SkinSection {
     float fraction = 0;  ///< of the path's length, in [0, 1]
-    Profile profile;
+    Profile profile;     ///< closed
 };
 
 /// The surface through planar sections along a path: at a point, the plane across the path's nearest place

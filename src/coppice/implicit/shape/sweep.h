@@ -7,6 +7,7 @@
 
 namespace coppice {
 
+/// How the profile turns about the path.
 struct SweepOptions {
     float roll = 0;   ///< [rad] turns the profile about the path, everywhere; right-handed
     float twist = 0;  ///< [rad] turns it on, evenly over the length; whole turns only when the path is closed

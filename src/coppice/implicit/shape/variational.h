@@ -9,6 +9,7 @@
 
 namespace coppice {
 
+/// How the surface through points is told from its inside, and where it ends.
 struct VariationalOptions {
     float offset =
         0.01f;  ///< [size of the points' box] where along a normal the surface's distance is prescribed
@@ -36,7 +37,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// alone. Where points are missing the surface may run on; it ends at the margin around the points' box.
 class Variational final : public Shape {
   public:
-    static constexpr std::size_t kMostPoints = 5000;
+    static constexpr std::size_t kMostPoints = 5000;  ///< see the constructor
 
     /// Throws InvalidInput for less than 4 points or more than kMostPoints, another number of normals, points
     /// that coincide, normals without length, and points and normals that all lie in one plane. A dense
@@ -52,6 +53,7 @@ class Variational final : public Shape {
     /// Not a true distance everywhere: no bound is known.
     float steepness() const override { return Box3::kInfinity; }
 
+    /// points and shifted points that the sum is over
     std::size_t center_count() const { return weight_.size(); }
 
   private:

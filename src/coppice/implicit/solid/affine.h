@@ -8,14 +8,14 @@ namespace coppice {
 
 /// An affine map of space, in double precision: p -> x p.x + y p.y + z p.z + origin.
 struct Affine {
-    Vec3d x{1, 0, 0};  ///< images of the unit vectors
-    Vec3d y{0, 1, 0};
-    Vec3d z{0, 0, 1};
-    Vec3d origin{};
+    Vec3d x{1, 0, 0};  ///< image of the first unit vector
+    Vec3d y{0, 1, 0};  ///< image of the second
+    Vec3d z{0, 0, 1};  ///< image of the third
+    Vec3d origin{};    ///< [m] image of the origin
 
-    Vec3d direction(Vec3d d) const { return x * d.x + y * d.y + z * d.z; }
-    Vec3d point(Vec3d p) const { return direction(p) + origin; }
-    double determinant() const { return dot(x, cross(y, z)); }
+    Vec3d direction(Vec3d d) const { return x * d.x + y * d.y + z * d.z; }  ///< without the shift
+    Vec3d point(Vec3d p) const { return direction(p) + origin; }            ///< with the shift
+    double determinant() const { return dot(x, cross(y, z)); }  ///< volumes grow by it; negative mirrors
 
     /// The map that takes back what this one does; of a map with determinant 0, not finite.
     Affine inverse() const {
@@ -31,7 +31,9 @@ struct Affine {
         return {a.direction(b.x), a.direction(b.y), a.direction(b.z), a.point(b.origin)};
     }
 
+    /// Shifts by a vector [m].
     static Affine translation(Vec3d by) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by}; }
+    /// Stretches along the axes about the origin.
     static Affine scaling(Vec3d by) { return {{by.x, 0, 0}, {0, by.y, 0}, {0, 0, by.z}, {}}; }
 
     /// By `angle` [rad] about the line through the origin along the unit vector `axis`, right-handed.

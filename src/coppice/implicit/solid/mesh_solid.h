@@ -17,7 +17,7 @@ namespace coppice {
 /// patch, across which the distance changes its sign.
 class MeshSolid final : public Shape {
   public:
-    using Triangle = std::array<std::uint32_t, 3>;
+    using Triangle = std::array<std::uint32_t, 3>;  ///< numbers of three positions
 
     /// The mesh is copied. Triangles turn counterclockwise seen from outside; a mesh that is inside out is
     /// turned. Triangles without area are left out. Throws InvalidInput for positions that are not numbers or

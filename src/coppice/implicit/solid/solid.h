@@ -25,8 +25,9 @@ struct SolidNode;
 /// beyond 1e6 m) or without meaning (lengths <= 0).
 class Solid {
   public:
-    static constexpr float kSurface = 0.5f;
+    static constexpr float kSurface = 0.5f;  ///< the value on the surface
 
+    /// From a node that this library made.
     explicit Solid(std::shared_ptr<const SolidNode> node) : node_(std::move(node)) {}
 
     /// Holds every point where the field is greater than 0; empty when there is none. O(parts), as the next.
@@ -36,12 +37,12 @@ class Solid {
     /// Holds every point where the field is `value` > 0 or more.
     Box3 bounds_at(float value) const;
 
-    std::string_view kind() const;  ///< "sphere", "union", "twist", ...
-    std::span<const Solid> parts() const;
-    std::uint32_t part_count() const;  ///< all below and this one; points of polylines and polygons count
-    std::uint32_t depth() const;       ///< 1 for a primitive
+    std::string_view kind() const;         ///< "sphere", "union", "twist", ...
+    std::span<const Solid> parts() const;  ///< direct ones; none for a primitive
+    std::uint32_t part_count() const;      ///< all below and this one; points of polylines and polygons count
+    std::uint32_t depth() const;           ///< 1 for a primitive
 
-    const SolidNode& node() const { return *node_; }
+    const SolidNode& node() const { return *node_; }  ///< for the library's own sources
 
   private:
     std::shared_ptr<const SolidNode> node_;
@@ -65,12 +66,18 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 }
 
 // Primitives. The skeleton is named by its points; discs, boxes, cones, cylinders and polygons are solid
-// skeletons, so that their surfaces have rounded edges.
+// skeletons, so that their surfaces have rounded edges. They throw InvalidInput for numbers out of range.
+/// A ball: the skeleton is its center.
 Solid sphere(Vec3 center, const PrimitiveOptions& options = {});
+/// A capsule: the skeleton is the line from a to b.
 Solid line(Vec3 a, Vec3 b, const PrimitiveOptions& options = {});
+/// A torus: the skeleton is a circle across `axis`.
 Solid circle(Vec3 center, Vec3 axis, float circle_radius, const PrimitiveOptions& options = {});
+/// A flat disc across `axis` with a round edge.
 Solid disc(Vec3 center, Vec3 axis, float disc_radius, const PrimitiveOptions& options = {});
+/// A box with rounded edges, `radius` larger than its skeleton on all sides.
 Solid box(const Box3& skeleton, const PrimitiveOptions& options = {});
+/// A cylinder from a to b with rounded edges.
 Solid cylinder(Vec3 a, Vec3 b, float cylinder_radius, const PrimitiveOptions& options = {});
 /// The radii are those of the skeleton at a and at b; one of them may be 0.
 Solid cone(Vec3 a, Vec3 b, float a_radius, float b_radius, const PrimitiveOptions& options = {});
@@ -96,6 +103,7 @@ Solid ricci_blend(std::span<const Solid> parts, float exponent);
 
 // Affine maps: the field is carried along, so that a sphere scaled unevenly is an ellipsoid.
 Solid transformed(const Solid& solid, const Affine& map);  ///< stretches and shrinks by 1e7 at most
+/// Shifted by a vector [m].
 Solid translated(const Solid& solid, Vec3 by);
 Solid rotated(const Solid& solid, Vec3 axis, float angle, Vec3 center = {});  ///< [rad], right-handed
 Solid scaled(const Solid& solid, Vec3 factors, Vec3 center = {});  ///< 1e-6 to 1e6 each, negative: mirrored

@@ -13,7 +13,8 @@ struct SolidProgram;
 
 /// Bounds of a field's values within a box.
 struct ValueRange {
-    float low, high;
+    float low;   ///< no value is less
+    float high;  ///< no value is greater
 };
 
 /// A solid made ready for evaluation: maps are folded into the primitives, and the tree becomes a flat
@@ -24,13 +25,14 @@ struct ValueRange {
 /// Satisfies FieldRef; the region is ignored. Making one is O(parts log parts). A copy is cheap.
 class SolidField {
   public:
-    explicit SolidField(const Solid& solid);
+    explicit SolidField(const Solid& solid);  ///< Keeps the solid's parts alive.
 
-    float level() const { return Solid::kSurface; }
-    const Box3& bounds() const { return bounds_; }                  ///< of the support
-    const Box3& surface_bounds() const { return surface_bounds_; }  ///< of the solid
-    Box3 bounds_at(float value) const { return solid_.bounds_at(value); }
+    float level() const { return Solid::kSurface; }                        ///< that of solids
+    const Box3& bounds() const { return bounds_; }                         ///< of the support
+    const Box3& surface_bounds() const { return surface_bounds_; }         ///< of the solid
+    Box3 bounds_at(float value) const { return solid_.bounds_at(value); }  ///< see Solid::bounds_at
 
+    /// Value and gradient at each point. Thread safe.
     void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const;
     /// The values alone, in about half the time. 0 where a coordinate is not finite.
     void values(std::span<const Vec3> points, std::span<float> out) const;
