@@ -13,13 +13,14 @@
 
 namespace coppice {
 
+/// How a tree grows into its attractors.
 struct GrowOptions {
     float influence_radius = 1;  ///< [m] attractors pull nodes nearer than this; >= kill_radius
     float kill_radius = 0.2f;    ///< [m] an attractor this near a node is spent; >= step
     float step = 0.1f;           ///< [m] length of every new segment; in [1e-6, 1e4]
     float tropism_x = 0;         ///< direction that branches tend to, of any length but 0; in [-1, 1]
-    float tropism_y = 0;
-    float tropism_z = 1;
+    float tropism_y = 0;         ///< see tropism_x
+    float tropism_z = 1;         ///< see tropism_x
     float tropism_weight = 0;  ///< of that direction against the pull of the attractors; 0 = none; in [0, 10]
     float jitter = 0;          ///< weight of a random direction against the pull; in [0, 10]
     float min_spacing = 0.3f;  ///< [step] no node is made nearer to another one than this; in [0.01, 0.9]
@@ -70,6 +71,7 @@ struct Root {
         direction;  ///< the trunk starts this way, and max_turn counts from it; any length; 0 = any direction
 };
 
+/// What a tree grows from, towards and around.
 struct GrowInput {
     std::span<const Vec3> attractors;  ///< [m] marker points, in any order
     std::span<const Root> roots;       ///< at least one; several compete for the attractors
@@ -77,6 +79,7 @@ struct GrowInput {
     Vec3d origin = {};                 ///< [m] of the skeleton
 };
 
+/// Why growth ended: all attractors spent, none that could be reached, or a limit.
 enum class StopReason { attractors_spent, no_progress, node_limit, iteration_limit };
 
 template <>
@@ -85,10 +88,11 @@ struct EnumNames<StopReason> {
                                                            "iteration_limit"};
 };
 
+/// A grown tree, and how it went.
 struct GrowResult {
-    Skeleton skeleton;  ///< all radii are a tenth of the step: see radii.h
-    StopReason stop = StopReason::attractors_spent;
-    int iterations = 0;
+    Skeleton skeleton;                               ///< all radii are a tenth of the step: see radii.h
+    StopReason stop = StopReason::attractors_spent;  ///< why it ended
+    int iterations = 0;                              ///< rounds of growth
     std::uint32_t stalls = 0;   ///< times that a node went for one attractor, as all gave no way on
     std::uint32_t dropped = 0;  ///< times that a node gave an attractor up
     std::vector<std::uint32_t> unreached;  ///< numbers of the attractors that are not spent, rising

@@ -11,6 +11,7 @@
 namespace coppice {
 
 /// Which side of a solid's surface branches keep to.
+/// The side of the surface on which segments are allowed.
 enum class GuardSide { outside, inside };
 
 template <>
@@ -18,8 +19,9 @@ struct EnumNames<GuardSide> {
     static constexpr std::array<std::string_view, 2> names{"outside", "inside"};
 };
 
+/// Which side of a surface is kept to, and how close to it.
 struct GuardOptions {
-    GuardSide side = GuardSide::outside;
+    GuardSide side = GuardSide::outside;  ///< the side that is allowed
     float shell = 0;      ///< [field value] how far from the level the field may get on that side; 0 = any
                           ///< value, greater ones keep branches near the surface; in [0, 1e6]
     float clearance = 0;  ///< [m] least distance of an axis from the surface, to first order: value over
@@ -45,11 +47,12 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// Thread safe as the field is. The field must outlive the guard; it is sampled with region 0.
 class Guard {
   public:
-    static constexpr int kSamples = 16;
+    static constexpr int kSamples = 16;  ///< places looked at along a segment
 
     /// Throws InvalidInput when an option is out of its range.
     explicit Guard(FieldRef field, const GuardOptions& options = {});
 
+    /// Whether a point is allowed: one sample.
     bool allows(Vec3 p) const;
 
     /// Whether the whole segment is allowed, both ends included.

@@ -5,6 +5,7 @@
 
 namespace coppice {
 
+/// The numbers of the pipe model.
 struct RadiiOptions {
     float tip_radius = 0.01f;    ///< [m] of tips; in [1e-6, 1e4]
     float pipe_exponent = 2.5f;  ///< r^e of a node is the sum over its children: 2 keeps the area of the

@@ -10,6 +10,7 @@
 
 namespace coppice {
 
+/// How much a grown tree is smoothed, and what of it is contracted.
 struct TidyOptions {
     int relax_passes = 1;   ///< times that nodes move towards their parents; in [0, 100]
     float relax = 0.5f;     ///< part of the way to the parent in a pass; in [0, 1]
@@ -37,8 +38,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.within);
 }
 
+/// A smoother tree, and what was done.
 struct TidyResult {
-    Skeleton skeleton;
+    Skeleton skeleton;               ///< the new one
     std::uint32_t contracted = 0;    ///< nodes that became one with a node below them
     std::uint32_t held = 0;          ///< times that a node stayed where it was because of the guard
     std::vector<NodeId> new_of_old;  ///< for every node of the input the one that stands for it

@@ -29,14 +29,15 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t limit = k
 /// in the target's place, a write-protected target, a full disk.
 class AtomicFile {
   public:
-    explicit AtomicFile(std::filesystem::path target);
+    explicit AtomicFile(std::filesystem::path target);  ///< opens the hidden file
+    /// Removes the hidden file where `commit` was not called.
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
     /// Small pieces are gathered, large ones go straight to the system.
     void write(std::string_view text);
-    void write(std::span<const std::byte> bytes);
+    void write(std::span<const std::byte> bytes);  ///< the same for bytes
 
     /// Makes the file appear under its name; to be called once, after the last `write`.
     void commit();

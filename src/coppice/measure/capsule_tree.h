@@ -13,17 +13,19 @@ namespace coppice {
 
 /// A segment in double precision, with what its queries need.
 struct Capsule {
-    Vec3d a, axis;                  ///< [m] the parent's end; from there to the node's end
-    double radius_a, radius_step;   ///< [m] at a; the change from there to the node's end
+    Vec3d a;                        ///< [m] the parent's end
+    Vec3d axis;                     ///< [m] from there to the node's end
+    double radius_a;                ///< [m] at a
+    double radius_step;             ///< [m] the change from there to the node's end
     double inverse_length_squared;  ///< 0 for a segment without length
     NodeId node;                    ///< the lower node, which names the segment
 
-    Vec3d b() const { return a + axis; }
-    double radius_b() const { return radius_a + radius_step; }
+    Vec3d b() const { return a + axis; }                        ///< [m] the node's end
+    double radius_b() const { return radius_a + radius_step; }  ///< [m] at b
     /// Where p falls on the line through the segment: 0 at a, 1 at b; 0 for a segment without length.
     double parameter(Vec3d p) const { return dot(p - a, axis) * inverse_length_squared; }
-    Vec3d point(double t) const { return a + axis * t; }
-    double radius(double t) const { return radius_a + radius_step * t; }
+    Vec3d point(double t) const { return a + axis * t; }                  ///< [m] of the axis at a parameter
+    double radius(double t) const { return radius_a + radius_step * t; }  ///< [m] at a parameter
     /// The square of rho: the distance from p to the segment over the radius at the foot.
     double rho_squared(Vec3d p) const;
     double distance_squared(Vec3d p) const;  ///< from p to the segment
@@ -34,18 +36,20 @@ struct Capsule {
 /// not seen.
 class CapsuleTree {
   public:
-    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();  ///< no capsule
     static constexpr double kFarthest = 1e9;  ///< in radii; nothing is seen beyond
 
     /// `origin` is that of the points that will be asked about. The skeleton may go afterwards. O(n).
     CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx = {});
 
+    /// number of capsules
     std::uint32_t size() const { return static_cast<std::uint32_t>(capsules_.size()); }
-    const Capsule& capsule(std::uint32_t i) const { return capsules_[i]; }
+    const Capsule& capsule(std::uint32_t i) const { return capsules_[i]; }  ///< i < size()
 
+    /// What `nearest` found.
     struct Nearest {
-        std::uint32_t capsule = kNone;
-        double rho = kFarthest;
+        std::uint32_t capsule = kNone;  ///< kNone where there are none
+        double rho = kFarthest;         ///< of that capsule
     };
     /// The capsule of least rho; of equal ones the first, as far as rounding tells. A good guess as `hint`
     /// saves time. O(log n).
@@ -82,8 +86,11 @@ class CapsuleTree {
 
 /// The least distance between two segments, and where it is taken on each.
 struct SegmentGap {
-    double distance, s, t;
+    double distance;  ///< [m]
+    double s;         ///< where on the first: 0 at a, 1 at b
+    double t;         ///< where on the second
 };
+/// Of two segments, in the same frame. O(1).
 SegmentGap gap(const Capsule& a, const Capsule& b);
 
 }  // namespace coppice

@@ -12,10 +12,12 @@ namespace coppice {
 
 /// Two faces that have a point in common beyond the corners and edges that they share; first < second.
 struct FacePair {
-    std::uint32_t first = 0, second = 0;
-    friend auto operator<=>(const FacePair&, const FacePair&) = default;
+    std::uint32_t first = 0;                                              ///< a face
+    std::uint32_t second = 0;                                             ///< a later one
+    friend auto operator<=>(const FacePair&, const FacePair&) = default;  ///< by first, then second
 };
 
+/// Faces that cross.
 struct FacePairs {
     std::vector<FacePair> pairs;  ///< each once, in order
     bool complete = true;         ///< false when the search ended at its limit
@@ -30,7 +32,7 @@ FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const 
 /// Crossing pairs by the parts of the skeleton they belong to: the segments of least rho at the means of
 /// their corners.
 struct IntersectionReport {
-    std::uint64_t total = 0;
+    std::uint64_t total = 0;  ///< pairs
     std::uint64_t local =
         0;  ///< of neighbours along the skeleton: within three nodes, or within three radii of way
     std::uint64_t remote =
@@ -38,6 +40,7 @@ struct IntersectionReport {
     std::uint64_t overlap =
         0;                 ///< of other parts whose capsules overlap, which is a property of the skeleton
     bool complete = true;  ///< false when there are more pairs than the search was allowed to find
+    /// member by member
     friend bool operator==(const IntersectionReport&, const IntersectionReport&) = default;
 };
 

@@ -21,8 +21,8 @@ struct RadiusReport {
     /// Of every tip that vertices belong to: how far they reach beyond it along the last segment, in radii of
     /// the tip. A round tip reads 1.
     Statistics tip_reach;
-    std::uint64_t tips = 0;
-    friend bool operator==(const RadiusReport&, const RadiusReport&) = default;
+    std::uint64_t tips = 0;                                                      ///< that vertices belong to
+    friend bool operator==(const RadiusReport&, const RadiusReport&) = default;  ///< member by member
 };
 
 /// `capsules` must be those of `skeleton`, in the mesh's frame. O(n log m), n vertices and m nodes.
@@ -36,7 +36,7 @@ struct CoverageReport {
                                    ///< radius, minus 1
     std::uint64_t missing = 0;     ///< free segments with a distance above 1.8 radii
     std::uint64_t pinched = 0;     ///< free segments with a distance below 0.3 radii
-    friend bool operator==(const CoverageReport&, const CoverageReport&) = default;
+    friend bool operator==(const CoverageReport&, const CoverageReport&) = default;  ///< member by member
 };
 
 /// An empty surface misses every free segment and has no distances. O(m log n).

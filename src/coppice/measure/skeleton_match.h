@@ -31,34 +31,38 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// One quantity of both skeletons.
 struct Quantity {
-    double reference = 0, found = 0;
+    double reference = 0;  ///< of the reference
+    double found = 0;      ///< of what was found
+    /// 0 where the reference has none
     double ratio() const { return reference > 0 ? found / reference : 0; }
-    friend bool operator==(const Quantity&, const Quantity&) = default;
+    friend bool operator==(const Quantity&, const Quantity&) = default;  ///< member by member
 };
 
 /// Nodes of one kind, paired one to one, the nearest first.
 struct NodeMatches {
-    std::uint64_t reference = 0, found = 0;
-    std::uint64_t matched = 0;  ///< pairs
-    double percent() const {    ///< of the reference's; 100 where it has none
+    std::uint64_t reference = 0;  ///< nodes of the reference
+    std::uint64_t found = 0;      ///< nodes of what was found
+    std::uint64_t matched = 0;    ///< pairs
+    double percent() const {      ///< of the reference's; 100 where it has none
         return reference > 0 ? 100.0 * static_cast<double>(matched) / static_cast<double>(reference) : 100;
     }
+    /// nodes of the reference without a partner
     std::uint64_t missed() const { return reference - matched; }
-    std::uint64_t spurious() const { return found - matched; }
-    friend bool operator==(const NodeMatches&, const NodeMatches&) = default;
+    std::uint64_t spurious() const { return found - matched; }  ///< nodes found without a partner
+    friend bool operator==(const NodeMatches&, const NodeMatches&) = default;  ///< member by member
 };
 
 /// A skeleton that was found, held against the reference. Shares are 0 where there is no length to share.
 struct SkeletonMatch {
-    Quantity length;             ///< [m]
-    Quantity volume;             ///< [m^3] of the cones between nodes; what overlaps counts twice
-    double covered_percent = 0;  ///< of the reference's length: an axis found lies within one radius
-    double true_percent = 0;     ///< of the length found: inside the reference, within one of its radii
-    double off_axis = 0;         ///< [radius] mean along what was found: least rho (see CapsuleTree)
-    /// From every node of the reference to the nearest axis found, and the same in radii of the node.
-    Statistics reference_nodes_m, reference_nodes_r;
-    /// From every node found to the nearest axis of the reference, and the least rho.
-    Statistics found_nodes_m, found_nodes_r;
+    Quantity length;               ///< [m]
+    Quantity volume;               ///< [m^3] of the cones between nodes; what overlaps counts twice
+    double covered_percent = 0;    ///< of the reference's length: an axis found lies within one radius
+    double true_percent = 0;       ///< of the length found: inside the reference, within one of its radii
+    double off_axis = 0;           ///< [radius] mean along what was found: least rho (see CapsuleTree)
+    Statistics reference_nodes_m;  ///< [m] from every node of the reference to the nearest axis found
+    Statistics reference_nodes_r;  ///< [radius] the same in radii of the node
+    Statistics found_nodes_m;      ///< [m] from every node found to the nearest axis of the reference
+    Statistics found_nodes_r;      ///< the least rho of every node found
     /// Ends other than roots. They match with any end, so that it does not matter which one the root is: what
     /// was found counts where it matches, or is a tip that matches nothing.
     NodeMatches tips;
@@ -68,7 +72,7 @@ struct SkeletonMatch {
     /// the covering segment that is nearest, where turning by a right angle counts like one radius of way.
     Statistics radius_error;
     double radius_bias = 0;  ///< mean of the same with its sign
-    friend bool operator==(const SkeletonMatch&, const SkeletonMatch&) = default;
+    friend bool operator==(const SkeletonMatch&, const SkeletonMatch&) = default;  ///< member by member
 };
 
 /// Holds `found` against `reference`. Both are brought into one frame; neither how densely nodes lie nor
@@ -80,6 +84,7 @@ SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const Co
                       const Context& ctx = {});
 
 /// Calls visit(name, value) for each figure of a pair.
+/// Calls visit(name, number) for every figure, in order.
 template <class Visitor>
 void visit_figures(const Quantity& q, Visitor&& visit) {
     visit("reference", q.reference);
@@ -87,6 +92,7 @@ void visit_figures(const Quantity& q, Visitor&& visit) {
     visit("ratio", q.ratio());
 }
 
+/// Calls visit(name, number) for every figure, in order.
 template <class Visitor>
 void visit_figures(const NodeMatches& m, Visitor&& visit) {
     visit("percent", m.percent());
@@ -97,6 +103,7 @@ void visit_figures(const NodeMatches& m, Visitor&& visit) {
     visit("spurious", m.spurious());
 }
 
+/// Calls visit(name, figure) for every figure, in order; most are structs with figures of their own.
 template <class Visitor>
 void visit_figures(const SkeletonMatch& m, Visitor&& visit) {
     visit("length_m", m.length);

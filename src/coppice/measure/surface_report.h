@@ -13,6 +13,7 @@
 
 namespace coppice {
 
+/// What is looked for in a surface.
 struct CheckOptions {
     bool intersections = true;           ///< look for faces that cross
     int most_intersections = 1'000'000;  ///< stop looking after so many pairs; >= 0
@@ -28,14 +29,14 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// All that is known of a surface, on its own and against its skeleton.
 struct SurfaceReport {
-    TopologyReport topology;
-    ShapeReport shape;
+    TopologyReport topology;                          ///< how faces join
+    ShapeReport shape;                                ///< how well shaped they are
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
     std::optional<CoverageReport> coverage;           ///< none without a skeleton
 
     bool sound() const { return topology.sound(); }  ///< closed, manifold and oriented
-    friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;
+    friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;  ///< member by member
 };
 
 /// Judges a surface. `skeleton` may be null; where its origin differs from the mesh's, both are brought into

@@ -18,15 +18,17 @@ class SurfaceTree {
     /// The mesh must be valid and outlive the tree. O(n); about 90 bytes per quad.
     explicit SurfaceTree(const PolygonMesh& mesh, const Context& ctx = {});
 
+    /// Triangles of one face that share a box.
     struct Piece {
-        std::uint32_t face = 0;
+        std::uint32_t face = 0;   ///< the face they are from
         std::uint32_t first = 0;  ///< triangles first .. first + count
-        std::uint32_t count = 0;
+        std::uint32_t count = 0;  ///< how many
     };
 
-    const PolygonMesh& mesh() const { return *mesh_; }
-    const BoxTree& boxes() const { return boxes_; }
-    const Piece& piece(std::uint32_t item) const { return pieces_[item]; }
+    const PolygonMesh& mesh() const { return *mesh_; }                      ///< the one it was made of
+    const BoxTree& boxes() const { return boxes_; }                         ///< of the pieces
+    const Piece& piece(std::uint32_t item) const { return pieces_[item]; }  ///< an item of boxes()
+    /// The triangles of a piece.
     std::span<const Triangle> triangles(const Piece& piece) const {
         return std::span(triangles_).subspan(piece.first, piece.count);
     }

@@ -12,6 +12,7 @@
 
 namespace coppice {
 
+/// Which points go.
 struct ThinOptions {
     float percent = 50;  ///< how many of the points inside go
     int seed = 0;        ///< which of them

@@ -14,10 +14,11 @@ struct PointSet {
     Buffer<Vec3> positions;  ///< [m] relative to origin
     Vec3d origin;            ///< [m] keeps the digits of points far from zero; writers add it back
 
-    std::size_t size() const { return positions.size(); }
-    bool empty() const { return positions.empty(); }
+    std::size_t size() const { return positions.size(); }  ///< number of points
+    bool empty() const { return positions.empty(); }       ///< there are none
+    /// [m] in the frame of the file it came from
     Vec3d world(std::size_t i) const { return origin + Vec3d(positions[i]); }
-    friend bool operator==(const PointSet&, const PointSet&) = default;
+    friend bool operator==(const PointSet&, const PointSet&) = default;  ///< bit by bit but for -0
 };
 
 /// The box of the positions, relative to the origin; empty for a set without points.

@@ -11,6 +11,7 @@
 
 namespace coppice {
 
+/// How the curves of a report are made.
 struct QualityOptions {
     int bins = 64;        ///< of the curves
     float range = 5;      ///< curves reach to this many mean spacings, and to as many times their frequency
@@ -31,7 +32,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// How the points of a set lie among each other. For independent points both curves are about 1 everywhere.
 struct QualityReport {
-    std::uint64_t points = 0;
+    std::uint64_t points = 0;          ///< number of points
     double least_distance = 0;         ///< [m] between any two points, exact; 0 for fewer than two
     double mean_distance = 0;          ///< [m] from a point to its nearest
     double mean_spacing = 0;           ///< [m] cube root of the window's volume for each point in it
@@ -41,7 +42,7 @@ struct QualityReport {
     double frequency_step = 0;         ///< [1/m] between values of `power`, the first at one step
     double low_power = 0;  ///< mean power below half the frequency of the mean spacing: 1 for independent
                            ///< points, near 0 for even ones, above 1 for clusters
-    friend bool operator==(const QualityReport&, const QualityReport&) = default;
+    friend bool operator==(const QualityReport&, const QualityReport&) = default;  ///< member by member
 };
 
 /// Measures a set. The curves are those of the points in `window` (relative to the origin), which the set
@@ -50,6 +51,7 @@ struct QualityReport {
 /// exact, in O(n log n); the curves cost O(n bins directions). Throws InvalidInput for options out of range
 /// and positions that are not finite.
 QualityReport quality(const PointSet& points, const QualityOptions& options = {}, const Context& ctx = {});
+/// The same within a window, for points that are part of a larger set.
 QualityReport quality(const PointSet& points, const Box3& window, const QualityOptions& options = {},
                       const Context& ctx = {});
 

@@ -12,6 +12,7 @@
 
 namespace coppice {
 
+/// What the colour of a surface shows.
 enum class RenderColor { plain, deviation, distance };
 
 template <>
@@ -24,8 +25,8 @@ struct EnumNames<RenderColor> {
 /// A mesh alone is drawn as a solid; a skeleton alone as round cones with its radii; both together as the
 /// solid mesh with the skeleton's axis shining through. The origins of both are respected.
 struct RenderScene {
-    const PolygonMesh* mesh = nullptr;
-    const Skeleton* skeleton = nullptr;
+    const PolygonMesh* mesh = nullptr;   ///< the surface, if any
+    const Skeleton* skeleton = nullptr;  ///< the skeleton, if any
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
     const SurfaceTree* distance_to = nullptr;  ///< another surface, from which the drawn one is measured

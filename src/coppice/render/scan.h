@@ -10,6 +10,7 @@
 
 namespace coppice {
 
+/// Where points on a surface lie.
 enum class ScanPattern {
     scanner,  ///< beams from where a scanner stands: dense nearby, and nothing behind what hides it
     uniform   ///< in proportion to the area, hidden or not
@@ -22,7 +23,7 @@ struct EnumNames<ScanPattern> {
 
 /// How a surface is scanned. The scanners stand around the middle of its box, evenly, and look at all of it.
 struct ScanOptions {
-    ScanPattern pattern = ScanPattern::scanner;
+    ScanPattern pattern = ScanPattern::scanner;  ///< as a scanner sees it, or even
     int points = 100'000;  ///< so many, and within a few per cent of that as a scanner sees them
     int positions = 4;     ///< of the scanner
     float distance = 10;   ///< [m] from a scanner to the vertical axis through the middle of the box; > 0

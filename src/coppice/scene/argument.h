@@ -15,15 +15,16 @@
 
 namespace coppice {
 
+/// What an argument of a command takes.
 enum class ArgumentType {
-    new_name,  ///< of what the command makes
-    object,    ///< an object of `kind`; any kind where `any_kind`
-    number,
-    whole,
-    flag,
-    choice,
+    new_name,     ///< of what the command makes
+    object,       ///< an object of `kind`; any kind where `any_kind`
+    number,       ///< in the unit of the argument, within its range
+    whole,        ///< a whole number within its range
+    flag,         ///< true or false
+    choice,       ///< one of the argument's choices
     tuple,        ///< numbers joined by commas: a point, a pair
-    section,      ///< PROFILE@FRACTION
+    section,      ///< "PROFILE at FRACTION", joined by an at sign
     word,         ///< anything
     input_file,   ///< read
     output_file,  ///< written
@@ -32,27 +33,27 @@ enum class ArgumentType {
 /// One argument of a command of scenes: all that parsing, checks, help, completion and the reference page
 /// know of it. Angles have the unit radian and are written in degrees.
 struct Argument {
-    std::string name;
-    std::string help;  ///< one sentence without a full stop
-    ArgumentType type = ArgumentType::word;
-    bool positional = false;
-    bool required = false;
-    bool repeats = false;
-    std::string initial;  ///< as typed; "@x": what argument x is; empty: none
-    Unit unit = Unit::none;
-    double low = 0, high = 0;  ///< of every number, where low < high
-    std::vector<std::string> choices;
-    ObjectKind kind = ObjectKind::solid;
-    bool any_kind = false;
-    std::vector<std::size_t> sizes;  ///< how many numbers a tuple may have
-    std::string field;               ///< "grow.step" where it stands for a member of an option struct
+    std::string name;                        ///< as it is typed before "="
+    std::string help;                        ///< one sentence without a full stop
+    ArgumentType type = ArgumentType::word;  ///< what it takes
+    bool positional = false;                 ///< may stand without its name
+    bool required = false;                   ///< must be given
+    bool repeats = false;                    ///< may be given several times
+    std::string initial;                     ///< as typed; "@x": what argument x is; empty: none
+    Unit unit = Unit::none;                  ///< of every number
+    double low = 0, high = 0;                ///< of every number, where low < high
+    std::vector<std::string> choices;        ///< for ArgumentType::choice
+    ObjectKind kind = ObjectKind::solid;     ///< for ArgumentType::object
+    bool any_kind = false;                   ///< an object of whatever kind
+    std::vector<std::size_t> sizes;          ///< how many numbers a tuple may have
+    std::string field;                       ///< "grow.step" where it stands for a member of an option struct
 };
 
 /// One value of an argument: a text, and its numbers where it has some, as they were typed: see
 /// `in_library_unit`.
 struct ArgumentValue {
-    std::string text;
-    std::vector<double> numbers;
+    std::string text;             ///< as typed, without quotes
+    std::vector<double> numbers;  ///< of a number or tuple
 };
 
 /// Reads what was typed. Throws InvalidInput, one sentence without the place: "radius takes a number of

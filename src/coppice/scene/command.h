@@ -18,6 +18,7 @@
 
 namespace coppice {
 
+/// What a scene may do and take.
 struct SceneSettings {
     int max_memory = 4096;  ///< [MiB] of all objects and what is being made; more is refused beforehand
     bool files = true;      ///< whether files may be read and written
@@ -28,8 +29,9 @@ struct SceneSettings {
 /// The objects of a scene by kind and name.
 using SceneObjects = std::map<std::pair<ObjectKind, std::string>, ObjectPtr>;
 
+/// All that a scene holds between two commands.
 struct SceneState {
-    SceneObjects objects;
+    SceneObjects objects;              ///< what names stand for now
     std::vector<std::string> history;  ///< commands that made them, with every option spelled out
     std::string last_grown;            ///< name of the skeleton that was grown last
     std::vector<std::pair<ObjectKind, std::string>> made;  ///< in the order of making, the last one last
@@ -43,33 +45,41 @@ struct SceneCommand;
 /// are named exist.
 class SceneCall {
   public:
+    /// A call without values: see bind_command. The arguments must outlive it.
     SceneCall(const SceneCommand& command, const SceneState& state, const SceneSettings& settings,
               const Context& ctx);
 
-    const SceneCommand& command() const { return command_; }
-    const SceneState& state() const { return state_; }
-    const SceneSettings& settings() const { return settings_; }
-    const Context& context() const { return ctx_; }
-    std::string typed() const;  ///< the whole line, every option spelled out
+    const SceneCommand& command() const { return command_; }     ///< the row of the table
+    const SceneState& state() const { return state_; }           ///< of the scene before the call
+    const SceneSettings& settings() const { return settings_; }  ///< of the scene
+    const Context& context() const { return ctx_; }              ///< for the library's functions
+    std::string typed() const;                                   ///< the whole line, every option spelled out
 
+    /// All values of an argument; none where it was left out and has no default.
     std::span<const ArgumentValue> values(std::string_view name) const;
-    bool has(std::string_view name) const { return !values(name).empty(); }
-    const std::string& text(std::string_view name) const;
-    double number(std::string_view name) const;  ///< in the library's unit
-    bool flag(std::string_view name) const { return text(name) == "true"; }
-    Vec3 point(std::string_view name) const;
-    std::vector<Vec3> points(std::string_view name) const;
+    bool has(std::string_view name) const { return !values(name).empty(); }  ///< whether it has a value
+    const std::string& text(std::string_view name) const;  ///< of the first value, which must exist
+    double number(std::string_view name) const;            ///< in the library's unit
+    bool flag(std::string_view name) const { return text(name) == "true"; }  ///< whether it is "true"
+    Vec3 point(std::string_view name) const;                                 ///< of a tuple of three numbers
+    std::vector<Vec3> points(std::string_view name) const;                   ///< one for every value
 
+    /// The object that an argument's text names; it must exist.
     const Solid& solid(const std::string& name) const { return get<Solid>(ObjectKind::solid, name); }
     SolidField field(const std::string& name) const;  ///< of a solid; throws as `reserve` does
+    /// As solid().
     const Curve& path(const std::string& name) const { return get<Curve>(ObjectKind::path, name); }
+    /// As solid().
     const Profile& profile(const std::string& name) const { return get<Profile>(ObjectKind::profile, name); }
+    /// As solid().
     const PointSet& point_set(const std::string& name) const {
         return get<PointSet>(ObjectKind::points, name);
     }
+    /// As solid().
     const Skeleton& skeleton(const std::string& name) const {
         return get<Skeleton>(ObjectKind::skeleton, name);
     }
+    /// As solid().
     const Surface& surface(const std::string& name) const { return get<Surface>(ObjectKind::mesh, name); }
     /// The object that is meant by a name of any kind, or of the kind called `kind` where that is not empty.
     /// Throws InvalidInput when there is none or several.
@@ -92,7 +102,7 @@ class SceneCall {
     /// Throws where files are forbidden or the folder does not exist.
     std::filesystem::path output(std::string_view name) const;
 
-    void set(const Argument& argument, std::vector<ArgumentValue> values);
+    void set(const Argument& argument, std::vector<ArgumentValue> values);  ///< what parsing found
 
   private:
     template <class T>
@@ -122,27 +132,29 @@ class SceneCall {
 
 /// What a command does to a scene: nothing of it happens when the command fails.
 struct SceneOutcome {
+    /// An object that comes, or goes.
     struct Change {
-        ObjectKind kind;
-        std::string name;
+        ObjectKind kind;   ///< of the object
+        std::string name;  ///< of the object
         ObjectPtr object;  ///< none: it goes
     };
-    std::vector<Change> changes;
-    std::string text;  ///< what the command has to say
-    std::string grown;
-    std::optional<int> seed;
-    int undo = 0;  ///< commands to take back
+    std::vector<Change> changes;  ///< in order
+    std::string text;             ///< what the command has to say
+    std::string grown;            ///< name of a skeleton that was grown, or nothing
+    std::optional<int> seed;      ///< from now on, for commands that are given none
+    int undo = 0;                 ///< commands to take back
 };
 
+/// A row of the table: all that parsing, help and the reference page know of a command.
 struct SceneCommand {
-    std::string name;  ///< "sphere", "pointset thin"
-    std::vector<std::string> aliases;
-    std::string group;
-    std::string help;     ///< one sentence without a full stop
+    std::string name;                  ///< "sphere", "pointset thin"
+    std::vector<std::string> aliases;  ///< other names
+    std::string group;                 ///< heading on the reference page
+    std::string help;                  ///< one sentence without a full stop
     std::string example;  ///< a line that works after those in the examples of the commands before it
-    std::vector<Argument> arguments;
-    bool records = true;  ///< whether it makes or changes objects: a recipe keeps it
-    std::function<SceneOutcome(const SceneCall&)> run;
+    std::vector<Argument> arguments;  ///< positional ones first
+    bool records = true;              ///< whether it makes or changes objects: a recipe keeps it
+    std::function<SceneOutcome(const SceneCall&)> run;  ///< does the work; throws what the library throws
 };
 
 /// The one table of all commands, in the order of the reference page.

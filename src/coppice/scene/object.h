@@ -32,10 +32,13 @@ std::string with_article(ObjectKind kind);
 
 /// A surface as it was made or read.
 struct Surface {
-    std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;
+    std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< as it came
 };
+/// The surface as faces of any number of corners.
 PolygonMesh polygons_of(const Surface& surface);
+/// The surface as triangles.
 TriMesh triangles_of(const Surface& surface);
+/// Number of faces.
 std::uint64_t face_count(const Surface& surface);
 
 /// An object of a scene; it never changes once it was made.
@@ -43,13 +46,15 @@ struct SceneObject {
     std::variant<Solid, Curve, Profile, PointSet, Skeleton, Surface> value;  ///< in the order of ObjectKind
     std::uint64_t bytes = 0;                                                 ///< of memory, about
 
-    ObjectKind kind() const { return static_cast<ObjectKind>(value.index()); }
+    ObjectKind kind() const { return static_cast<ObjectKind>(value.index()); }  ///< of the value
 };
-using ObjectPtr = std::shared_ptr<const SceneObject>;
+using ObjectPtr = std::shared_ptr<const SceneObject>;  ///< shared by all states that hold it
 
 /// Bytes of memory, about; a solid made of others counts what is its own.
 std::uint64_t memory_of(const PointSet& points);
+/// Bytes of memory, about.
 std::uint64_t memory_of(const Skeleton& skeleton);
+/// Bytes of memory, about.
 std::uint64_t memory_of(const Surface& surface);
 
 /// The figures of an object, a line each.

@@ -21,7 +21,7 @@ namespace coppice {
 /// same bits for any number of threads.
 class Scene {
   public:
-    explicit Scene(SceneSettings settings = {}) : settings_(std::move(settings)) {}
+    explicit Scene(SceneSettings settings = {}) : settings_(std::move(settings)) {}  ///< without objects
 
     /// Runs one command; `place` begins messages ("crown.coppice:3", empty for none). Returns what the
     /// command has to say: nothing for most.
@@ -35,8 +35,9 @@ class Scene {
     /// Runs all lines of a file's text; returns what they have to say. `source` names it in messages.
     std::string run_text(std::string_view text, const std::string& source, const Context& ctx = {});
 
-    const SceneState& state() const { return state_; }
-    const SceneSettings& settings() const { return settings_; }
+    const SceneState& state() const { return state_; }           ///< what it holds now
+    const SceneSettings& settings() const { return settings_; }  ///< as given
+    /// where files to read are looked for
     void set_folder(std::filesystem::path folder) { settings_.folder = std::move(folder); }
 
     /// Commands that `undo` can take back: the last 1,000, fewer when what they replaced takes more than a

@@ -11,7 +11,7 @@ namespace coppice {
 /// last.
 struct SceneLine {
     std::uint32_t number = 0;  ///< of its first line in the file, from 1
-    std::string text;
+    std::string text;          ///< without comments and joins
 };
 
 /// The lines that hold anything but blanks and comments. Throws InvalidInput naming `source` and the line:
@@ -19,13 +19,14 @@ struct SceneLine {
 /// a backslash.
 std::vector<SceneLine> scene_lines(std::string_view text, const std::string& source);
 
-inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;
-inline constexpr std::size_t kMostLines = 100'000;
+inline constexpr std::size_t kLongestLine = std::size_t{1} << 20;  ///< [bytes]
+inline constexpr std::size_t kMostLines = 100'000;                 ///< of one file
 
+/// A word of a line, or key=value.
 struct SceneWord {
-    std::string key;   ///< of a word key=value, else empty
-    std::string text;  ///< what stands after the key; without quotes
-    bool quoted = false;
+    std::string key;      ///< of a word key=value, else empty
+    std::string text;     ///< what stands after the key; without quotes
+    bool quoted = false;  ///< whether quotes were there
 };
 
 /// Cuts a line into words at blanks. A `#` at the start of a word begins a comment. Double quotes keep blanks

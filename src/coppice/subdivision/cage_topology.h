@@ -16,9 +16,9 @@ namespace coppice {
 /// lower to its higher vertex. Edges are numbered by their lower vertex, then by their higher one, so that
 /// neighbours in a coherently numbered cage stay neighbours in memory.
 struct CageTopology {
-    static constexpr std::uint32_t kNone = 0xffffffffu;
+    static constexpr std::uint32_t kNone = 0xffffffffu;  ///< no half-edge
 
-    Buffer<Quad> quads;
+    Buffer<Quad> quads;                         ///< those given
     Buffer<std::array<std::uint32_t, 4>> side;  ///< per quad and side: 2 edge + (1 if the side runs backward)
     Buffer<std::array<std::uint32_t, 2>>
         edge_half;  ///< per edge: forward and backward half-edge, or kNone at a boundary
@@ -27,13 +27,19 @@ struct CageTopology {
     Buffer<std::uint32_t> fan;  ///< ascending within each vertex
     Buffer<std::uint8_t> on_boundary;  ///< per vertex; empty when no edge is on a boundary
 
+    /// those without quads included
     std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(fan_first.size()) - 1; }
+    /// of one quad or two
     std::uint32_t edge_count() const { return static_cast<std::uint32_t>(edge_half.size()); }
+    /// number of quads
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(quads.size()); }
-    bool closed() const { return on_boundary.empty(); }
+    bool closed() const { return on_boundary.empty(); }  ///< no edge is on a boundary
 
+    /// the vertex where a half-edge starts
     std::uint32_t corner(std::uint32_t half) const { return quads[half >> 2][half & 3]; }
+    /// the one after it in its quad
     static std::uint32_t next(std::uint32_t half) { return (half & ~3u) | ((half + 1) & 3); }
+    /// the one before it in its quad
     static std::uint32_t prev(std::uint32_t half) { return (half & ~3u) | ((half + 3) & 3); }
 
     /// True for the lower of the one or two half-edges of an edge: that face counts the edge as its own.

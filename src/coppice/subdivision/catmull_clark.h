@@ -14,10 +14,11 @@ namespace coppice {
 /// attributes.
 ///
 /// After k levels every cage quad is a grid of n x n quads, n = 2^k, and all indices are closed forms:
-///   vertices: cage vertices | n - 1 inside each cage edge, from its lower to its higher vertex | (n - 1)^2
-///   inside each
-///             cage quad, row by row: corner 0 at (0, 0), corner 1 at (n, 0), corner 3 at (0, n);
-///   quads:    n^2 per cage quad, row by row, starting at the same corner as the cage quad.
+///
+/// * vertices: those of the cage; n - 1 inside each cage edge, from its lower to its higher vertex; (n - 1)^2
+///   inside each cage quad, row by row: corner 0 at (0, 0), corner 1 at (n, 0), corner 3 at (0, n);
+/// * quads: n^2 per cage quad, row by row, starting at the same corner as the cage quad.
+///
 /// Only cage vertices can be irregular: everything else is a product of the cubic B-spline rules along two
 /// directions.
 ///
@@ -25,19 +26,20 @@ namespace coppice {
 /// VTX_BOUNDARY_EDGE_ONLY). A vertex without quads stays in place. Any valence is allowed.
 class PatchRefinement {
   public:
-    static constexpr int kMaxLevels = 6;
+    static constexpr int kMaxLevels = 6;  ///< quads become 4096 times as many
 
-    /// Throws InvalidInput for a cage that is not manifold (see build_cage_topology), for levels outside 0 ..
-    /// kMaxLevels, and, before anything of that size is allocated, when more than 2^31 vertices or quads
-    /// would result. O(cage).
+    /// Throws InvalidInput for a cage that is not manifold (see build_cage_topology), for levels below 0 or
+    /// above kMaxLevels, and, before anything of that size is allocated, when more than 2^31 vertices or
+    /// quads would result. O(cage).
     PatchRefinement(std::span<const Quad> quads, std::uint32_t vertex_count, int levels,
                     const Context& ctx = {});
 
-    const CageTopology& cage() const { return cage_; }
-    int levels() const { return levels_; }
-    std::uint32_t vertex_count() const { return vertex_count_; }
-    std::uint32_t quad_count() const { return cage_.face_count() << (2 * levels_); }
+    const CageTopology& cage() const { return cage_; }            ///< edges and fans of the cage
+    int levels() const { return levels_; }                        ///< times that it is refined
+    std::uint32_t vertex_count() const { return vertex_count_; }  ///< refined ones
+    std::uint32_t quad_count() const { return cage_.face_count() << (2 * levels_); }  ///< refined ones
 
+    /// The refined quads, in the order above. O(quads).
     Buffer<Quad> quads(const Context& ctx = {}) const;
 
     /// The cage's points after `levels` exact Catmull-Clark steps. One value per cage vertex in, one per

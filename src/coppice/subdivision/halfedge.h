@@ -12,15 +12,17 @@ namespace coppice {
 /// A surface of quads as half-edges: h = 4 f + s runs from corner s of quad f to corner s + 1, so that only
 /// twin, edge and start vertex are stored [Dupuy2021].
 struct HalfedgeMesh {
-    static constexpr std::int32_t kBoundary = -1;
+    static constexpr std::int32_t kBoundary = -1;  ///< no twin
 
-    std::vector<std::int32_t> twin;  ///< kBoundary where the surface ends
-    std::vector<std::int32_t> edge;
-    std::vector<std::int32_t> vertex;
-    std::int32_t edge_count = 0;
-    std::vector<Vec3d> points;  ///< one per vertex
+    std::vector<std::int32_t> twin;    ///< kBoundary where the surface ends
+    std::vector<std::int32_t> edge;    ///< per half-edge: its edge
+    std::vector<std::int32_t> vertex;  ///< per half-edge: where it starts
+    std::int32_t edge_count = 0;       ///< of one quad or two
+    std::vector<Vec3d> points;         ///< one per vertex
 
+    /// number of quads
     std::int32_t face_count() const { return static_cast<std::int32_t>(twin.size() / 4); }
+    /// number of points
     std::int32_t vertex_count() const { return static_cast<std::int32_t>(points.size()); }
 };
 
@@ -32,6 +34,7 @@ HalfedgeMesh build_halfedges(std::span<const Vec3> points, std::span<const Quad>
 /// | face points | edge points.
 HalfedgeMesh refine_halfedges(const HalfedgeMesh& mesh);
 
+/// The same surface with positions in single precision.
 QuadMesh to_quads(const HalfedgeMesh& mesh);
 
 }  // namespace coppice

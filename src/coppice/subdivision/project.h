@@ -15,6 +15,7 @@
 
 namespace coppice {
 
+/// How vertices reach the surface; see project().
 enum class ProjectionMethod { rays, gradient, none };
 
 template <>
@@ -22,15 +23,16 @@ struct EnumNames<ProjectionMethod> {
     static constexpr std::array<std::string_view, 3> names = {"rays", "gradient", "none"};
 };
 
+/// How refined vertices are moved onto the field's surface.
 struct ProjectOptions {
-    ProjectionMethod method = ProjectionMethod::rays;
+    ProjectionMethod method = ProjectionMethod::rays;  ///< rays is the safest
     float tolerance = 1e-4f;  ///< error aimed at, as a fraction of the distance from anchor to surface
     float max_stretch = 3;    ///< a ray ends at this multiple of the distance from anchor to start; > 1
     int max_evaluations =
         12;                 ///< of the field, per vertex and pass, along the ray and then along the gradient
     float damping = 0.95f;  ///< of a gradient step [Zhu2015]
     int relax_passes = 0;   ///< each is a tangential step and a new projection
-    float relax_weight = 0.3f;
+    float relax_weight = 0.3f;  ///< part of the way to the neighbours' mean; in [0, 1]
 };
 
 template <class Self, class Visitor>
@@ -54,6 +56,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.relax_weight);
 }
 
+/// How projection went, counted.
 struct ProjectReport {
     std::uint64_t vertices = 0;         ///< projected in the last pass
     std::uint64_t evaluations = 0;      ///< of the field, in all passes
@@ -62,6 +65,7 @@ struct ProjectReport {
     std::uint64_t anchors_outside = 0;  ///< no surface between anchor and start, whatever the gradient gave
     std::uint64_t clipped = 0;          ///< on flat ends, in the last pass
 
+    /// Of the field, per vertex.
     double mean_evaluations() const {
         return vertices == 0 ? 0 : static_cast<double>(evaluations) / static_cast<double>(vertices);
     }

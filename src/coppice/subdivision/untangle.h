@@ -11,6 +11,7 @@
 
 namespace coppice {
 
+/// When faces count as folded, and how long unfolding goes on.
 struct UntangleOptions {
     int passes = 25;            ///< at most; 0 = off
     int projected_passes = 15;  ///< of these, the first so many return to the surface after smoothing
@@ -30,12 +31,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.quality);
 }
 
+/// What unfolding found and did, counted.
 struct UntangleReport {
     std::uint64_t bad_before = 0;  ///< faces
-    std::uint64_t bad_after = 0;
-    std::uint32_t passes = 0;  ///< made, those taken back included
-    std::uint64_t moved = 0;   ///< vertices that lie elsewhere than before
-    friend bool operator==(const UntangleReport&, const UntangleReport&) = default;
+    std::uint64_t bad_after = 0;   ///< faces that stayed bad
+    std::uint32_t passes = 0;      ///< made, those taken back included
+    std::uint64_t moved = 0;       ///< vertices that lie elsewhere than before
+    friend bool operator==(const UntangleReport&, const UntangleReport&) = default;  ///< member by member
 };
 
 /// Unfolds the few faces that projection has folded, mostly in acute forks, without moving anything else.

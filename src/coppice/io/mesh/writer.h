@@ -9,6 +9,7 @@
 
 namespace coppice {
 
+/// What kind of mesh file is written.
 struct MeshWriteOptions {
     std::optional<MeshFormat> format;  ///< nothing: as the extension of the name says
 };
@@ -33,8 +34,10 @@ struct MeshWriteOptions {
 /// range.
 void write_mesh(const std::filesystem::path& path, const QuadMesh& mesh, const MeshWriteOptions& options = {},
                 const Context& ctx = {});
+/// The same for triangles.
 void write_mesh(const std::filesystem::path& path, const TriMesh& mesh, const MeshWriteOptions& options = {},
                 const Context& ctx = {});
+/// The same for faces of any number of corners.
 void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {}, const Context& ctx = {});
 

@@ -12,6 +12,7 @@
 
 namespace coppice {
 
+/// How a skeleton file is understood.
 struct ReadSkeletonOptions {
     SkeletonFormat format = SkeletonFormat::automatic;  ///< what the file is taken for
     float scale = 1;  ///< multiplies positions and radii: 1e-6 for a file in micrometres; > 0
@@ -34,9 +35,10 @@ constexpr void visit_fields(Self& options, Visitor&& visit) {
           options.default_radius);
 }
 
+/// A skeleton from a file, and what had to be mended.
 struct SkeletonFile {
-    Skeleton skeleton;
-    RepairReport report;
+    Skeleton skeleton;               ///< [m]
+    RepairReport report;             ///< what was mended
     std::string format;              ///< name of the SkeletonFormat it was read as
     std::vector<std::string> notes;  ///< what else the user should know, one sentence each
 };

@@ -11,6 +11,7 @@
 
 namespace coppice {
 
+/// What kind of skeleton file is written.
 struct WriteSkeletonOptions {
     SkeletonFormat format = SkeletonFormat::automatic;  ///< automatic = by the ending of the name
     bool binary = true;                                 ///< PLY as little-endian binary instead of ASCII

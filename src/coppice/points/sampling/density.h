@@ -27,6 +27,7 @@ struct EnumNames<PointDensity> {
 /// scale. Values that are not a number have density 0.
 class DensityCurve {
   public:
+    /// A corner of a curve.
     struct Knot {
         float value;    ///< of the field
         float density;  ///< relative, 0 to 1e6
@@ -42,12 +43,15 @@ class DensityCurve {
     /// densities, numbers that are not finite, and where no density is above 0.
     explicit DensityCurve(std::vector<Knot> knots);
 
+    /// The density where the field has this value.
     double at(float value) const;
 
     /// The greatest and the least density of values from low to high.
     struct Range {
-        double least, greatest;
+        double least;     ///< no density is less
+        double greatest;  ///< no density is greater
     };
+    /// The bounds of the density for values from low to high.
     Range over(float low, float high) const;
 
     /// The range of values with a density above 0: of a shell, or of knots; 0 where it has no end.

@@ -29,9 +29,10 @@ struct EnumNames<PointPattern> {
                                                            "blue_noise"};
 };
 
+/// How many points there are, and how they lie.
 struct GenerateOptions {
-    PointPattern pattern = PointPattern::poisson_disk;
-    PointDensity density = PointDensity::uniform;
+    PointPattern pattern = PointPattern::poisson_disk;  ///< how they lie to each other
+    PointDensity density = PointDensity::uniform;       ///< where they are dense
     float width = 0.1f;  ///< of a shell at the boundary, in units of the field's value; > 0
     float power = 1;     ///< exponent of the value in proportional and inverse densities
     int count = 1000;  ///< points; jittered: about; 0 = as many as keep `distance` (poisson_disk, clustered)
@@ -72,11 +73,12 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"max_memory", "MiB that may be used", Unit::none, 1, 1e6}, o.max_memory);
 }
 
+/// New points, and why there are no more.
 struct GenerateResult {
-    PointSet points;  ///< origin zero
-    PointStop stop = PointStop::count_reached;
-    float distance = 0;       ///< [m] that is kept; 0 for patterns that keep none
-    std::uint64_t tries = 0;  ///< points drawn, also those that were refused
+    PointSet points;                            ///< origin zero
+    PointStop stop = PointStop::count_reached;  ///< why it ended
+    float distance = 0;                         ///< [m] that is kept; 0 for patterns that keep none
+    std::uint64_t tries = 0;                    ///< points drawn, also those that were refused
 };
 
 /// Fills a solid, or a shell at its boundary, with points of any pattern and density. `box` should hold the

@@ -24,6 +24,7 @@ struct EnumNames<PointStop> {
     static constexpr std::array<std::string_view, 3> names{"count_reached", "full", "stalled"};
 };
 
+/// How many points are placed, and with what means.
 struct LaneOptions {
     int count = 1000;             ///< points to place; 0 = as many as fit, which needs a kernel with a core
     int resolution = 0;           ///< voxels along the longest side of the box; 0 = by count and kernel
@@ -45,10 +46,11 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"max_memory", "MiB that may be used", Unit::none, 1, 1e6}, o.max_memory);
 }
 
+/// New points, and why there are no more.
 struct LaneResult {
-    PointSet points;  ///< the new ones, in the order of placing; origin zero
-    PointStop stop = PointStop::count_reached;
-    std::uint64_t tries = 0;  ///< points drawn, also those that were refused
+    PointSet points;                            ///< the new ones, in the order of placing; origin zero
+    PointStop stop = PointStop::count_reached;  ///< why it ended
+    std::uint64_t tries = 0;                    ///< points drawn, also those that were refused
 };
 
 /// Places points one after the other: each is drawn from the region's density times the kernels of all points
@@ -73,6 +75,7 @@ struct LaneResult {
 /// Throws Cancelled.
 LaneResult lane(const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options = {},
                 const Context& ctx = {});
+/// The same amid points that are there already, which act on the new ones.
 LaneResult lane(const PointRegion& region, const RadialKernel& kernel, const PointSet& existing,
                 const LaneOptions& options = {}, const Context& ctx = {});
 

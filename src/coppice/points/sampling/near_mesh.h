@@ -21,11 +21,12 @@ struct EnumNames<FaceChoice> {
     static constexpr std::array<std::string_view, 2> names{"by_area", "by_face"};
 };
 
+/// How many points, and how far from the mesh.
 struct NearMeshOptions {
-    int count = 1000;   ///< points; 1 to 1e8
-    float low = 0;      ///< [m] least offset along the normal; negative is inside
-    float high = 0.1f;  ///< [m] greatest offset; >= low
-    FaceChoice choice = FaceChoice::by_area;
+    int count = 1000;                         ///< points; 1 to 1e8
+    float low = 0;                            ///< [m] least offset along the normal; negative is inside
+    float high = 0.1f;                        ///< [m] greatest offset; >= low
+    FaceChoice choice = FaceChoice::by_area;  ///< where they are dense
     bool even = false;  ///< spread the points evenly (blue noise) instead of each on its own; by_area only
     int seed = 0;       ///< another seed, another set
     int max_memory = 4096;  ///< [MiB] what would take more is refused before it starts

@@ -8,6 +8,7 @@ namespace coppice {
 /// between knots, 1 beyond the last. Poisson disks and clusters come from one mechanism. Source: [Lane2002].
 class RadialKernel {
   public:
+    /// A corner of the kernel.
     struct Knot {
         float distance;  ///< [m]
         float factor;    ///< 0 to 1e6

@@ -15,13 +15,13 @@ namespace coppice {
 /// nothing drifts. Building is O(n), a draw and a change O(log n).
 class SumPyramid {
   public:
-    SumPyramid() = default;
+    SumPyramid() = default;  ///< nothing to draw from
     /// Weights are finite and not negative.
     SumPyramid(Buffer<double> weights, const Context& ctx);
 
-    std::uint32_t size() const { return size_; }
-    double total() const { return total_; }
-    double operator[](std::uint32_t i) const { return level_[0][i]; }
+    std::uint32_t size() const { return size_; }                       ///< number of weights
+    double total() const { return total_; }                            ///< of all weights
+    double operator[](std::uint32_t i) const { return level_[0][i]; }  ///< the weight of one
 
     /// The item at which the cumulative sum passes share * total, share in [0, 1): never one of weight 0. The
     /// total must be above 0.

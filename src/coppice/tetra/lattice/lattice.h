@@ -11,6 +11,7 @@
 
 namespace coppice {
 
+/// Where a lattice is, and how fine.
 struct LatticeOptions {
     float cell = 3;        ///< [radii] a cell that the surface may cross is no larger than this
     float inside = 0.7f;   ///< [radii] what lies within this of an axis is taken to be inside
@@ -47,11 +48,12 @@ class Lattice {
     /// cells or 21 levels would be needed. O(n log n + cells); 50 to 60 bytes for each tetrahedron.
     explicit Lattice(std::span<const Segment> segments, const LatticeOptions& options = {},
                      const Context& ctx = {});
+    /// Frees the memory.
     ~Lattice();
-    Lattice(Lattice&&) noexcept;
-    Lattice& operator=(Lattice&&) noexcept;
+    Lattice(Lattice&&) noexcept;             ///< leaves the other one empty
+    Lattice& operator=(Lattice&&) noexcept;  ///< leaves the other one empty
 
-    const TetraMesh& mesh() const;
+    const TetraMesh& mesh() const;  ///< what it holds now
 
     /// Adds the tetrahedra on the other side of faces that belong to one tetrahedron only, and rebuilds the
     /// mesh, so that its numbers change. False when there is nothing there, at the border of the octree.

@@ -16,9 +16,9 @@ namespace coppice {
 /// corners in ascending order: two tetrahedra that give the corners of a shared face in the same order list
 /// what lies in it in the same order.
 struct TetraPattern {
-    static constexpr std::uint32_t kGroups = 15;
-    static constexpr std::uint32_t kInside = 14;
-    static constexpr int kMostLevels = 5;
+    static constexpr std::uint32_t kGroups = 15;  ///< number of groups
+    static constexpr std::uint32_t kInside = 14;  ///< the last group
+    static constexpr int kMostLevels = 5;         ///< n = 32
 
     using Local = std::uint16_t;                       ///< a fine vertex or edge of one tetrahedron
     std::vector<std::array<std::uint8_t, 4>> weights;  ///< of every fine vertex; they add up to n
@@ -28,12 +28,13 @@ struct TetraPattern {
     std::array<std::uint32_t, kGroups + 1> first_vertex;
     std::vector<std::array<Local, 4>> tetra;  ///< oriented as 0, 1, 2, 3
     std::vector<std::uint64_t> tetra_masks;   ///< the vertices of each as bits, where 64 are enough for all
-    std::vector<std::array<Local, 2>> edges;
+    std::vector<std::array<Local, 2>> edges;  ///< fine ones, by group
     std::array<std::uint32_t, kGroups + 1> first_edge;  ///< as first_vertex
     std::vector<std::array<Local, 6>> tetra_edges;      ///< 01, 02, 03, 12, 13, 23 of every fine tetrahedron
     std::vector<std::uint32_t> first_around;            ///< vertex v has around[first_around[v]] ...
     std::vector<Local> around;                          ///< the fine tetrahedra that have it
 
+    /// The fine tetrahedra that have a fine vertex.
     std::span<const Local> tetra_around(std::uint32_t vertex) const {
         return std::span(around).subspan(first_around[vertex],
                                          first_around[vertex + 1] - first_around[vertex]);

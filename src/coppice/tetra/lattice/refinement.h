@@ -31,10 +31,11 @@ class TetraRefinement {
 
     /// Where a fine vertex lies: number `index` of those inside coarse part `part` of a kind.
     enum class Kind : std::uint8_t { vertex, edge, face, inside };
+    /// Where a fine vertex lies; see Kind.
     struct Place {
-        Kind kind;
-        std::uint32_t part;  ///< number of the coarse vertex, edge, face or tetrahedron
-        std::uint32_t index;
+        Kind kind;            ///< of the coarse part
+        std::uint32_t part;   ///< number of the coarse vertex, edge, face or tetrahedron
+        std::uint32_t index;  ///< among the fine vertices inside that part
     };
 
     /// The coarse mesh must outlive this. Throws InvalidInput naming `levels` when out of range or when more
@@ -43,18 +44,19 @@ class TetraRefinement {
     TetraRefinement(const TetraMesh& coarse, int levels, const Context& ctx = {});
     TetraRefinement(TetraMesh&&, int, const Context& = {}) = delete;
 
-    static constexpr std::uint64_t kMostVertices = std::uint64_t{1} << 30;
+    static constexpr std::uint64_t kMostVertices = std::uint64_t{1} << 30;  ///< fine ones
 
-    const TetraMesh& coarse() const { return coarse_; }
-    int levels() const { return levels_; }
-    std::uint32_t edge_count() const { return first_edge_.back(); }
-    std::uint32_t face_count() const { return first_face_.back(); }
-    std::uint32_t vertex_count() const { return vertex_count_; }  ///< fine
-    std::uint64_t tetra_count() const {                           ///< fine
+    const TetraMesh& coarse() const { return coarse_; }              ///< the mesh it was made of
+    int levels() const { return levels_; }                           ///< times that it is refined
+    std::uint32_t edge_count() const { return first_edge_.back(); }  ///< coarse ones
+    std::uint32_t face_count() const { return first_face_.back(); }  ///< coarse ones
+    std::uint32_t vertex_count() const { return vertex_count_; }     ///< fine
+    std::uint64_t tetra_count() const {                              ///< fine
         return std::uint64_t{coarse_.tetra.size()} << 3 * levels_;
     }
 
-    const Parts& parts(std::uint32_t tetra) const { return parts_[tetra]; }
+    const Parts& parts(std::uint32_t tetra) const { return parts_[tetra]; }  ///< see Parts
+    /// how a coarse tetrahedron is cut
     const TetraPattern& pattern(std::uint32_t tetra) const { return patterns_[traits_[tetra].diagonal]; }
     /// Whether the ascending order of the vertices is a negative one.
     bool mirrored(std::uint32_t tetra) const { return traits_[tetra].mirrored; }
@@ -77,12 +79,13 @@ class TetraRefinement {
         const std::uint32_t part = group == TetraPattern::kInside ? tetra : parts_[tetra][group];
         return first_of_kind_[kind] + part * per_kind_[kind];
     }
+    /// The number of a fine vertex that one coarse tetrahedron sees.
     std::uint32_t vertex(std::uint32_t tetra, TetraPattern::Local local) const {
         const TetraPattern& p = pattern(tetra);
         const std::uint32_t group = p.group[local];
         return first_vertex(tetra, group) + (local - p.first_vertex[group]);
     }
-    Place place(std::uint32_t vertex) const;
+    Place place(std::uint32_t vertex) const;  ///< Where a fine vertex lies. O(1).
     /// [m] The same bits from every coarse tetrahedron that has the vertex.
     Vec3 position(std::uint32_t tetra, TetraPattern::Local local) const;
 
@@ -91,6 +94,7 @@ class TetraRefinement {
     /// The number of a part within a tetrahedron, as a group of the pattern; kGroups when it is not there.
     std::uint32_t group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const;
 
+    /// The Kind of every group of a pattern.
     static constexpr std::array<std::uint8_t, TetraPattern::kGroups> kKindOf{0, 0, 0, 0, 1, 1, 1, 1,
                                                                              1, 1, 2, 2, 2, 2, 3};
 

@@ -23,14 +23,15 @@ struct TetraMesh {
     Buffer<Tetra> tetra;                  ///< by region
     std::vector<std::uint32_t> first{0};  ///< region r has the tetrahedra first[r] .. first[r + 1]
 
+    /// number of runs
     std::uint32_t region_count() const { return static_cast<std::uint32_t>(first.size() - 1); }
 };
 
 /// A face of one tetrahedron, opposite its vertex number `opposite`.
 struct TetraFace {
-    std::uint32_t tetra = 0;
-    std::uint32_t opposite = 0;
-    friend bool operator==(const TetraFace&, const TetraFace&) = default;
+    std::uint32_t tetra = 0;                                               ///< which one
+    std::uint32_t opposite = 0;                                            ///< of its vertices; in [0, 3]
+    friend bool operator==(const TetraFace&, const TetraFace&) = default;  ///< member by member
 };
 
 }  // namespace coppice

@@ -11,6 +11,7 @@
 
 namespace coppice {
 
+/// How fine the surface is, and how exactly its vertices lie on it.
 struct MarchOptions {
     int levels = 2;     ///< times every tetrahedron is cut into eight
     float snap = 0.4f;  ///< [fine edges] vertices nearer than this to the surface are moved onto it; 0: none
@@ -30,19 +31,21 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
         o.refinements);
 }
 
+/// How marching went, counted.
 struct MarchReport {
     std::uint64_t tetra = 0;     ///< of the finest level
     std::uint64_t vertices = 0;  ///< of the finest level, all sampled
     std::uint64_t crossed = 0;   ///< tetrahedra of the finest level that the surface crosses
     std::uint64_t snapped = 0;   ///< vertices moved onto the surface
     std::uint64_t freed = 0;     ///< of those near enough, put back so that nothing folds or touches
-    friend bool operator==(const MarchReport&, const MarchReport&) = default;
+    friend bool operator==(const MarchReport&, const MarchReport&) = default;  ///< member by member
 };
 
+/// A surface of triangles, and the report.
 struct MarchResult {
-    TriMesh mesh;
+    TriMesh mesh;                 ///< [m] in the frame of the tetrahedra
     std::vector<TetraFace> open;  ///< coarse faces of one tetrahedron alone that the surface passes through
-    MarchReport report;
+    MarchReport report;           ///< what was done
 };
 
 /// The surface value = level of a field within tetrahedra: marching tetrahedra on a mesh subdivided by
