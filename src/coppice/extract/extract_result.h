@@ -11,7 +11,7 @@ namespace coppice {
 struct NodeConfidence {
     std::uint32_t samples = 0;  ///< vertices or points whose nearest segment ends at this node
     float residual = 0;         ///< [radius] their mean distance from that segment's surface; 0 without any
-    friend bool operator==(const NodeConfidence&, const NodeConfidence&) = default;
+    friend bool operator==(const NodeConfidence&, const NodeConfidence&) = default;  ///< member by member
 };
 
 /// What was found on the way from a surface or a cloud to a skeleton, counted.
@@ -25,7 +25,7 @@ struct ExtractReport {
     std::uint32_t repaired_tips =
         0;               ///< ends moved along their axis to where the surface ends, less a radius
     float residual = 0;  ///< [radius] mean over all samples of the distance from the surface
-    friend bool operator==(const ExtractReport&, const ExtractReport&) = default;
+    friend bool operator==(const ExtractReport&, const ExtractReport&) = default;  ///< member by member
 };
 
 /// Calls visit(name, number) for every member, in order.
@@ -43,9 +43,9 @@ void visit_figures(const ExtractReport& r, Visitor&& visit) {
 
 /// A skeleton read off a surface or a cloud of points.
 struct ExtractResult {
-    Skeleton skeleton;
+    Skeleton skeleton;                       ///< in the frame of the input
     std::vector<NodeConfidence> confidence;  ///< one per node
-    ExtractReport report;
+    ExtractReport report;                    ///< what was found
 };
 
 }  // namespace coppice

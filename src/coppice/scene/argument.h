@@ -41,7 +41,8 @@ struct Argument {
     bool repeats = false;                    ///< may be given several times
     std::string initial;                     ///< as typed; "@x": what argument x is; empty: none
     Unit unit = Unit::none;                  ///< of every number
-    double low = 0, high = 0;                ///< of every number, where low < high
+    double low = 0;                          ///< least of every number, where low < high
+    double high = 0;                         ///< greatest
     std::vector<std::string> choices;        ///< for ArgumentType::choice
     ObjectKind kind = ObjectKind::solid;     ///< for ArgumentType::object
     bool any_kind = false;                   ///< an object of whatever kind

@@ -13,6 +13,7 @@
 
 namespace coppice {
 
+/// What becomes of the ground under trees.
 enum class GroundRule {
     automatic,  ///< looks for ground, and leaves it out where there is some
     none,       ///< every point is wood
@@ -24,6 +25,7 @@ struct EnumNames<GroundRule> {
     static constexpr std::array<std::string_view, 3> names{"auto", "none", "height"};
 };
 
+/// What becomes of leaves.
 enum class LeafRule {
     automatic,  ///< leaves are left out where the cloud shows some
     keep,       ///< every point is wood
@@ -35,14 +37,15 @@ struct EnumNames<LeafRule> {
     static constexpr std::array<std::string_view, 3> names{"auto", "keep", "drop"};
 };
 
+/// How a cloud is cleaned, and how a skeleton is read off it.
 struct CloudOptions {
-    GroundRule ground = GroundRule::automatic;
-    float ground_height = 0;     ///< [m] world, for GroundRule::height
-    float voxel = 0;             ///< [m] edge of cubes of which one point is kept; 0 = none
+    GroundRule ground = GroundRule::automatic;  ///< whether ground is looked for
+    float ground_height = 0;                    ///< [m] world, for GroundRule::height
+    float voxel = 0;                            ///< [m] edge of cubes of which one point is kept; 0 = none
     int max_points = 4'000'000;  ///< more are thinned, with cubes as large as it takes; in [100, 1e8]
     int neighbours = 12;         ///< of every point, that paths may go to; in [4, 64]
     float stray = 4;  ///< points this many times farther from others than is usual about go; 0 = none
-    LeafRule leaves = LeafRule::automatic;
+    LeafRule leaves = LeafRule::automatic;  ///< whether leaves are looked for
     float gap = 0;       ///< [m] widest gap that is bridged; 0 = from the spacing and height of the tree
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
     int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
@@ -100,9 +103,10 @@ void visit_figures(const CloudReport& r, Visitor&& visit) {
     visit("spacing", r.spacing);
 }
 
+/// A skeleton, and what was left out of the cloud.
 struct CloudExtraction : ExtractResult {
-    CloudReport cleaning;
-    PointSet leaves;  ///< the points that were left out as leaves
+    CloudReport cleaning;  ///< points by what became of them
+    PointSet leaves;       ///< the points that were left out as leaves
 };
 
 /// The skeleton of what a scanner saw of trees.

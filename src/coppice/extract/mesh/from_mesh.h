@@ -12,6 +12,7 @@
 
 namespace coppice {
 
+/// How a surface becomes axes.
 enum class MeshSkeletonMethod {
     rings,        ///< rings of equal distance from the root along the surface, one chain per branch
     contraction,  ///< Laplacian contraction and edge collapses [Au2008]
@@ -22,6 +23,7 @@ struct EnumNames<MeshSkeletonMethod> {
     static constexpr std::array<std::string_view, 2> names{"rings", "contraction"};
 };
 
+/// The axis of the mesh that points up.
 enum class UpAxis { x, y, z };
 
 template <>
@@ -31,14 +33,14 @@ struct EnumNames<UpAxis> {
 
 /// How a skeleton is read off a mesh.
 struct FromMeshOptions {
-    MeshSkeletonMethod method = MeshSkeletonMethod::rings;
+    MeshSkeletonMethod method = MeshSkeletonMethod::rings;  ///< rings are faster
     bool fit = true;          ///< fit the segments to the vertices by least squares
     float prune = 0.3f;       ///< [radius of the fork] ends that rise less above their fork go; in [0, 10]
     float join = 1.2f;        ///< [radius] pieces whose end is nearer to another's axis hang on it; 0 = none
     float tolerance = 0.02f;  ///< [radius] how far the surface may move by leaving out nodes; in [0, 1]
     bool keep_loops = false;  ///< lead an end cut off a loop on to where it was cut off
     UpAxis up = UpAxis::z;    ///< which way is up in the mesh: roots are lowest ends; nothing is turned
-    CleanMeshOptions clean;
+    CleanMeshOptions clean;   ///< how the mesh is cleaned first
     std::optional<Vec3d> root;  ///< [m] world: the end nearest to it is a root; else roots are lowest ends
 };
 
@@ -60,8 +62,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.clean.weld);
 }
 
+/// A skeleton, and what had to be repaired in the mesh.
 struct FromMeshResult : ExtractResult {
-    MeshRepairs repairs;
+    MeshRepairs repairs;                                      ///< of the mesh
     std::vector<std::pair<std::string_view, double>> stages;  ///< name, seconds
 };
 

@@ -20,7 +20,7 @@ struct MeshRepairs {
     std::uint32_t turned = 0;              ///< triangles that faced inward
     std::uint32_t cards = 0;               ///< flat pieces, taken for leaves
     std::uint32_t card_faces = 0;          ///< their triangles
-    friend bool operator==(const MeshRepairs&, const MeshRepairs&) = default;
+    friend bool operator==(const MeshRepairs&, const MeshRepairs&) = default;  ///< member by member
 };
 
 /// Calls visit(name, number) for every member, in order.
@@ -37,6 +37,7 @@ void visit_figures(const MeshRepairs& r, Visitor&& visit) {
     visit("card_faces", r.card_faces);
 }
 
+/// What of a mesh is kept.
 struct CleanMeshOptions {
     float weld = 1e-6f;  ///< [size of the mesh] vertices that agree to this are one; in [0, 0.01]
     bool cards = true;   ///< leave out flat pieces, as leaves are drawn
@@ -45,9 +46,10 @@ struct CleanMeshOptions {
     std::vector<std::string> wood;
 };
 
+/// A mesh to walk on, and what had to be repaired.
 struct CleanMeshResult {
-    TriMesh mesh;  ///< every vertex is used; neighbours agree, pieces face outward
-    MeshRepairs repairs;
+    TriMesh mesh;         ///< every vertex is used; neighbours agree, pieces face outward
+    MeshRepairs repairs;  ///< what was done
 };
 
 /// Makes triangles of a mesh as files hold it that a surface algorithm can walk on: faces of other materials

@@ -18,8 +18,9 @@ struct FitSamples {
         node;  ///< per sample: the lower node of the segment it belongs to, as far as known
 };
 
+/// How long and how freely nodes move.
 struct FitOptions {
-    int iterations = 10;
+    int iterations = 10;      ///< times that all nodes move
     double robust = 0.3;      ///< [radius] residuals much larger than this hardly count
     double stiffness = 0.02;  ///< how strongly neighbours move together, against the mean weight of a sample
     double move = 0.5;        ///< [radius] most that a node moves in one iteration

@@ -13,12 +13,13 @@ namespace coppice {
 /// that it does not need that. Its surface is that of a `Skeleton`: cones with rounded ends, and of the
 /// segments that leave a node only the thickest starts with the node's radius.
 struct DraftTree {
-    static constexpr std::uint32_t kNoParent = 0xffffffffu;
-    std::vector<std::uint32_t> parent;  ///< kNoParent for a root
-    std::vector<Vec3d> position;        ///< [m]
-    std::vector<double> radius;         ///< [m] > 0
+    static constexpr std::uint32_t kNoParent = 0xffffffffu;  ///< the parent of a root
+    std::vector<std::uint32_t> parent;                       ///< kNoParent for a root
+    std::vector<Vec3d> position;                             ///< [m]
+    std::vector<double> radius;                              ///< [m] > 0
 
-    std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }  ///< number of nodes
+    /// Appends a node; returns its index.
     std::uint32_t add(std::uint32_t above, Vec3d p, double r) {
         parent.push_back(above);
         position.push_back(p);
@@ -31,15 +32,16 @@ struct DraftTree {
 /// order of nodes. O(n).
 class DraftLinks {
   public:
-    explicit DraftLinks(const DraftTree& tree);
+    explicit DraftLinks(const DraftTree& tree);  ///< does not keep the tree
     /// Chooses the leaders anew, after radii have changed.
     void update_leaders(const DraftTree& tree);
 
+    /// In order of index.
     std::span<const std::uint32_t> children(std::uint32_t n) const {
         return std::span(child_).subspan(first_[n], first_[n + 1] - first_[n]);
     }
-    std::uint32_t leader(std::uint32_t n) const { return leader_[n]; }  ///< kNoParent for a tip
-    bool is_tip(std::uint32_t n) const { return first_[n] == first_[n + 1]; }
+    std::uint32_t leader(std::uint32_t n) const { return leader_[n]; }         ///< kNoParent for a tip
+    bool is_tip(std::uint32_t n) const { return first_[n] == first_[n + 1]; }  ///< whether it has no children
 
   private:
     std::vector<std::uint32_t> first_, child_, leader_;
@@ -53,7 +55,9 @@ void root_at(DraftTree& tree, std::uint32_t end);
 /// left out; they must not have children that stay. Returns the new index of every old node, or kNoParent.
 std::vector<std::uint32_t> sort_parents_first(DraftTree& tree, std::span<const char> gone = {});
 
+/// Parents must precede their children.
 Skeleton to_skeleton(const DraftTree& tree, Vec3d origin);
+/// The same nodes in the same order.
 DraftTree to_draft(const Skeleton& skeleton);
 
 }  // namespace coppice
