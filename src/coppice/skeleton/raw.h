@@ -71,9 +71,10 @@ RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source
 ///   drawn to the middle between that end and that start. It must start within a radius of the end or, when
 ///   it turns by less than 60 degrees, within two radii or inside the parent.
 /// * Other children are laterals: they leave from a new node on their parent's axis, or from its end when
-///   that is nearer than half a radius. The node lies where the axis of the lateral, drawn backwards, comes nearest to the
-///   parent's axis, so that laterals that start on the surface of their parent leave it without a bend; where
-///   the two pass each other by more than the parent's radius, it is the foot point of the lateral's start.
+///   that is nearer than half a radius. The node lies where the axis of the lateral, drawn backwards, comes
+///   nearest to the parent's axis, so that laterals that start on the surface of their parent leave it
+///   without a bend; where the two pass each other by more than the parent's radius, it is the foot point of
+///   the lateral's start.
 /// * The start of a lateral stays as a node of its own only where a straight way from the parent's axis to
 ///   its end would pass the start by more than half the lateral's radius. Gaps are bridged with the radius of
 ///   the cylinder behind them.
