@@ -1,13 +1,12 @@
 #include "coppice/base/error.h"
 
-#include <cstdio>
-#include <cstdlib>
+#include <string>
 
 namespace coppice {
 
 void assertion_failed(const char* condition, const char* file, int line) {
-    std::fprintf(stderr, "%s:%d: precondition broken: %s\n", file, line, condition);
-    std::abort();
+    throw PreconditionBroken(std::string(file) + ":" + std::to_string(line) +
+                             ": precondition broken: " + condition);
 }
 
 }  // namespace coppice

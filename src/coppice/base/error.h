@@ -36,7 +36,15 @@ class Cancelled : public Error {
     Cancelled() : Error("interrupted") {}  ///< says "interrupted"
 };
 
-/// What COPPICE_ASSERT calls: says so and ends the process.
+/// A documented precondition of the library was broken: a fault of the code that called it, not of its user,
+/// so no `Error`. Thrown rather than printed or aborted with, because neither the streams nor the life of the
+/// process are the library's; what does not catch it ends as usual, with the text from std::terminate.
+class PreconditionBroken : public std::logic_error {
+  public:
+    using std::logic_error::logic_error;
+};
+
+/// Throws PreconditionBroken: "FILE:LINE: precondition broken: CONDITION".
 [[noreturn]] void assertion_failed(const char* condition, const char* file, int line);
 
 }  // namespace coppice

@@ -1,11 +1,54 @@
 #include "coppice/base/parallel.h"
 
+#ifndef COPPICE_PLAIN_THREADS
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+#endif
+
+#include <atomic>
+#include <exception>
+#include <thread>
+
+#include "coppice/base/parallel_internal.h"
 
 namespace coppice {
+namespace {
+
+using RunOne = std::function<void(std::size_t)>;
+
+#ifdef COPPICE_PLAIN_THREADS
+
+void run_all(unsigned threads, std::size_t count, const RunOne& run) {
+    const unsigned machine = std::max(2u, std::thread::hardware_concurrency());
+    base_internal::run_on_own_threads(threads != 0 ? threads : machine, count, run);
+}
+
+#else
+
+/// oneTBB's threads are the process's, so nothing here changes how many there are: a loop that wants more,
+/// as tests do, starts its own.
+void run_all(unsigned threads, std::size_t count, const RunOne& run) {
+    const auto loop = [&] {
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, 1),
+                                  [&](const auto& block) {
+                                      for (std::size_t i = block.begin(); i < block.end(); ++i) run(i);
+                                  });
+    };
+    const auto machine = static_cast<unsigned>(oneapi::tbb::info::default_concurrency());
+    if (threads == 0) {
+        loop();
+    } else if (threads <= machine) {
+        oneapi::tbb::task_arena(static_cast<int>(threads)).execute(loop);
+    } else {
+        base_internal::run_on_own_threads(threads, count, run);
+    }
+}
+
+#endif
+
+}  // namespace
 
 void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grain,
                          const std::function<void(IndexRange)>& body) {
@@ -16,20 +59,19 @@ void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grai
         for (std::size_t i = 0; i < ranges; ++i) run(i);
         return;
     }
-    const auto loop = [&] {
-        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, ranges, 1),
-                                  [&](const auto& block) {
-                                      for (std::size_t i = block.begin(); i < block.end(); ++i) run(i);
-                                  });
-    };
-    if (ctx.threads == 0) {
-        loop();
-    } else {
-        // More threads than the machine has are allowed too: tests ask for them.
-        const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
-                                                ctx.threads);
-        oneapi::tbb::task_arena(static_cast<int>(ctx.threads)).execute(loop);
-    }
+    // Kept here rather than by oneTBB, which allocates to hand on an exception: the usual one says that there
+    // is no memory.
+    std::atomic<bool> failed = false;
+    std::exception_ptr failure;
+    run_all(ctx.threads, ranges, [&](std::size_t i) {
+        if (failed.load(std::memory_order_relaxed)) return;
+        try {
+            run(i);
+        } catch (...) {
+            if (!failed.exchange(true)) failure = std::current_exception();
+        }
+    });
+    if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace coppice

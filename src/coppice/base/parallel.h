@@ -20,7 +20,11 @@ struct IndexRange {
 
 /// Runs body(range) over disjoint ranges that cover [0, count), each `grain` long but for the last. The
 /// ranges depend on `count` and `grain` alone, so whatever is computed per range has the same bits for any
-/// number of threads. The body must not throw. With one thread, or one range, this is a plain loop.
+/// number of threads. With one thread, or one range, this is a plain loop; else it runs on oneTBB's threads,
+/// whose number it leaves alone, and on threads of its own when ctx.threads is more than the machine has.
+///
+/// What the body throws, be it that memory ran out, ends the loop early and is thrown here; of several, which
+/// one is not determined.
 void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grain,
                          const std::function<void(IndexRange)>& body);
 
