@@ -20,14 +20,11 @@ struct Box3 {
     float diagonal() const { return length(size()); }            ///< [m] 0 where empty
 
     /// Grows just so far that p lies in it.
-    void extend(Vec3 p) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    /// Grows just so far that b, which must not be empty, lies in it.
+    void extend(Vec3 p) { extend(Box3{p, p}); }
+    /// Grows just so far that b lies in it: not at all where b is empty.
     void extend(const Box3& b) {
-        extend(b.low);
-        extend(b.high);
+        low = {std::min(low.x, b.low.x), std::min(low.y, b.low.y), std::min(low.z, b.low.z)};
+        high = {std::max(high.x, b.high.x), std::max(high.y, b.high.y), std::max(high.z, b.high.z)};
     }
     /// The box with `margin` [m] more on all six sides.
     Box3 inflated(float margin) const {

@@ -19,7 +19,7 @@ struct Field {
     double high = 0;         ///< see `low`
 };
 
-/// The names of an enum's values, in the order of the values from 0: specialise `enum_names` beside the enum.
+/// The names of an enum's values, in the order of the values from 0: specialise `EnumNames` beside the enum.
 template <class E>
 struct EnumNames;
 

@@ -28,7 +28,7 @@ class CounterRandom {
         return static_cast<double>(bits(index) >> 11) * 0x1p-53;
     }
 
-    /// Uniform in [low, high).
+    /// Uniform in [low, high); where the two are close, rounding may give `high` itself.
     constexpr double uniform(std::uint64_t index, double low, double high) const {
         return low + (high - low) * uniform(index);
     }

@@ -1,0 +1,65 @@
+#include "coppice/base/check_fields.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+struct CarveOptions {
+    int count = 3;
+    float depth = 0.7f;
+    float lean = 0;
+    bool polish = false;
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, CarveOptions>
+constexpr void visit_fields(Self& options, Visitor&& visit) {
+    visit(Field{"count", "how many notches", Unit::none, 1, 8}, options.count);
+    visit(Field{"depth", "how deep", Unit::metre, 0.5, 0.7}, options.depth);
+    visit(Field{"lean", "how far to lean; any number"}, options.lean);
+    visit(Field{"polish", "whether to polish"}, options.polish);
+}
+
+std::string complaint(const CarveOptions& options) {
+    return test::error_of([&] { check_fields(options, "carve"); });
+}
+
+TEST(CheckFields, TakesWhatLiesInRange) {
+    EXPECT_EQ(complaint({}), "no error");
+    EXPECT_EQ(complaint({.count = 1, .depth = 0.5f, .polish = true}), "no error");
+    EXPECT_EQ(complaint({.count = 8}), "no error");
+}
+
+TEST(CheckFields, TakesABoundThatAFloatCannotHold) {
+    // 0.7 is 0.699999988 as a float: the default lies at the bound, and not below it.
+    EXPECT_EQ(complaint({.depth = 0.7f}), "no error");
+    EXPECT_NE(complaint({.depth = std::nextafter(0.7f, 1.0f)}), "no error");
+}
+
+TEST(CheckFields, NamesSourceFieldRangeAndValue) {
+    EXPECT_EQ(complaint({.count = 0}), "carve: count must lie between 1 and 8, but is 0");
+    EXPECT_EQ(complaint({.count = 9}), "carve: count must lie between 1 and 8, but is 9");
+    EXPECT_EQ(complaint({.depth = 0.25f}), "carve: depth must lie between 0.5 and 0.7, but is 0.25");
+}
+
+TEST(CheckFields, NamesTheFirstFieldThatIsWrong) {
+    EXPECT_EQ(complaint({.count = -1, .depth = -1}).find("carve: count"), 0u);
+}
+
+TEST(CheckFields, RefusesWhatIsNoNumber) {
+    EXPECT_EQ(complaint({.depth = std::numeric_limits<float>::quiet_NaN()}),
+              "carve: depth must lie between 0.5 and 0.7, but is nan");
+    EXPECT_EQ(complaint({.depth = std::numeric_limits<float>::infinity()}),
+              "carve: depth must lie between 0.5 and 0.7, but is inf");
+}
+
+TEST(CheckFields, AFieldWithoutARangeTakesEverything) { EXPECT_EQ(complaint({.lean = -1e30f}), "no error"); }
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,40 @@
+#include "coppice/base/context.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+TEST(Context, TheDefaultNeitherStopsNorTells) {
+    const Context ctx;
+    EXPECT_EQ(ctx.threads, 0u);
+    EXPECT_EQ(test::error_of<Error>([&] { ctx.throw_if_cancelled(); }), "no error");
+    EXPECT_EQ(test::error_of<std::exception>([&] { ctx.report(0.5f); }), "no error");
+}
+
+TEST(Context, ThrowsFromTheMomentThatAStopIsAskedFor) {
+    std::stop_source source;
+    const Context ctx{.stop = source.get_token()};
+    EXPECT_EQ(test::error_of<Cancelled>([&] { ctx.throw_if_cancelled(); }), "no error");
+    source.request_stop();
+    EXPECT_EQ(test::error_of<Cancelled>([&] { ctx.throw_if_cancelled(); }), "interrupted");
+    const Context copy = ctx;
+    EXPECT_THROW(copy.throw_if_cancelled(), Cancelled);
+}
+
+TEST(Context, HandsOnEveryFraction) {
+    std::vector<float> told;
+    const Context ctx{.progress = [&](float fraction) { told.push_back(fraction); }};
+    ctx.report(0);
+    ctx.report(0.25f);
+    ctx.report(1);
+    EXPECT_EQ(told, (std::vector<float>{0, 0.25f, 1}));
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,147 @@
+#include "coppice/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "coppice/base/random.h"
+
+namespace coppice {
+namespace {
+
+constexpr unsigned kThreads[]{1, 2, 7, 0};
+
+using Ranges = std::set<std::pair<std::size_t, std::size_t>>;
+
+// The ranges that the body was called with, each put down in a place of its own.
+Ranges ranges_of(unsigned threads, std::size_t count, std::size_t grain) {
+    std::vector<IndexRange> seen(count / grain + 2);
+    std::atomic<std::size_t> calls = 0;
+    parallel_for_ranges({.threads = threads}, count, grain, [&](IndexRange range) { seen[calls++] = range; });
+    Ranges ranges;
+    for (std::size_t i = 0; i < calls; ++i) ranges.emplace(seen[i].begin, seen[i].end);
+    EXPECT_EQ(ranges.size(), calls);
+    return ranges;
+}
+
+TEST(ParallelForRanges, CutsAtMultiplesOfTheGrainForAnyNumberOfThreads) {
+    for (const unsigned threads : kThreads) {
+        SCOPED_TRACE(threads);
+        EXPECT_EQ(ranges_of(threads, 0, 4), Ranges{});
+        EXPECT_EQ(ranges_of(threads, 3, 4), (Ranges{{0, 3}}));
+        EXPECT_EQ(ranges_of(threads, 4, 4), (Ranges{{0, 4}}));
+        EXPECT_EQ(ranges_of(threads, 9, 4), (Ranges{{0, 4}, {4, 8}, {8, 9}}));
+        EXPECT_EQ(ranges_of(threads, 3, 1), (Ranges{{0, 1}, {1, 2}, {2, 3}}));
+    }
+}
+
+TEST(ParallelForRanges, OneThreadIsALoopInOrderOnTheCallersThread) {
+    std::vector<std::size_t> begins;
+    const std::thread::id caller = std::this_thread::get_id();
+    bool here = true;
+    parallel_for_ranges({.threads = 1}, 10, 3, [&](IndexRange range) {
+        begins.push_back(range.begin);
+        here = here && std::this_thread::get_id() == caller;
+    });
+    EXPECT_EQ(begins, (std::vector<std::size_t>{0, 3, 6, 9}));
+    EXPECT_TRUE(here);
+}
+
+TEST(ParallelForRanges, TwoThreadsWorkAtTheSameTime) {
+    // Each of the two ranges waits for the other to begin; a loop on one thread runs out of patience.
+    std::atomic<int> begun = 0;
+    std::atomic<bool> met = true;
+    parallel_for_ranges({.threads = 2}, 2, 1, [&](IndexRange) {
+        ++begun;
+        const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+        while (begun < 2 && std::chrono::steady_clock::now() < patience) std::this_thread::yield();
+        if (begun < 2) met = false;
+    });
+    EXPECT_TRUE(met);
+}
+
+TEST(ParallelForRanges, NeverRunsOnMoreThreadsThanItIsGiven) {
+    for (const unsigned threads : {1u, 2u, 3u}) {
+        std::atomic<unsigned> inside = 0, most = 0;
+        parallel_for_ranges({.threads = threads}, 200, 1, [&](IndexRange) {
+            const unsigned now = ++inside;
+            for (unsigned before = most; before < now && !most.compare_exchange_weak(before, now);) {
+            }
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+            --inside;
+        });
+        EXPECT_LE(most, threads);
+    }
+}
+
+TEST(ParallelForRanges, MayBeNested) {
+    for (const unsigned threads : kThreads) {
+        std::vector<std::size_t> cells(20 * 30, 0);
+        parallel_for({.threads = threads}, 20, 1, [&](std::size_t row) {
+            parallel_for({.threads = threads}, 30, 7,
+                         [&](std::size_t column) { cells[30 * row + column] += 30 * row + column; });
+        });
+        for (std::size_t i = 0; i < cells.size(); ++i) EXPECT_EQ(cells[i], i) << threads;
+    }
+}
+
+TEST(ParallelFor, VisitsEveryIndexOnce) {
+    for (const unsigned threads : kThreads) {
+        for (const std::size_t grain : {std::size_t{1}, std::size_t{64}, std::size_t{100'000}}) {
+            std::vector<std::uint8_t> visits(10'001, 0);
+            parallel_for({.threads = threads}, visits.size(), grain, [&](std::size_t i) { ++visits[i]; });
+            EXPECT_EQ(visits, std::vector<std::uint8_t>(10'001, 1)) << threads << " threads, grain " << grain;
+        }
+    }
+}
+
+// Terms whose sum depends on the order of adding.
+float term(std::size_t i) { return static_cast<float>(CounterRandom(1, 1).uniform(i, -1, 1)); }
+
+float sum_of(IndexRange range) {
+    float sum = 0;
+    for (std::size_t i = range.begin; i < range.end; ++i) sum += term(i);
+    return sum;
+}
+
+TEST(ParallelReduce, AddsTheRangesInIndexOrderForAnyNumberOfThreads) {
+    constexpr std::size_t kCount = 10'000, kGrain = 64;
+    float in_order = 0.5f, backwards = 0.5f;
+    for (std::size_t i = 0; i < kCount; i += kGrain) in_order += sum_of({i, std::min(kCount, i + kGrain)});
+    for (std::size_t i = kCount / kGrain + 1; i-- > 0;)
+        backwards += sum_of({i * kGrain, std::min(kCount, (i + 1) * kGrain)});
+    ASSERT_NE(in_order, backwards);  // or this test could not fail
+    for (const unsigned threads : kThreads) {
+        for (int repeat = 0; repeat < 5; ++repeat) {
+            EXPECT_EQ(parallel_reduce({.threads = threads}, kCount, kGrain, 0.5f, sum_of, std::plus<>()),
+                      in_order)
+                << threads;
+        }
+    }
+}
+
+TEST(ParallelReduce, OfNothingIsTheStart) {
+    EXPECT_EQ(parallel_reduce(
+                  {}, 0, 8, 42, [](IndexRange) { return 1; }, std::plus<>()),
+              42);
+}
+
+TEST(ExclusiveScan, GivesEachTheSumBeforeIt) {
+    std::vector<int> counts{3, 0, 4, 1};
+    EXPECT_EQ(exclusive_scan<int>(counts), 8);
+    EXPECT_EQ(counts, (std::vector<int>{0, 3, 3, 7}));
+    std::vector<int> none;
+    EXPECT_EQ(exclusive_scan<int>(none), 0);
+}
+
+TEST(ParallelForRanges, AGrainOfNothingIsRefused) {
+    EXPECT_THROW(parallel_for_ranges({.threads = 1}, 1, 0, [](IndexRange) {}), PreconditionBroken);
+}
+
+}  // namespace
+}  // namespace coppice
