@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Runs the program once in a fresh folder with small inputs and compares exit code, output and files.
 
-A pattern that starts with "json:" asks for JSON with these keys instead. --report FILE:key,key.key=value does so for a file.
+Conditions on JSON are key, key.key=value, key<number or key>number, with commas between. They are asked for by a pattern that
+starts with "json:", of a file by --report FILE:conditions, and of what was written by --then "COMMAND => conditions": the
+command of the program (check, info, compare) is run with --json in the same folder; `picture FILE` looks at a picture and
+`text FILE` at lines.
 """
 
 import argparse
@@ -16,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 SKIPPED = 77
 
@@ -44,7 +48,16 @@ def make_inputs():
     stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
             for k in range(51) for i in range(16)]
     rows = ["%.4f %.4f %.4f" % p for p in stem]
+    write("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # what these points were laid around
     write("stem.xyz", "\n".join(rows))
+    # Three balls of leaves beside the stem's top, of 150 points each, along a spiral that fills them evenly.
+    leaves = []
+    for x, y, z in ((0.5, 0, 1.8), (-0.4, 0.3, 1.6), (0, -0.5, 2.1)):
+        for i in range(150):
+            r, up, turn = 0.2 * (i * 0.618034 % 1) ** (1 / 3), 1 - (2 * i + 1) / 150, 2.399963 * i
+            wide = r * math.sqrt(1 - up * up)
+            leaves.append("%.4f %.4f %.4f" % (x + wide * math.cos(turn), y + wide * math.sin(turn), z + r * up))
+    write("leafy.xyz", "\n".join(rows + leaves))
     write("stem.txt", "".join(row + " 1 200 90 40\n" for row in rows))
     write("tree.txt", TREE)
     write("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
@@ -70,23 +83,67 @@ def make_inputs():
     os.mkdir("folder.ply")
 
 
-def has_keys(text, keys):
-    value = json.loads(text)
-    for key in keys.split(","):
-        at = value
-        path, _, expected = key.partition("=")
-        for part in path.split("."):
-            if not isinstance(at, dict) or part not in at:
-                return False
-            at = at[part]
-        if expected and str(at) != expected:
-            return False
-    return True
+def value_at(value, path):
+    for part in path.split("."):
+        if not isinstance(value, dict) or part not in value:
+            return None
+        value = value[part]
+    return value
+
+
+def holds(value, sign, expected):
+    if value is None or not sign:
+        return value is not None
+    if sign == "=":
+        return value == expected if isinstance(value, str) else value == json.loads(expected)
+    return value < float(expected) if sign == "<" else value > float(expected)
+
+
+def broken(conditions, value):
+    """The conditions that do not hold, each with what is there instead."""
+    for condition in conditions.split(","):
+        path, sign, expected = re.fullmatch(r"([^<>=]+)([<>=]?)(.*)", condition.strip()).groups()
+        found = value_at(value, path)
+        if not holds(found, sign, expected):
+            yield f"{condition.strip()} does not hold: it is {json.dumps(found)}"
+
+
+def unfiltered(rows, width, depth):
+    """The bytes of the rows of a PNG, each of which says first from which neighbours it is predicted."""
+    before = bytes(width * depth)
+    for kind, row in rows:
+        line = bytearray(row)
+        for i, above in enumerate(before):
+            left, corner = (line[i - depth], before[i - depth]) if i >= depth else (0, 0)
+            nearest = min((left, above, corner), key=lambda v: abs(left + above - corner - v))
+            line[i] = (line[i] + (0, left, above, (left + above) // 2, nearest)[kind]) % 256
+        before = bytes(line)
+        yield before
+
+
+def look_at_picture(name):
+    """What can be said of a picture without knowing what it shows: shares are in percent of its pixels."""
+    with open(name, "rb") as file:
+        data = file.read()
+    width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
+    depth, packed, at = {2: 3, 6: 4}[kind], b"", 8
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and bits == 8
+    while at < len(data):
+        size, chunk = struct.unpack(">I4s", data[at:at + 8])
+        packed += data[at + 8:at + 8 + size] if chunk == b"IDAT" else b""
+        at += size + 12
+    raw, stride = zlib.decompress(packed), width * depth + 1
+    rows = [(raw[y * stride], raw[y * stride + 1:(y + 1) * stride]) for y in range(height)]
+    pixels = [line[i:i + depth] for line in unfiltered(rows, width, depth) for i in range(0, width * depth, depth)]
+    share = 100 / len(pixels)
+    return {"width": width, "height": height, "shades": len(set(pixels)),
+            "clear": share * sum(p[3] == 0 for p in pixels) if depth == 4 else 0,
+            "colored": share * sum(max(p[:3]) - min(p[:3]) > 100 for p in pixels)}
 
 
 def matches(pattern, text):
     if pattern.startswith("json:"):
-        return has_keys(text, pattern[5:])
+        return not list(broken(pattern[5:], json.loads(text)))
     return re.search(pattern, text.rstrip("\n") if pattern.endswith("$") else text, re.DOTALL) is not None
 
 
@@ -104,6 +161,30 @@ def run(program, words, signal_name):
     return process.returncode, out, err
 
 
+def look_at_text(name):
+    with open(name, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    return {"lines": len(lines), "first": lines[0]}
+
+
+LOOKS = {"picture": look_at_picture, "text": look_at_text}
+
+
+def judged(program, command, conditions):
+    """What another command has to say against the files that were written."""
+    words = shlex.split(command)
+    if words[0] in LOOKS:
+        value = LOOKS[words[0]](words[1])
+    else:
+        code, out, err = run(program, words + ["--json"], None)
+        if code != 0:
+            yield f"{command} ends with {code}: {err or out}"
+            return
+        value = json.loads(out)
+    for complaint in broken(conditions, value):
+        yield f"{command}: {complaint}"
+
+
 def complaints(arguments, before, code, out, err):
     if code != arguments.exit:
         yield f"exit code {code} instead of {arguments.exit}"
@@ -115,14 +196,12 @@ def complaints(arguments, before, code, out, err):
     for name in filter(None, arguments.gone.split(",")):
         if os.path.exists(name):
             yield f"{name} was left behind"
-    for name in filter(None, arguments.there.split(",")):
-        if not os.path.isfile(name) or os.path.getsize(name) == 0:
-            yield f"{name} is missing"
     if arguments.report:
         name, keys = arguments.report.split(":")
         with open(name, encoding="utf-8") as file:
-            if not has_keys(file.read(), keys):
-                yield f"the report lacks one of {keys}, or it has another value"
+            yield from broken(keys, json.load(file))
+    for judgement in arguments.then:
+        yield from judged(arguments.program, *judgement.split(" => "))
     if code != 0 and set(os.listdir(".")) != before:
         yield f"files were left behind: {set(os.listdir('.')) - before}"
 
@@ -134,8 +213,8 @@ def main():
     parser.add_argument("--out")
     parser.add_argument("--err")
     parser.add_argument("--gone", default="")
-    parser.add_argument("--there", default="")
     parser.add_argument("--report", default="")
+    parser.add_argument("--then", action="append", default=[])
     parser.add_argument("--signal")
     own, words = sys.argv[1:], ""
     if "--" in own:
