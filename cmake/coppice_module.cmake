@@ -1,45 +1,75 @@
-# coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [LIBRARIES public targets] [PRIVATE_LIBRARIES targets]
-#                [TESTS a_test.cpp ...] [TEST_LIBRARIES coppice_zoo ...])
+include(GNUInstallDirs)
+set(COPPICE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/coppice)
+
+# coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [TESTS a_test.cpp ...] [TEST_LIBRARIES coppice_zoo ...]
+#                [PACKAGES fmt ...] [LIBRARIES fmt::fmt ...]                  what its headers need
+#                [PRIVATE_PACKAGES "embree 3" ...] [PRIVATE_LIBRARIES ...]    what has to be linked
+#                [BUILD_PACKAGES nanoflann ...] [BUILD_LIBRARIES ...])        headers that only its sources include
 #
-# One folder of src/coppice = one library coppice::NAME, which depends on what layers.txt names. Its tests lie in
-# tests/NAME/ and link this module alone, so that a call to a higher layer fails at link time; every header is also
-# compiled on its own (all_verify_interface_header_sets).
+# One folder of src/coppice = one library coppice::NAME, which depends on what layers.txt names. It is a component of the
+# package: find_package(coppice COMPONENTS NAME) looks for the packages that NAME and the modules below it need, and no others.
+# Its tests lie in tests/NAME/ and link this module alone, so that a call to a higher layer fails at link time; every header is
+# also compiled on its own (all_verify_interface_header_sets).
 function(coppice_module)
-  cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;LIBRARIES;PRIVATE_LIBRARIES;TESTS;TEST_LIBRARIES" ${ARGN})
+  cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;TESTS;TEST_LIBRARIES;PACKAGES;LIBRARIES;PRIVATE_PACKAGES;PRIVATE_LIBRARIES;BUILD_PACKAGES;BUILD_LIBRARIES" ${ARGN})
+  foreach(package IN LISTS M_PACKAGES M_PRIVATE_PACKAGES M_BUILD_PACKAGES)
+    separate_arguments(package)
+    find_package(${package} REQUIRED)
+  endforeach()
+
   set(target coppice_${M_NAME})
-  add_library(${target} STATIC ${M_SOURCES})
+  add_library(${target} ${M_SOURCES})
   add_library(coppice::${M_NAME} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${M_HEADERS})
-  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON POSITION_INDEPENDENT_CODE ON
+                        VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                        DEFINE_SYMBOL "")
   target_compile_features(${target} PUBLIC cxx_std_20)
   coppice_warnings(${target})
   coppice_layers_below(below ${M_NAME})
-  target_link_libraries(${target} PUBLIC ${below} ${M_LIBRARIES} PRIVATE ${M_PRIVATE_LIBRARIES})
-  coppice_install(${M_NAME})
+  set(below_targets ${below})
+  list(TRANSFORM below_targets PREPEND coppice::)
+  target_link_libraries(${target} PUBLIC ${below_targets} ${M_LIBRARIES} PRIVATE ${M_PRIVATE_LIBRARIES})
+  foreach(library IN LISTS M_BUILD_LIBRARIES)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)
+  endforeach()
+
+  # Whoever links a shared library needs none of what that is linked with itself.
+  if(NOT BUILD_SHARED_LIBS)
+    list(APPEND M_PACKAGES ${M_PRIVATE_PACKAGES})
+  endif()
+  coppice_component(${M_NAME} "${below}" "${M_PACKAGES}")
+
   if(COPPICE_BUILD_TESTS AND M_TESTS)
     list(TRANSFORM M_TESTS PREPEND ${PROJECT_SOURCE_DIR}/tests/${M_NAME}/)
     coppice_test(${M_NAME}_test SOURCES ${M_TESTS} LIBRARIES coppice::${M_NAME} ${M_TEST_LIBRARIES})
   endif()
 endfunction()
 
-# coppice_layers_below(VARIABLE NAME): the targets of the modules that NAME may include by layers.txt, base included.
+# coppice_layers_below(VARIABLE NAME): the modules that NAME may include by layers.txt, base included.
 function(coppice_layers_below variable name)
   set(layers ${PROJECT_SOURCE_DIR}/layers.txt)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${layers})
   file(STRINGS ${layers} line REGEX "^${name}:")
   string(REGEX MATCHALL "[a-z_]+" modules "${line}")
-  list(REMOVE_AT modules 0)
+  list(POP_FRONT modules)
   if(NOT name STREQUAL base)
     list(PREPEND modules base)
   endif()
-  list(TRANSFORM modules PREPEND coppice::)
   set(${variable} ${modules} PARENT_SCOPE)
 endfunction()
 
-# coppice_install(NAME): the library and its public headers, as coppice::NAME of the package.
-function(coppice_install name)
-  set_target_properties(coppice_${name} PROPERTIES EXPORT_NAME ${name})
-  install(TARGETS coppice_${name} EXPORT coppice-targets FILE_SET HEADERS)
+# coppice_component(NAME BELOW PACKAGES): installs a module as coppice::NAME, and notes for coppice-config.cmake the
+# modules below it and the packages that its users have to find.
+function(coppice_component name below packages)
+  set_property(GLOBAL APPEND PROPERTY COPPICE_COMPONENTS ${name})
+  set_property(GLOBAL APPEND_STRING PROPERTY COPPICE_COMPONENT_NOTES
+               "set(coppice_${name}_below \"${below}\")\nset(coppice_${name}_packages \"${packages}\")\n")
+  if(COPPICE_INSTALL)
+    set_target_properties(coppice_${name} PROPERTIES EXPORT_NAME ${name})
+    install(TARGETS coppice_${name} EXPORT coppice-${name}-targets FILE_SET HEADERS)
+    install(EXPORT coppice-${name}-targets NAMESPACE coppice:: DESTINATION ${COPPICE_PACKAGE_DIR})
+  endif()
 endfunction()
 
 # coppice_test(NAME SOURCES ... LIBRARIES ...): a GoogleTest program whose cases CTest lists one by one.

@@ -1,5 +1,6 @@
 # cmake -D BUILD= -D SOURCE= -D WORK= -D COMPILER= -D FLAGS= -P install_test.cmake
-# Installs BUILD into WORK/prefix, builds examples/ as a project of its own against it, and runs the example.
+# Uses Coppice as guests do: installs BUILD into WORK/prefix, builds examples/ and tests/guest against it as projects of their
+# own and runs them; then tests/guest with Coppice as a part of its build, shared libraries and all.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
@@ -8,10 +9,30 @@ function(run)
   endif()
 endfunction()
 
+# build(FOLDER SOURCE -D ...): configures and builds a project.
+function(build folder source)
+  run(${CMAKE_COMMAND} -S ${source} -B ${folder} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_FLAGS=${FLAGS} ${ARGN})
+  run(${CMAKE_COMMAND} --build ${folder})
+endfunction()
+
 file(REMOVE_RECURSE ${WORK})
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${WORK}/build -D CMAKE_PREFIX_PATH=${WORK}/prefix
-    -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_FLAGS=${FLAGS} -D CMAKE_BUILD_TYPE=Release)
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/mesh_a_tree ${SOURCE}/examples/oak.swc ${WORK}/oak.ply)
-run(${WORK}/prefix/bin/coppice check ${WORK}/oak.ply --no-intersections)
+set(prefix ${WORK}/prefix)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+
+build(${WORK}/examples ${SOURCE}/examples -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Release)
+run(${WORK}/examples/mesh_a_tree ${SOURCE}/examples/oak.swc ${WORK}/oak.ply)
+run(${prefix}/bin/coppice check ${WORK}/oak.ply --no-intersections)
+
+# Skeletons need nothing of what meshes, pictures and files need.
+foreach(package embree PNG ZLIB hwy Eigen3 nanoflann nlohmann_json)
+  list(APPEND without -D CMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+build(${WORK}/guest ${SOURCE}/tests/guest -D CMAKE_PREFIX_PATH=${prefix} ${without})
+run(${WORK}/guest/guest)
+
+build(${WORK}/host ${SOURCE}/tests/guest -D COPPICE_SOURCE=${SOURCE} -D BUILD_SHARED_LIBS=ON)
+run(${WORK}/host/guest)
+file(GLOB shared ${WORK}/host/coppice/src/coppice/skeleton/*.so)
+if(NOT shared)
+  message(FATAL_ERROR "BUILD_SHARED_LIBS=ON gave no shared library")
+endif()

@@ -5,9 +5,9 @@
 #include <new>
 
 #include "command.h"
+#include "coppice/version.h"
 #include "options.h"
 #include "signals.h"
-#include "version.h"
 
 namespace coppice::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "coppice/io/file.h"
+#include "coppice/version.h"
 #include "files.h"
 #include "options.h"
-#include "version.h"
 
 namespace coppice::cli {
 namespace {
