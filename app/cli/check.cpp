@@ -24,8 +24,8 @@ ExitCode check(Run& run, const CheckFlags& flags) {
     const SurfaceReport report = run.stage("check", [&](const Context& ctx) {
         return check_surface(mesh, skeleton ? &skeleton->skeleton : nullptr, flags.check, ctx);
     });
-    const Json figures = figures_json(report);
-    fmt::print("{}", flags.json ? figures.dump(2) + "\n" : figures_text(figures));
+    const Figures figures = figures_of(report);
+    fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            report.sound() ? "sound" : "not sound"));
@@ -34,19 +34,17 @@ ExitCode check(Run& run, const CheckFlags& flags) {
 
 }  // namespace
 
-Command check_command(CLI::App& app) {
-    auto [command, flags] = new_command<CheckFlags>(
-        app, "check",
-        "Judge a mesh: closed, manifold, crossing faces, shape, radii; exit code 1 when it is not sound");
-    command.app->add_option("mesh", flags->mesh, "mesh to judge (.obj, .ply, .off, .stl, .glb)")
-        ->type_name("MESH");
-    command.app->add_option("--skeleton,-s", flags->skeleton, "skeleton to hold its radii against")
-        ->type_name("FILE");
-    command.app->add_flag("--json", flags->json, "print JSON instead of a table");
-    add_options(*command.app, flags->check, "Checks");
-    add_options(*command.app, flags->read, "Reading the skeleton");
-    command.run = [flags = flags](Run& run) { return check(run, *flags); };
-    return command;
+Command check_command() {
+    const auto flags = std::make_shared<CheckFlags>();
+    OptionList options;
+    options.file("mesh", "MESH", flags->mesh, "mesh to judge (.obj, .ply, .off, .stl, .glb)");
+    options.file("-s,--skeleton", "FILE", flags->skeleton, "skeleton to hold its radii against");
+    options.flag("--json", flags->json, "print JSON instead of a table");
+    options.fields(flags->check, "Checks");
+    options.fields(flags->read, "Reading the skeleton");
+    return {"check",
+            "Judge a mesh: closed, manifold, crossing faces, shape, radii; exit code 1 when it is not sound",
+            options, [flags](Run& run, const GivenOptions&) { return check(run, *flags); }};
 }
 
 }  // namespace coppice::cli

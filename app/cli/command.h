@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <functional>
 #include <memory>
-#include <stop_token>
+#include <string>
+#include <vector>
 
+#include "options.h"
 #include "run.h"
 
 namespace coppice::cli {
@@ -20,34 +20,35 @@ enum ExitCode : int {
     kInterrupted = 130
 };
 
-/// A subcommand: its flags are in `app`, and `run` does the work after they are parsed. Throws what the
-/// library throws, and UsageError.
+/// The options that stood on the command line.
+using GivenOptions = std::vector<const Option*>;
+
+/// A subcommand: `run` does the work after its options are parsed, and keeps alive what they store into.
+/// Throws what the library throws, and UsageError.
 struct Command {
-    CLI::App* app = nullptr;
-    std::shared_ptr<CommonFlags> common;
-    std::function<ExitCode(Run&)> run;
+    std::string name;
+    std::string help;
+    OptionList options;
+    std::function<ExitCode(Run&, const GivenOptions&)> run;
 };
 
-Command mesh_command(CLI::App& app);
-Command extract_command(CLI::App& app);
-Command check_command(CLI::App& app);
-Command compare_command(CLI::App& app);
-Command info_command(CLI::App& app);
-Command convert_command(CLI::App& app);
-Command render_command(CLI::App& app);
-Command scan_command(CLI::App& app);
-Command run_command(CLI::App& app);
-Command grow_command(CLI::App& app);
-Command shell_command(CLI::App& app);
-Command schema_command(CLI::App& app);
+/// All of them, in the order of the help, with the options that all have.
+std::vector<Command> all_commands(CommonFlags& common);
 
-/// Makes a subcommand whose options are all of type Flags, shared by the parser and the work.
-template <class Flags>
-std::pair<Command, std::shared_ptr<Flags>> new_command(CLI::App& app, const std::string& name,
-                                                       const std::string& description) {
-    Command command{app.add_subcommand(name, description), std::make_shared<CommonFlags>(), {}};
-    command.app->allow_extras();  // main names them, with the nearest spelling
-    return {command, std::make_shared<Flags>()};
-}
+Command mesh_command();
+Command extract_command();
+Command check_command();
+Command compare_command();
+Command info_command();
+Command convert_command();
+Command render_command();
+Command scan_command();
+Command run_command();
+Command grow_command();
+Command shell_command();
+Command schema_command();
+
+/// What the members of MeshOptions are called where not after themselves.
+FlagNames surface_flag_names();
 
 }  // namespace coppice::cli

@@ -42,8 +42,8 @@ ExitCode compare_files(Run& run, const CompareFlags& flags) {
     const SkeletonMatch match = run.stage(
         "compare", [&](const Context& ctx) { return compare(a.skeleton, b.skeleton, flags.compare, ctx); });
     check_units(match, a.skeleton, b.skeleton, flags);
-    const Json figures = figures_json(match);
-    fmt::print("{}", flags.json ? figures.dump(2) + "\n" : figures_text(figures));
+    const Figures figures = figures_of(match);
+    fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {:.1f} % of {} found", flags.found.string(), match.covered_percent,
                            flags.reference.string()));
@@ -52,17 +52,17 @@ ExitCode compare_files(Run& run, const CompareFlags& flags) {
 
 }  // namespace
 
-Command compare_command(CLI::App& app) {
-    auto [command, flags] = new_command<CompareFlags>(
-        app, "compare", "Hold a skeleton against a reference: length, volume, axes, tips, junctions, radii");
-    command.app->add_option("a", flags->reference, "the reference")->type_name("A");
-    command.app->add_option("b", flags->found, "the skeleton to judge")->type_name("B");
-    command.app->add_flag("--json", flags->json, "print JSON instead of a table");
-    add_options(*command.app, flags->compare, "Comparison");
-    add_options(*command.app, flags->read_reference, "Reading A");
-    add_options(*command.app, flags->read_found, "Reading B", "b");
-    command.run = [flags = flags](Run& run) { return compare_files(run, *flags); };
-    return command;
+Command compare_command() {
+    const auto flags = std::make_shared<CompareFlags>();
+    OptionList options;
+    options.file("a", "A", flags->reference, "the reference");
+    options.file("b", "B", flags->found, "the skeleton to judge");
+    options.flag("--json", flags->json, "print JSON instead of a table");
+    options.fields(flags->compare, "Comparison");
+    options.fields(flags->read_reference, "Reading A");
+    options.fields(flags->read_found, "Reading B", {.prefix = "b"});
+    return {"compare", "Hold a skeleton against a reference: length, volume, axes, tips, junctions, radii",
+            options, [flags](Run& run, const GivenOptions&) { return compare_files(run, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -60,16 +60,15 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
 
 }  // namespace
 
-Command convert_command(CLI::App& app) {
-    auto [command, flags] = new_command<ConvertFlags>(
-        app, "convert", "Turn a file of a skeleton, a mesh or points into another kind of file of the same");
-    command.app->add_option("input", flags->input, "skeleton, mesh or points to read")->type_name("IN");
-    command.app->add_option("-o,--output", flags->output, "file to write; its ending tells the format")
-        ->type_name("OUT");
-    add_options(*command.app, flags->read, "Reading a skeleton", "input");
-    add_options(*command.app, flags->write, "Writing a skeleton", "output");
-    command.run = [flags = flags](Run& run) { return convert(run, *flags); };
-    return command;
+Command convert_command() {
+    const auto flags = std::make_shared<ConvertFlags>();
+    OptionList options;
+    options.file("input", "IN", flags->input, "skeleton, mesh or points to read");
+    options.file("-o,--output", "OUT", flags->output, "file to write; its ending tells the format");
+    options.fields(flags->read, "Reading a skeleton");
+    options.fields(flags->write, "Writing a skeleton", {.names = {{"format", "--output-format"}}});
+    return {"convert", "Turn a file of a skeleton, a mesh or points into another kind of file of the same",
+            options, [flags](Run& run, const GivenOptions&) { return convert(run, *flags); }};
 }
 
 }  // namespace coppice::cli

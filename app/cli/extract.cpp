@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 
 #include "command.h"
 #include "coppice/extract/cloud/from_cloud.h"
@@ -24,27 +23,11 @@ constexpr const char* kCloudGroup = "From a cloud of points";
 
 struct ExtractFlags {
     std::filesystem::path input, output, mesh_output, leaf_output;
-    std::string root;
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     WriteSkeletonOptions write;
     MeshOptions mesh;
 };
-
-/// "1,2.5,-3"
-Vec3d parse_place(const std::string& text, const std::string& flag) {
-    Vec3d p;
-    const char* at = text.data();
-    const char* const end = text.data() + text.size();
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto [next, error] = std::from_chars(at, end, p[axis]);
-        const bool separated = axis == 2 ? next == end : next != end && *next == ',';
-        if (error != std::errc() || !separated || !std::isfinite(p[axis]))
-            throw UsageError(fmt::format("{} takes three numbers such as 1,2.5,0, not '{}'", flag, text));
-        at = next + 1;
-    }
-    return p;
-}
 
 void check_flags(ExtractFlags& flags) {
     if (flags.input.empty() || flags.output.empty())
@@ -58,12 +41,12 @@ void check_flags(ExtractFlags& flags) {
     check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
     if (!flags.leaf_output.empty()) check_points_output(flags.leaf_output);
-    if (!flags.root.empty()) flags.from_mesh.root = flags.from_cloud.root = parse_place(flags.root, "--root");
+    flags.from_cloud.root = flags.from_mesh.root;
 }
 
 /// Length and number of branches by order: a root's axis has order 0; where a branch forks, its thickest
 /// child goes on with it and the others are one order higher.
-Json branch_orders(const Skeleton& s) {
+Figure::List branch_orders(const Skeleton& s) {
     std::vector<std::uint32_t> order(s.size(), 0);
     std::vector<double> length;
     std::vector<std::uint64_t> branches;
@@ -78,22 +61,28 @@ Json branch_orders(const Skeleton& s) {
         branches[o] += begins ? 1 : 0;
         if (!s.is_root(n)) length[o] += distance(Vec3d(s.position(n)), Vec3d(s.position(s.parent(n))));
     }
-    Json out = Json::array();
-    for (std::size_t o = 0; o < length.size(); ++o)
-        out.push_back({{"order", o}, {"branches", branches[o]}, {"length_m", length[o]}});
+    Figure::List out;
+    for (std::size_t o = 0; o < length.size(); ++o) {
+        Figures figures;
+        figures["order"] = o;
+        figures["branches"] = branches[o];
+        figures["length_m"] = length[o];
+        out.emplace_back(figures);
+    }
     return out;
 }
 
 /// The figures that meshes and clouds have in common.
 void fill_report(Run& run, const ExtractResult& result) {
     const SkeletonMeasures m = measure(result.skeleton);
-    run.counts().update(figures_json(result.report));
-    run.counts().update({{"nodes", m.nodes},
-                         {"tips", m.tips},
-                         {"branch_nodes", m.branch_nodes},
-                         {"length_m", m.length},
-                         {"volume_m3", m.volume},
-                         {"orders", branch_orders(result.skeleton)}});
+    Figures& counts = run.counts();
+    counts.append(figures_of(result.report));
+    counts["nodes"] = m.nodes;
+    counts["tips"] = m.tips;
+    counts["branch_nodes"] = m.branch_nodes;
+    counts["length_m"] = m.length;
+    counts["volume_m3"] = m.volume;
+    counts["orders"] = branch_orders(result.skeleton);
 }
 
 /// Runs extract(context); what it refuses is told with the name of the file.
@@ -114,7 +103,7 @@ ExtractResult from_mesh(Run& run, const ExtractFlags& flags) {
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
     for (const auto& [name, seconds] : result.stages)
         run.add_stage(fmt::format("extract: {}", name), seconds);
-    run.repairs() = figures_json(result.repairs);
+    run.repairs() = figures_of(result.repairs);
     return result;
 }
 
@@ -123,7 +112,7 @@ ExtractResult from_cloud(Run& run, const ExtractFlags& flags) {
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
-    run.repairs() = figures_json(result.cleaning);
+    run.repairs() = figures_of(result.cleaning);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves",
                   [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
@@ -132,11 +121,11 @@ ExtractResult from_cloud(Run& run, const ExtractFlags& flags) {
 }
 
 /// An option for the other kind of input would do nothing.
-void check_groups(const CLI::App& command, const std::filesystem::path& input, FileKind kind) {
+void check_groups(const GivenOptions& given, const std::filesystem::path& input, FileKind kind) {
     const bool cloud = kind == FileKind::points;
-    for (const CLI::Option* option : command.get_options()) {
-        if (option->count() == 0 || option->get_group() != (cloud ? kMeshGroup : kCloudGroup)) continue;
-        throw UsageError(fmt::format("{} is for {}, and '{}' is a {}", option->get_name(),
+    for (const Option* option : given) {
+        if (option->group != (cloud ? kMeshGroup : kCloudGroup)) continue;
+        throw UsageError(fmt::format("{} is for {}, and '{}' is a {}", option->name,
                                      cloud ? "meshes" : "clouds of points", input.string(),
                                      cloud ? "cloud of points" : "mesh"));
     }
@@ -153,15 +142,16 @@ void write(Run& run, const ExtractFlags& flags, const ExtractResult& result) {
     });
 }
 
-ExitCode extract(Run& run, const CLI::App& command, ExtractFlags& flags) {
+ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     check_flags(flags);
     const FileKind kind = kind_of_input(flags.input);
     if (kind == FileKind::skeleton) {
         throw UsageError(fmt::format("'{}' is a skeleton already; a mesh or a cloud of points is needed",
                                      flags.input.string()));
     }
-    check_groups(command, flags.input, kind);
-    if (command.count("--ground-height") > 0 && flags.from_cloud.ground != GroundRule::height)
+    check_groups(given, flags.input, kind);
+    const auto is_height = [](const Option* option) { return option->name == "--ground-height"; };
+    if (std::ranges::any_of(given, is_height) && flags.from_cloud.ground != GroundRule::height)
         throw UsageError("--ground-height is for the rule of that name; add --ground height");
     const ExtractResult result = kind == FileKind::mesh ? from_mesh(run, flags) : from_cloud(run, flags);
     write(run, flags, result);
@@ -184,42 +174,30 @@ ExitCode extract(Run& run, const CLI::App& command, ExtractFlags& flags) {
 
 }  // namespace
 
-Command extract_command(CLI::App& app) {
-    auto [command, flags] = new_command<ExtractFlags>(
-        app, "extract", "Read a skeleton with radii off the mesh or the scan of a tree");
-    command.app
-        ->add_option(
-            "input", flags->input,
-            "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .ply, .pcd, .las, .laz)")
-        ->type_name("FILE");
-    command.app->add_option("-o,--output", flags->output, "skeleton to write; its ending tells the format")
-        ->type_name("SKELETON");
-    command.app
-        ->add_option("--then-mesh", flags->mesh_output,
-                     "also turn the skeleton into a surface, and write that")
-        ->type_name("MESH");
-    command.app
-        ->add_option("--wood", flags->from_mesh.clean.wood,
-                     "only faces whose group or material has this in its name; may be repeated")
-        ->type_name("NAME")
-        ->expected(1)
-        ->take_all()
-        ->group(kMeshGroup);
-    command.app
-        ->add_option("--root", flags->root,
-                     "the root is where the tree is nearest to this place; else it is the lowest end")
-        ->type_name("X,Y,Z");
-    add_options(*command.app, flags->from_mesh, kMeshGroup);
-    add_options(*command.app, flags->from_cloud, kCloudGroup, "cloud");
-    command.app
-        ->add_option("--leaf-points", flags->leaf_output,
-                     "also write the points that are left out as leaves, if any")
-        ->type_name("POINTS")
-        ->group(kCloudGroup);
-    add_options(*command.app, flags->write, "Writing the skeleton", "output");
-    add_options(*command.app, flags->mesh, "Surface of --then-mesh", "mesh");
-    command.run = [flags = flags, app = command.app](Run& run) { return extract(run, *app, *flags); };
-    return command;
+Command extract_command() {
+    const auto flags = std::make_shared<ExtractFlags>();
+    OptionList options;
+    options.file(
+        "input", "FILE", flags->input,
+        "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .ply, .pcd, .las, .laz)");
+    options.file("-o,--output", "SKELETON", flags->output, "skeleton to write; its ending tells the format");
+    options.file("--then-mesh", "MESH", flags->mesh_output,
+                 "also turn the skeleton into a surface, and write that");
+    // Of both kinds of input, and so not among the options of either.
+    options.value({{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
+                    Unit::metre},
+                   &flags->from_mesh.root});
+    options.fields(flags->from_mesh, kMeshGroup, {.without = {"root"}});
+    options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
+    options.file("--leaf-points", "POINTS", flags->leaf_output,
+                 "also write the points that are left out as leaves, if any", kCloudGroup);
+    options.fields(flags->write, "Writing the skeleton");
+    FlagNames surface = surface_flag_names();
+    surface.names.insert(surface.names.end(),
+                         {{"method", "--mesh-method"}, {"prepare.tolerance", "--prepare-tolerance"}});
+    options.fields(flags->mesh, "Surface of --then-mesh", surface);
+    return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree", options,
+            [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -3,38 +3,87 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "files.h"
+#include <nlohmann/json.hpp>
 
 namespace coppice::cli {
 namespace {
 
-std::string value_text(const Json& value) {
-    if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-    if (value.is_string()) return value.get<std::string>();
-    if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
-    if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-    return value.dump();
-}
+using Json = nlohmann::ordered_json;
 
-std::string line_text(const Json& value) {
-    if (!value.is_structured()) return value_text(value);
-    std::string text;
-    for (const auto& [name, member] : value.items()) {
-        if (!text.empty()) text += "  ";
-        text += value.is_array() ? value_text(member) : name + " " + value_text(member);
+/// A figure as JSON.
+struct ToJson {
+    template <class Plain>
+    Json operator()(const Plain& value) const {
+        return value;
     }
-    return text;
-}
+    Json operator()(const Figure::List& list) const {
+        Json out = Json::array();
+        for (const Figure& figure : list) out.push_back(std::visit(*this, figure.value));
+        return out;
+    }
+    Json operator()(const Figures& figures) const {
+        Json out = Json::object();
+        for (const auto& [name, figure] : figures.entries()) out[name] = std::visit(*this, figure.value);
+        return out;
+    }
+};
+
+/// A value within a line.
+struct Text {
+    std::string operator()(bool value) const { return value ? "yes" : "no"; }
+    std::string operator()(std::uint64_t number) const { return grouped(number); }
+    std::string operator()(std::int64_t number) const {
+        const std::uint64_t size =
+            number < 0 ? -static_cast<std::uint64_t>(number) : static_cast<std::uint64_t>(number);
+        return fmt::format("{}{}", number < 0 ? "-" : "", grouped(size));
+    }
+    std::string operator()(double number) const { return fmt::format("{:.6g}", number); }
+    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(const Figure::List& list) const {
+        std::string text;
+        for (const Figure& figure : list)
+            text += fmt::format("{}{}", text.empty() ? "" : "  ", std::visit(*this, figure.value));
+        return text;
+    }
+    std::string operator()(const Figures& figures) const {
+        std::string text;
+        for (const auto& [name, figure] : figures.entries())
+            text += fmt::format("{}{} {}", text.empty() ? "" : "  ", name, std::visit(*this, figure.value));
+        return text;
+    }
+};
 
 }  // namespace
 
-std::string figures_text(const Json& figures) {
+Figure& Figures::operator[](std::string_view name) {
+    for (auto& [known, figure] : figures_)
+        if (known == name) return figure;
+    return figures_.emplace_back(name, Figure()).second;
+}
+
+void Figures::append(const Figures& others) {
+    for (const auto& [name, figure] : others.entries()) (*this)[name] = figure;
+}
+
+std::string figures_json(const Figures& figures) {
+    return ToJson()(figures).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string figures_text(const Figures& figures) {
     std::size_t width = 0;
-    for (const auto& [name, value] : figures.items()) width = std::max(width, name.size());
+    for (const auto& [name, figure] : figures.entries()) width = std::max(width, name.size());
     std::string text;
-    for (const auto& [name, value] : figures.items())
-        text += fmt::format("{:<{}}  {}\n", name, width, line_text(value));
+    for (const auto& [name, figure] : figures.entries())
+        text += fmt::format("{:<{}}  {}\n", name, width, std::visit(Text(), figure.value));
+    return text;
+}
+
+std::string grouped(std::uint64_t number) {
+    std::string text = fmt::format("{}", number);
+    for (std::size_t at = text.size(); at > 3;) {
+        at -= 3;
+        text.insert(at, 1, ',');
+    }
     return text;
 }
 

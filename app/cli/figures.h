@@ -1,26 +1,73 @@
 #pragma once
 
+#include <concepts>
+#include <cstdint>
 #include <string>
-
-#include "coppice/pipeline/json.h"
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace coppice::cli {
 
-/// Anything with visit_figures as JSON: groups become objects.
-template <class Figures>
-Json figures_json(const Figures& figures) {
-    Json out = Json::object();
-    visit_figures(figures, [&](std::string_view name, const auto& value) {
+struct Figure;
+
+/// What a command reports, in the order in which it was said: names with numbers, texts, lists or figures of
+/// their own.
+class Figures {
+  public:
+    /// The figure of a name, added where there is none.
+    Figure& operator[](std::string_view name);
+    void append(const Figures& others);
+
+    using Entries = std::vector<std::pair<std::string, Figure>>;
+    const Entries& entries() const { return figures_; }
+
+  private:
+    Entries figures_;
+};
+
+struct Figure {
+    using List = std::vector<Figure>;
+
+    Figure() = default;
+    Figure(bool yes) : value(yes) {}
+    template <std::unsigned_integral Number>
+    Figure(Number number) : value(std::uint64_t{number}) {}
+    template <std::signed_integral Number>
+    Figure(Number number) : value(std::int64_t{number}) {}
+    template <std::floating_point Number>
+    Figure(Number number) : value(double{number}) {}
+    Figure(std::string text) : value(std::move(text)) {}
+    Figure(const char* text) : value(std::string(text)) {}
+    Figure(List list) : value(std::move(list)) {}
+    Figure(Figures figures) : value(std::move(figures)) {}
+
+    std::variant<bool, std::uint64_t, std::int64_t, double, std::string, List, Figures> value;
+};
+
+/// Anything with visit_figures.
+template <class Report>
+Figures figures_of(const Report& report) {
+    Figures out;
+    visit_figures(report, [&](std::string_view name, const auto& value) {
         if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>) {
-            out[std::string(name)] = value;
+            out[name] = value;
         } else {
-            out[std::string(name)] = figures_json(value);
+            out[name] = figures_of(value);
         }
     });
     return out;
 }
 
+/// As JSON: groups are objects. Text that is not UTF-8 has the replacement character instead.
+std::string figures_json(const Figures& figures);
+
 /// The same for people: a line per figure with the names in one column; a group of figures fills one line.
-std::string figures_text(const Json& figures);
+std::string figures_text(const Figures& figures);
+
+/// "1,234,567"
+std::string grouped(std::uint64_t number);
 
 }  // namespace coppice::cli

@@ -112,15 +112,17 @@ void check_points_output(const std::filesystem::path& path) {
     check_output_folder(path);
 }
 
-Json repairs_of(const RepairReport& r) {
-    return {{"reordered", r.reordered},
-            {"missing_parents", r.missing_parents},
-            {"missing_radii", r.missing_radii},
-            {"zero_length", r.zero_length},
-            {"coincident", r.coincident},
-            {"bridged_gaps", r.bridged_gaps},
-            {"attached_inside", r.attached_inside},
-            {"radius_jumps", r.radius_jumps}};
+Figures repairs_of(const RepairReport& r) {
+    Figures out;
+    out["reordered"] = r.reordered;
+    out["missing_parents"] = r.missing_parents;
+    out["missing_radii"] = r.missing_radii;
+    out["zero_length"] = r.zero_length;
+    out["coincident"] = r.coincident;
+    out["bridged_gaps"] = r.bridged_gaps;
+    out["attached_inside"] = r.attached_inside;
+    out["radius_jumps"] = r.radius_jumps;
+    return out;
 }
 
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options) {
@@ -142,15 +144,6 @@ PointSet load_points(Run& run, const std::filesystem::path& path) {
     PointSet points = run.stage("read", [&](const Context&) { return read_points(path); });
     run.counts()["points"] = points.size();
     return points;
-}
-
-std::string grouped(std::uint64_t number) {
-    std::string text = std::to_string(number);
-    for (std::size_t at = text.size(); at > 3;) {
-        at -= 3;
-        text.insert(at, 1, ',');
-    }
-    return text;
 }
 
 }  // namespace coppice::cli

@@ -32,9 +32,6 @@ SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const Re
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
 PointSet load_points(Run& run, const std::filesystem::path& path);
 
-Json repairs_of(const RepairReport& report);
-
-/// "1,234,567"
-std::string grouped(std::uint64_t number);
+Figures repairs_of(const RepairReport& report);
 
 }  // namespace coppice::cli

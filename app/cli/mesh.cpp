@@ -44,15 +44,21 @@ void check_flags(const MeshFlags& flags) {
     }
 }
 
-Json counts_of(const GraftReport& r) {
-    return {{"grafted", r.grafted}, {"cut", r.cut}, {"buried", r.buried}};
+Figures counts_of(const GraftReport& r) {
+    Figures out;
+    out["grafted"] = r.grafted;
+    out["cut"] = r.cut;
+    out["buried"] = r.buried;
+    return out;
 }
 
-Json counts_of(const PartReport& r) {
-    return {{"absorbed", r.absorbed},
-            {"advanced", r.advanced},
-            {"bundled", r.bundled},
-            {"swallowed", r.swallowed}};
+Figures counts_of(const PartReport& r) {
+    Figures out;
+    out["absorbed"] = r.absorbed;
+    out["advanced"] = r.advanced;
+    out["bundled"] = r.bundled;
+    out["swallowed"] = r.swallowed;
+    return out;
 }
 
 /// Puts the figures of a surface into the report; returns what to say of it.
@@ -78,7 +84,7 @@ std::string count_triangles(Run& run, const MeshResult& result) {
     return fmt::format("{} triangles", grouped(result.triangles.triangles.size()));
 }
 
-void report_weights(Json& counts, const GlobalWeights& weights) {
+void report_weights(Figures& counts, const GlobalWeights& weights) {
     counts["constraints"] = weights.constraints;
     counts["weights_zero"] = weights.zero;
     counts["weights_unseen"] = weights.unseen;
@@ -110,7 +116,7 @@ std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& origina
             "the skeleton's units and coordinates?",
             flags.original.string()));
     }
-    run.counts()["restored"] = figures_json(result.report);
+    run.counts()["restored"] = figures_of(result.report);
     if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
     return fmt::format("; {} restored, {} held back", grouped(result.report.found),
                        grouped(result.report.pulled_back));
@@ -145,40 +151,30 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
 
 }  // namespace
 
-Command mesh_command(CLI::App& app) {
-    auto [command, flags] = new_command<MeshFlags>(
-        app, "mesh", "Turn a skeleton with radii into one closed surface of quads or triangles");
-    command.app
-        ->add_option("skeleton", flags->skeleton,
-                     "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)")
-        ->type_name("SKELETON");
-    command.app
-        ->add_option("-o,--output", flags->outputs,
-                     "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated")
-        ->type_name("MESH")
-        ->expected(1)
-        ->take_all();
-    command.app
-        ->add_option("--cage", flags->cage, "also write the control cage, for subdivision elsewhere (.usda)")
-        ->type_name("FILE");
-    command.app
-        ->add_option("--constraints", flags->constraints,
-                     "points of the surface that global weights are fitted to (.xyz, .ply)")
-        ->type_name("POINTS");
-    command.app
-        ->add_option("--restore", flags->original,
-                     "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)")
-        ->type_name("MESH");
-    command.app
-        ->add_option(
-            "--offsets", flags->offsets,
-            "also write how far --restore moved each vertex along its normal, in metres, line by line")
-        ->type_name("FILE");
-    add_options(*command.app, flags->mesh, "Surface");
-    add_options(*command.app, flags->restore, "Back to the original", "restore");
-    add_options(*command.app, flags->read, "Reading the skeleton", "input");
-    command.run = [flags = flags](Run& run) { return mesh(run, *flags); };
-    return command;
+FlagNames surface_flag_names() {
+    return {.names = {{"project.method", "--project-method"}, {"project.tolerance", "--project-tolerance"}}};
+}
+
+Command mesh_command() {
+    const auto flags = std::make_shared<MeshFlags>();
+    OptionList options;
+    options.file("skeleton", "SKELETON", flags->skeleton,
+                 "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)");
+    options.files("-o,--output", "MESH", flags->outputs,
+                  "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
+    options.file("--cage", "FILE", flags->cage,
+                 "also write the control cage, for subdivision elsewhere (.usda)");
+    options.file("--constraints", "POINTS", flags->constraints,
+                 "points of the surface that global weights are fitted to (.xyz, .ply)");
+    options.file("--restore", "MESH", flags->original,
+                 "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)");
+    options.file("--offsets", "FILE", flags->offsets,
+                 "also write how far --restore moved each vertex along its normal, in metres, line by line");
+    options.fields(flags->mesh, "Surface", surface_flag_names());
+    options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
+    options.fields(flags->read, "Reading the skeleton");
+    return {"mesh", "Turn a skeleton with radii into one closed surface of quads or triangles", options,
+            [flags](Run& run, const GivenOptions&) { return mesh(run, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -1,12 +1,16 @@
 #pragma once
 
-#include <fmt/format.h>
-#include <CLI/CLI.hpp>
-
+#include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "coppice/pipeline/json.h"
+#include "coppice/base/error.h"
+#include "coppice/pipeline/option_fields.h"
 
 namespace coppice::cli {
 
@@ -16,68 +20,72 @@ class UsageError : public Error {
     using Error::Error;
 };
 
-namespace detail {
+/// Where what follows an option is stored: a file, files, or the member of an option struct.
+using OptionTarget = std::variant<std::filesystem::path*, std::vector<std::filesystem::path>*, bool*, int*,
+                                  float*, ChoiceRef, std::optional<Vec3d>*, std::vector<std::string>*>;
 
-std::string flag_name(std::string_view field_name);  ///< wire_width -> --wire-width
-double parse_number(const std::string& text, const std::string& flag, const Field& field, bool whole);
-std::size_t parse_name(const std::string& text, const std::string& flag,
-                       std::span<const std::string_view> names);
-std::string number_help(const Field& field, double default_value);
+/// One option of a command: all that the parser, the help and the schema know of it.
+struct Option {
+    std::string name;    ///< "--output"; a file that needs no flag before it has no dashes: "input"
+    std::string letter;  ///< "-o", or none
+    std::string help;    ///< one sentence without a full stop
+    std::string type;    ///< what the value is called in the help: "FILE"; none for a switch
+    std::string group;   ///< heading in the help; none stands first
+    std::string field;   ///< path of the member that it sets: "project.method"; none for others
+    Unit unit = Unit::none;
+    double low = 0, high = 0;  ///< of numbers, both included, where low < high
+    OptionTarget target;
+};
 
-template <class T>
-void add_flag(CLI::App& app, const Field& field, T& value, const std::string& flag,
-              const std::string& group) {
-    CLI::Option* option = nullptr;
-    const std::string help(field.help);
-    if constexpr (std::is_same_v<T, bool>) {
-        // Both are understood, but only the one that changes something is shown.
-        const std::string off = "--no-" + flag.substr(2);
-        const auto turn_on = [&value](std::int64_t) { value = true; };
-        const auto turn_off = [&value](std::int64_t) { value = false; };
-        CLI::Option* const on_option = app.add_flag_function(flag, turn_on, help + " [default off]");
-        CLI::Option* const off_option =
-            app.add_flag_function(off, turn_off, "not: " + help + " [default on]");
-        option = value ? off_option : on_option;
-        (value ? on_option : off_option)->group("");
-    } else if constexpr (NamedEnum<T>) {
-        const auto set = [&value, flag](const std::string& text) {
-            value = static_cast<T>(parse_name(text, flag, EnumNames<T>::names));
-        };
-        option = app.add_option_function<std::string>(
-            flag, set,
-            fmt::format("{} [{}; default {}]", help, fmt::join(EnumNames<T>::names, ", "), name_of(value)));
-        option->type_name("NAME");
-    } else {
-        constexpr bool kWhole = std::is_same_v<T, int>;
-        const auto set = [&value, flag, field](const std::string& text) {
-            value = static_cast<T>(parse_number(text, flag, field, kWhole));
-        };
-        double start = static_cast<double>(value);
-        if constexpr (!kWhole) start = shortest(value);
-        option = app.add_option_function<std::string>(flag, set, help + " " + number_help(field, start));
-        option->type_name("NUMBER");
+/// How the members of an option struct are called on the command line where not after themselves, as
+/// wire_width is --wire-width.
+struct FlagNames {
+    std::string_view prefix;  ///< goes before all of them: "b" makes --b-scale
+    std::vector<std::pair<std::string_view, std::string_view>>
+        names;                              ///< {"restore.reach", "--restore-reach"}
+    std::vector<std::string_view> without;  ///< members that get no option
+};
+
+/// The options of one command, in the order of its help. Every name is declared once: one that is taken
+/// already is an error of the program, told at its start.
+class OptionList {
+  public:
+    /// "input" or "-o,--output"; `type` is what the help calls the file.
+    void file(const std::string& names, const std::string& type, std::filesystem::path& target,
+              const std::string& help, const std::string& group = {});
+    /// The same for files: after a flag that may be repeated, or as many as there are.
+    void files(const std::string& names, const std::string& type, std::vector<std::filesystem::path>& target,
+               const std::string& help, const std::string& group = {});
+    /// Off unless given.
+    void flag(const std::string& names, bool& target, const std::string& help, const std::string& group = {});
+    /// One value that belongs to no option struct.
+    void value(const OptionField& field, const std::string& group = {});
+
+    /// An option for every member of an option struct; the members of a struct within it stand under a
+    /// heading of their own. Parsing stores into the struct, so it must live as long.
+    template <OptionStruct Options>
+    void fields(Options& options, const std::string& group, const FlagNames& names = {}) {
+        add_fields(option_fields(options), group, {}, names);
     }
-    option->group(group);
-}
 
-}  // namespace detail
+    std::span<const Option> all() const { return options_; }
 
-/// Adds a flag for every field of an options struct; parsing stores into it, so it must live as long. Fields
-/// of nested structs are flags too, under a heading of their own; where a name is taken, that of the struct
-/// goes before it.
-template <OptionStruct Options>
-void add_options(CLI::App& app, Options& options, const std::string& group, const std::string& prefix = {}) {
-    visit_fields(options, [&](const Field& field, auto& value) {
-        using T = std::remove_cvref_t<decltype(value)>;
-        if constexpr (OptionStruct<T>) {
-            add_options(app, value, std::string(field.help), std::string(field.name));
-        } else {
-            std::string flag = detail::flag_name(field.name);
-            const bool taken = app.get_option_no_throw(flag) != nullptr;
-            if (taken) flag = detail::flag_name(fmt::format("{}_{}", prefix, field.name));
-            detail::add_flag(app, field, value, flag, group);
-        }
-    });
-}
+  private:
+    void add(Option option, const std::string& names);
+    void add_fields(std::span<const OptionField> fields, const std::string& group, const std::string& path,
+                    const FlagNames& names);
+
+    std::vector<Option> options_;
+};
+
+/// wire_width -> --wire-width
+std::string flag_name(std::string_view field_name);
+
+/// Stores what a word on the command line says. Throws UsageError naming the option and what it takes. Not
+/// for switches.
+void store(const Option& option, const std::string& word);
+
+/// The help of an option with its unit, range and default.
+std::string help_text(const Option& option);
 
 }  // namespace coppice::cli

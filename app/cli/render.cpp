@@ -137,25 +137,21 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
 
 }  // namespace
 
-Command render_command(CLI::App& app) {
-    auto [command, flags] = new_command<RenderFlags>(
-        app, "render", "Draw a mesh or points, a skeleton, or both with sun and sky light");
-    command.app->add_option("input", flags->input, "mesh, cloud of points or skeleton")->type_name("IN");
-    command.app->add_option("second", flags->second, "the skeleton of it, or the mesh or points of that")
-        ->type_name("IN2");
-    command.app->add_option("-o,--output", flags->output, "picture to write")->type_name("PNG");
-    command.app
-        ->add_option("--distance-to", flags->distance_to,
-                     "colour by the distance from this mesh: inside blue, outside red")
-        ->type_name("MESH");
-    detail::add_flag(
-        *command.app,
-        Field{"point_size", "width of the points of a cloud; 0 = their spacing", Unit::metre, 0, 1e6},
-        flags->point_size, "--point-size", "Picture");
-    add_options(*command.app, flags->render, "Picture");
-    add_options(*command.app, flags->read, "Reading a skeleton");
-    command.run = [flags = flags](Run& run) { return render_file(run, *flags); };
-    return command;
+Command render_command() {
+    const auto flags = std::make_shared<RenderFlags>();
+    OptionList options;
+    options.file("input", "IN", flags->input, "mesh, cloud of points or skeleton");
+    options.file("second", "IN2", flags->second, "the skeleton of it, or the mesh or points of that");
+    options.file("-o,--output", "PNG", flags->output, "picture to write");
+    options.file("--distance-to", "MESH", flags->distance_to,
+                 "colour by the distance from this mesh: inside blue, outside red");
+    options.value({{"point_size", "width of the points of a cloud; 0 = their spacing", Unit::metre, 0, 1e6},
+                   &flags->point_size},
+                  "Picture");
+    options.fields(flags->render, "Picture");
+    options.fields(flags->read, "Reading a skeleton");
+    return {"render", "Draw a mesh or points, a skeleton, or both with sun and sky light", options,
+            [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
 }
 
 }  // namespace coppice::cli

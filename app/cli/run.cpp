@@ -5,13 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <thread>
 
 #include "coppice/io/file.h"
 #include "coppice/version.h"
 #include "files.h"
-#include "options.h"
 
 namespace coppice::cli {
 namespace {
@@ -33,14 +33,12 @@ double rounded(double seconds) { return std::round(seconds * 1e6) / 1e6; }
 
 }  // namespace
 
-void add_common_flags(CLI::App& app, CommonFlags& flags) {
+void add_common_options(OptionList& options, CommonFlags& flags) {
     const std::string group = "Running";
-    detail::add_flag(app, kThreads, flags.threads, "--threads", group);
-    app.add_option("--report", flags.report,
-                   "write times, counts, repairs and peak memory to this file as JSON")
-        ->type_name("FILE")
-        ->group(group);
-    app.add_flag("--quiet", flags.quiet, "no progress and no summary")->group(group);
+    options.value({kThreads, &flags.threads}, group);
+    options.file("--report", "FILE", flags.report,
+                 "write times, counts, repairs and peak memory to this file as JSON", group);
+    options.flag("--quiet", flags.quiet, "no progress and no summary", group);
 }
 
 Run::Run(std::string command, CommonFlags flags, Signals& signals)
@@ -86,21 +84,30 @@ void Run::clear_progress() {
     shown_percent_ = -1;
 }
 
+Figures Run::report(double seconds) const {
+    Figure::List stages;
+    for (const auto& [name, took] : stages_) {
+        Figures stage;
+        stage["name"] = name;
+        stage["seconds"] = rounded(took);
+        stages.emplace_back(stage);
+    }
+    Figures out;
+    out["coppice"] = std::string(kVersion);
+    out["command"] = command_;
+    out["seconds"] = rounded(seconds);
+    out["stages"] = stages;
+    out["counts"] = counts_;
+    out["repairs"] = repairs_;
+    out["peak_memory_bytes"] = peak_memory_bytes();
+    return out;
+}
+
 void Run::finish(const std::string& summary) {
     const double total = seconds_since(start_);
     if (!flags_.report.empty()) {
-        Json stages = Json::array();
-        for (const auto& [name, seconds] : stages_)
-            stages.push_back({{"name", name}, {"seconds", rounded(seconds)}});
-        const Json report{{"coppice", kVersion},
-                          {"command", command_},
-                          {"seconds", rounded(total)},
-                          {"stages", stages},
-                          {"counts", counts_},
-                          {"repairs", repairs_},
-                          {"peak_memory_bytes", peak_memory_bytes()}};
         AtomicFile file(flags_.report);
-        file.write(report.dump(2) + "\n");
+        file.write(figures_json(report(total)));
         file.commit();
     }
     if (!terminal_) return;

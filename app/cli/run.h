@@ -1,7 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -9,8 +7,8 @@
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/base/fields.h"
-#include "coppice/pipeline/json.h"
+#include "figures.h"
+#include "options.h"
 #include "signals.h"
 
 namespace coppice::cli {
@@ -21,7 +19,7 @@ struct CommonFlags {
     std::filesystem::path report;
     bool quiet = false;
 };
-void add_common_flags(CLI::App& app, CommonFlags& flags);
+void add_common_options(OptionList& options, CommonFlags& flags);
 
 /// One run of a command: hands each stage its context, shows its progress, keeps the time, and writes the
 /// report.
@@ -42,8 +40,8 @@ class Run {
     /// What was to stop does not stop what comes after it.
     void forget_interrupt() { signals_.forget(); }
 
-    Json& counts() { return counts_; }
-    Json& repairs() { return repairs_; }
+    Figures& counts() { return counts_; }
+    Figures& repairs() { return repairs_; }
 
     /// Writes the report, if one was asked for, and two lines for people: what came out, and how long it
     /// took.
@@ -63,6 +61,7 @@ class Run {
         std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     };
 
+    Figures report(double seconds) const;
     Context context(const std::string& stage);
     void show_progress(const std::string& stage, float fraction);
     void clear_progress();
@@ -74,8 +73,8 @@ class Run {
     int shown_percent_ = -1;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::vector<std::pair<std::string, double>> stages_;
-    Json counts_ = Json::object();
-    Json repairs_ = Json::object();
+    Figures counts_;
+    Figures repairs_;
 };
 
 }  // namespace coppice::cli

@@ -33,15 +33,14 @@ ExitCode scan_file(Run& run, const ScanFlags& flags) {
 
 }  // namespace
 
-Command scan_command(CLI::App& app) {
-    auto [command, flags] =
-        new_command<ScanFlags>(app, "scan", "Make the points that a laser scanner would see of a mesh");
-    command.app->add_option("mesh", flags->mesh, "mesh to look at")->type_name("MESH");
-    command.app->add_option("-o,--output", flags->output, "points to write; the ending tells the format")
-        ->type_name("POINTS");
-    add_options(*command.app, flags->scan, "Scan");
-    command.run = [flags = flags](Run& run) { return scan_file(run, *flags); };
-    return command;
+Command scan_command() {
+    const auto flags = std::make_shared<ScanFlags>();
+    OptionList options;
+    options.file("mesh", "MESH", flags->mesh, "mesh to look at");
+    options.file("-o,--output", "POINTS", flags->output, "points to write; the ending tells the format");
+    options.fields(flags->scan, "Scan");
+    return {"scan", "Make the points that a laser scanner would see of a mesh", options,
+            [flags](Run& run, const GivenOptions&) { return scan_file(run, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "coppice/io/file.h"
 
 namespace coppice::cli {
@@ -36,11 +38,10 @@ void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path) {
 }
 
 void count_objects(Run& run, const Scene& scene) {
-    for (const std::string_view kind : EnumNames<ObjectKind>::names) run.counts()[std::string(kind)] = 0;
-    for (const auto& [key, object] : scene.state().objects) {
-        Json& count = run.counts()[std::string(name_of(key.first))];
-        count = count.get<int>() + 1;
-    }
+    std::array<std::size_t, EnumNames<ObjectKind>::names.size()> counts{};
+    for (const auto& [key, object] : scene.state().objects) ++counts[static_cast<std::size_t>(key.first)];
+    for (std::size_t kind = 0; kind < counts.size(); ++kind)
+        run.counts()[EnumNames<ObjectKind>::names[kind]] = counts[kind];
 }
 
 }  // namespace coppice::cli

@@ -11,8 +11,6 @@
 namespace coppice::cli {
 namespace {
 
-constexpr Field kMaxMemory{"max_memory", "MiB that the objects of the scene may take", Unit::none, 1, 1e6};
-
 struct RunFlags {
     std::vector<std::filesystem::path> scenes, outputs;
     bool reference = false;
@@ -71,43 +69,29 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     return kDone;
 }
 
-void add_memory_flag(CLI::App& app, int& value) {
-    detail::add_flag(app, kMaxMemory, value, "--max-memory", "Running");
-}
-
 }  // namespace
 
-Command run_command(CLI::App& app) {
-    auto [command, flags] = new_command<RunFlags>(
-        app, "run", "Run scenes: crowns, points, growth and meshes by commands, one a line");
-    command.app->add_option("scenes", flags->scenes, "scenes to run, one after the other (.coppice)")
-        ->type_name("SCENE");
-    command.app
-        ->add_option(
-            "-o,--output", flags->outputs,
-            "write what was made last and suits the ending: mesh, skeleton or points; may be repeated")
-        ->type_name("FILE")
-        ->expected(1)
-        ->take_all();
-    command.app->add_flag("--reference", flags->reference, "print the reference page of all commands");
-    add_memory_flag(*command.app, flags->max_memory);
-    command.run = [flags = flags](Run& run) { return run_scenes(run, *flags); };
-    return command;
+Command run_command() {
+    const auto flags = std::make_shared<RunFlags>();
+    OptionList options;
+    options.files("scenes", "SCENE", flags->scenes, "scenes to run, one after the other (.coppice)");
+    options.files("-o,--output", "FILE", flags->outputs,
+                  "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
+    options.flag("--reference", flags->reference, "print the reference page of all commands");
+    options.value({kMaxMemory, &flags->max_memory}, "Running");
+    return {"run", "Run scenes: crowns, points, growth and meshes by commands, one a line", options,
+            [flags](Run& run, const GivenOptions&) { return run_scenes(run, *flags); }};
 }
 
-Command grow_command(CLI::App& app) {
-    auto [command, flags] = new_command<GrowFlags>(
-        app, "grow", "Run a scene and write the tree that it grows last; it draws and saves nothing");
-    command.app->add_option("scene", flags->scene, "scene to run (.coppice)")->type_name("SCENE");
-    command.app
-        ->add_option("-o,--output", flags->outputs,
-                     "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated")
-        ->type_name("SKELETON")
-        ->expected(1)
-        ->take_all();
-    add_memory_flag(*command.app, flags->max_memory);
-    command.run = [flags = flags](Run& run) { return grow_scene(run, *flags); };
-    return command;
+Command grow_command() {
+    const auto flags = std::make_shared<GrowFlags>();
+    OptionList options;
+    options.file("scene", "SCENE", flags->scene, "scene to run (.coppice)");
+    options.files("-o,--output", "SKELETON", flags->outputs,
+                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.value({kMaxMemory, &flags->max_memory}, "Running");
+    return {"grow", "Run a scene and write the tree that it grows last; it draws and saves nothing", options,
+            [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -12,8 +12,6 @@
 namespace coppice::cli {
 namespace {
 
-constexpr Field kMaxMemory{"max_memory", "MiB that the objects of the scene may take", Unit::none, 1, 1e6};
-
 struct ShellFlags {
     std::vector<std::filesystem::path> scenes;
     int max_memory = SceneSettings{}.max_memory;
@@ -63,13 +61,13 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
 
 }  // namespace
 
-Command shell_command(CLI::App& app) {
-    auto [command, flags] = new_command<ShellFlags>(
-        app, "shell", "Take commands of scenes one by one, with history and completion");
-    command.app->add_option("scenes", flags->scenes, "scenes to run first (.coppice)")->type_name("SCENE");
-    detail::add_flag(*command.app, kMaxMemory, flags->max_memory, "--max-memory", "Running");
-    command.run = [flags = flags](Run& run) { return shell(run, *flags); };
-    return command;
+Command shell_command() {
+    const auto flags = std::make_shared<ShellFlags>();
+    OptionList options;
+    options.files("scenes", "SCENE", flags->scenes, "scenes to run first (.coppice)");
+    options.value({kMaxMemory, &flags->max_memory}, "Running");
+    return {"shell", "Take commands of scenes one by one, with history and completion", options,
+            [flags](Run& run, const GivenOptions&) { return shell(run, *flags); }};
 }
 
 }  // namespace coppice::cli

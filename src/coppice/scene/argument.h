@@ -9,7 +9,9 @@
 
 #include "coppice/base/fields.h"
 #include "coppice/pipeline/json.h"
+#include "coppice/pipeline/option_fields.h"
 #include "coppice/pipeline/quantity.h"
+#include "coppice/pipeline/spelling.h"
 #include "coppice/scene/object.h"
 #include "coppice/scene/words.h"
 

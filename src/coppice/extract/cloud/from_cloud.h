@@ -80,6 +80,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 Unit::none, 0, 100},
           o.twig);
     visit(Field{"max_trees", "Number of trees that are kept; 0 = all", Unit::none, 0, 100000}, o.max_trees);
+    visit(Field{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
+                Unit::metre},
+          o.root);
 }
 
 /// What was left out of a cloud, counted in points.

@@ -57,9 +57,14 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.tolerance);
     visit(Field{"keep_loops", "lead an end cut off a loop on to where it was cut off"}, o.keep_loops);
     visit(Field{"up", "axis that points up in the mesh: roots are the lowest ends"}, o.up);
+    visit(Field{"wood", "only faces whose group or material has this in its name; may be repeated"},
+          o.clean.wood);
     visit(Field{"cards", "leave out flat pieces, as leaves are drawn"}, o.clean.cards);
     visit(Field{"weld", "share of the mesh's size to which places are told apart", Unit::none, 0, 0.01},
           o.clean.weld);
+    visit(Field{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
+                Unit::metre},
+          o.root);
 }
 
 /// A skeleton, and what had to be repaired in the mesh.

@@ -1,0 +1,142 @@
+#include "parser.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "coppice/pipeline/spelling.h"
+#include "coppice/version.h"
+
+namespace coppice::cli {
+namespace {
+
+std::string names_of(const Option& option) {
+    return option.letter.empty() ? option.name : option.letter + "," + option.name;
+}
+
+/// A switch is understood both ways, but only the way that changes something is shown.
+void add_switch(CLI::App& app, const Option& option, bool* value) {
+    if (option.field.empty()) {
+        CLI::Option* const added = app.add_flag(names_of(option), *value, option.help);
+        if (!option.group.empty()) added->group(option.group);
+        return;
+    }
+    const std::string off = "--no-" + option.name.substr(2);
+    const auto turn_on = [value](std::int64_t) { *value = true; };
+    const auto turn_off = [value](std::int64_t) { *value = false; };
+    CLI::Option* const on_option =
+        app.add_flag_function(option.name, turn_on, option.help + " [default off]")->group(option.group);
+    CLI::Option* const off_option =
+        app.add_flag_function(off, turn_off, "not: " + option.help + " [default on]")->group(option.group);
+    (*value ? on_option : off_option)->group("");
+}
+
+void add_option(CLI::App& app, const Option& option) {
+    if (bool* const* value = std::get_if<bool*>(&option.target)) return add_switch(app, option, *value);
+    const bool many = std::holds_alternative<std::vector<std::filesystem::path>*>(option.target) ||
+                      std::holds_alternative<std::vector<std::string>*>(option.target);
+    const bool positional = !option.name.starts_with("-");
+    const auto take = [&option](const std::vector<std::string>& words) {
+        for (const std::string& word : words) store(option, word);
+        return true;
+    };
+    CLI::Option* const added = app.add_option(names_of(option), take, help_text(option));
+    added->type_name(option.type);
+    if (!option.group.empty()) added->group(option.group);
+    if (many) added->expected(1, positional ? CLI::detail::expected_max_vector_size : 1)->take_all();
+}
+
+std::vector<std::string> names_of(std::span<const Command> commands) {
+    std::vector<std::string> names;
+    for (const Command& command : commands) names.push_back(command.name);
+    names.emplace_back("help");
+    return names;
+}
+
+std::vector<std::string> flag_names(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options()) {
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    return names;
+}
+
+/// Throws a UsageError for words that nothing has taken.
+void check_extras(const CLI::App& app, const std::string& name) {
+    const std::vector<std::string> extras = app.remaining();
+    if (extras.empty()) return;
+    for (const std::string& word : extras) {
+        if (!word.starts_with("-") || word == "-") continue;
+        const std::string flag = word.substr(0, word.find('='));
+        throw UsageError(
+            fmt::format("{} has no option {}{}", name, flag, did_you_mean(flag, flag_names(app))));
+    }
+    throw UsageError(fmt::format("{} does not know what to do with '{}'", name, extras.front()));
+}
+
+GivenOptions given_options(const CLI::App& app, const Command& command) {
+    GivenOptions given;
+    for (const Option& option : command.options.all())
+        if (app.count(option.name) > 0) given.push_back(&option);
+    return given;
+}
+
+}  // namespace
+
+struct Parser::Program {
+    std::span<const Command> commands;
+    CLI::App app{"Coppice: skeletons with radii become one closed surface of quads", "coppice"};
+
+    /// Throws UsageError when there is none.
+    const Command& command(const std::string& name) const {
+        for (const Command& command : commands)
+            if (command.name == name) return command;
+        throw UsageError(
+            fmt::format("there is no command '{}'{}", name, did_you_mean(name, names_of(commands))));
+    }
+};
+
+Parser::Parser(std::span<const Command> commands) : program_(std::make_unique<Program>()) {
+    program_->commands = commands;
+    CLI::App& app = program_->app;
+    app.allow_extras();
+    app.set_version_flag("--version", "coppice " + std::string(kVersion));
+    app.footer("coppice help COMMAND lists the options of a command.");
+    for (const Command& command : commands) {
+        CLI::App* const sub = app.add_subcommand(command.name, command.help);
+        sub->allow_extras();  // parse() names them, with the nearest spelling
+        for (const Option& option : command.options.all()) add_option(*sub, option);
+    }
+    app.add_subcommand("help", "Explain a command: coppice help COMMAND");
+}
+
+Parser::~Parser() = default;
+
+std::string Parser::help_of(const std::string& topic) const {
+    const CLI::App& app = program_->app;
+    return topic.empty() ? app.help() : app.get_subcommand(program_->command(topic).name)->help("coppice");
+}
+
+Parser::Request Parser::parse(std::span<const char* const> arguments) {
+    CLI::App& app = program_->app;
+    const std::string first = arguments.size() > 1 ? arguments[1] : "";
+    // The parser would take the topic for a second command, and print a help whatever the command.
+    if (first == "help") return {.text = help_of(arguments.size() > 2 ? arguments[2] : "")};
+    const Command* const command =
+        first.empty() || first.starts_with("-") ? nullptr : &program_->command(first);
+    try {
+        app.parse(static_cast<int>(arguments.size()), arguments.data());
+    } catch (const CLI::CallForHelp&) {
+        return {.text = help_of(command == nullptr ? "" : first)};
+    } catch (const CLI::Success& request) {
+        return {.text = std::string(request.what()) + "\n"};
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(error.what());
+    }
+    check_extras(app, "coppice");
+    if (command == nullptr) throw UsageError("no command given; coppice help lists them");
+    const CLI::App& parsed = *app.get_subcommand(command->name);
+    check_extras(parsed, "coppice " + command->name);
+    return {.command = command, .given = given_options(parsed, *command)};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "coppice/base/fields.h"
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+/// A struct that describes itself by `visit_fields`; a member may be such a struct again.
+template <class T>
+concept OptionStruct = requires(const T& options) {
+    visit_fields(options, [](const Field&, const auto&) {});
+};
+
+/// An enum of any type by the names of its values.
+struct ChoiceRef {
+    std::span<const std::string_view> names;
+    void* value;
+    std::size_t (*index_of)(const void* value);
+    void (*assign)(void* value, std::size_t index);
+
+    std::size_t index() const { return index_of(value); }
+    std::string_view name() const { return names[index()]; }
+    void set(std::size_t index) const { assign(value, index); }
+};
+
+template <NamedEnum E>
+ChoiceRef choice_of(E& value) {
+    return {EnumNames<E>::names, &value,
+            [](const void* at) { return static_cast<std::size_t>(*static_cast<const E*>(at)); },
+            [](void* at, std::size_t index) { *static_cast<E*>(at) = static_cast<E>(index); }};
+}
+
+struct OptionField;
+
+/// Where a member of an option struct is stored; the members of a struct within it.
+using OptionRef = std::variant<bool*, int*, float*, ChoiceRef, std::optional<Vec3d>*,
+                               std::vector<std::string>*, std::vector<OptionField>>;
+
+/// One member of an option struct without its type, so that command line, JSON and schema are plain code.
+/// It refers to the struct.
+struct OptionField {
+    Field field;
+    OptionRef ref;
+};
+
+/// The members of an option struct in the order in which it visits them.
+template <OptionStruct Options>
+std::vector<OptionField> option_fields(Options& options) {
+    std::vector<OptionField> out;
+    visit_fields(options, [&](const Field& field, auto& value) {
+        using T = std::remove_cvref_t<decltype(value)>;
+        if constexpr (OptionStruct<T>) {
+            out.push_back({field, option_fields(value)});
+        } else if constexpr (NamedEnum<T>) {
+            out.push_back({field, choice_of(value)});
+        } else {
+            out.push_back({field, &value});
+        }
+    });
+    return out;
+}
+
+}  // namespace coppice
