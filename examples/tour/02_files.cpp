@@ -1,0 +1,24 @@
+// From a file to files: the endings of the names say which kinds.
+
+#include <cstdio>
+#include <string>
+
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/measure.h"
+
+int main() {
+    const coppice::SkeletonFile file = coppice::read_skeleton("oak.swc");
+    std::printf("read as %s, %u repairs\n", file.format.c_str(), file.report.total());
+    for (const std::string& note : file.notes) std::printf("note: %s\n", note.c_str());
+
+    const coppice::SkeletonMeasures oak = coppice::measure(file.skeleton);
+    std::printf("%u segments, %u tips, %.1f m of branches\n", oak.segments, oak.tips, oak.length);
+
+    const coppice::MeshResult result = coppice::mesh_skeleton(file.skeleton);
+    coppice::write_mesh("oak.glb", result.mesh);        // triangles, Y up, for viewers
+    coppice::write_mesh("oak.ply", result.mesh);        // quads
+    coppice::write_cage("oak.usda", result.cage.cage);  // to be refined where it is read
+    std::printf("%zu quads written\n", result.mesh.quads.size());
+}

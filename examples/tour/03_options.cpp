@@ -1,0 +1,34 @@
+// Options are plain structs that describe themselves: to JSON, from JSON, as a schema.
+
+#include <cstdio>
+
+#include "coppice/pipeline/json.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+
+int main() {
+    coppice::MeshOptions options{.levels = 3};
+    options.control.base = coppice::BaseShape::round;
+    options.field.support = 2;
+
+    const coppice::Json json = coppice::to_json(options);
+    std::printf("control: %s\n", json["control"].dump().c_str());
+
+    // What is left out keeps its default.
+    const auto short_form = coppice::Json::parse(R"({"levels": 1, "control": {"tips": "flat"}})");
+    const auto read = coppice::from_json<coppice::MeshOptions>(short_form, "my options");
+    std::printf("levels %d, tips %s, base %s\n", read.levels, coppice::name_of(read.control.tips).data(),
+                coppice::name_of(read.control.base).data());
+
+    for (const char* wrong : {R"({"level": 1})", R"({"levels": 9})", R"({"control": {"tips": "pointed"}})"}) {
+        try {
+            coppice::from_json<coppice::MeshOptions>(coppice::Json::parse(wrong), "my options");
+        } catch (const coppice::InvalidInput& error) {
+            std::printf("refused: %s\n", error.what());
+        }
+    }
+
+    // What sliders and pages of a front end are made of.
+    for (const auto& field : coppice::schema_of<coppice::ControlOptions>()) {
+        std::printf("%s\n", field.dump().c_str());
+    }
+}

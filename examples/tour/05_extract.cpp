@@ -1,0 +1,30 @@
+// Back from a surface, and from points on it, to a skeleton.
+
+#include <cstdio>
+
+#include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/measure/skeleton_match.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/points/sampling/near_mesh.h"
+#include "coppice/skeleton/random_tree.h"
+
+void judge(const char* what, const coppice::Skeleton& truth, const coppice::Skeleton& found) {
+    const coppice::SkeletonMatch match = coppice::compare(truth, found);
+    std::printf("%s: %.0f %% of the length covered, %.0f %% of the tips found, radii off by %.1f %%\n", what,
+                match.covered_percent, match.tips.percent(), 100 * match.radius_error.p50);
+}
+
+int main() {
+    const coppice::Skeleton truth = coppice::random_tree(100, /*seed=*/1);
+    const coppice::QuadMesh surface = coppice::mesh_skeleton(truth).mesh;
+
+    const auto from_mesh = coppice::extract_from_mesh(coppice::to_polygons(surface));
+    judge("from the mesh", truth, from_mesh.skeleton);
+
+    // Points spread over the surface, as a scan from all sides would have them.
+    const coppice::PointSet cloud =
+        coppice::near_mesh(coppice::triangulate(surface), {.count = 50'000, .low = 0, .high = 0});
+    const auto from_cloud = coppice::extract_from_cloud(cloud);
+    judge("from 50,000 points", truth, from_cloud.skeleton);
+}

@@ -1,0 +1,46 @@
+// A field of your own: anything with a level and samples becomes a closed surface.
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <span>
+
+#include "coppice/implicit/field_ref.h"
+#include "coppice/implicit/polygonize/polygonize.h"
+#include "coppice/mesh/topology.h"
+
+/// A torus about the Z axis: inside, the value is greater than the level.
+struct Torus {
+    float ring = 1, tube = 0.4f;  // [m]
+
+    float level() const { return 0; }
+
+    /// Called from several threads, with many points at a time. This field keeps no lists, so `region` means
+    /// nothing.
+    void sample(std::uint32_t, std::span<const coppice::Vec3> points,
+                std::span<coppice::FieldSample> out) const {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const coppice::Vec3 p = points[i];
+            const float around = std::hypot(p.x, p.y);
+            const coppice::Vec3 middle = around > 0
+                                             ? coppice::Vec3{p.x * ring / around, p.y * ring / around, 0}
+                                             : coppice::Vec3{ring, 0, 0};
+            const coppice::Vec3 away = coppice::normalized(p - middle);
+            out[i] = {tube - coppice::distance(p, middle), -away};
+        }
+    }
+};
+
+int main() {
+    const Torus torus;
+    const coppice::Box3 box{{-1.5f, -1.5f, -0.5f}, {1.5f, 1.5f, 0.5f}};
+    const auto surface = coppice::polygonize(coppice::FieldRef(torus), box, {.cell = 0.05f});
+
+    coppice::TriMesh mesh;
+    mesh.positions.assign(surface.positions.begin(), surface.positions.end());
+    mesh.triangles.assign(surface.triangles.begin(), surface.triangles.end());
+    const coppice::TopologyReport topology = coppice::topology(coppice::to_polygons(mesh));
+    std::printf("%zu triangles, closed and manifold: %s\n", mesh.triangles.size(),
+                topology.sound() ? "yes" : "no");
+    std::printf("handles: %lld\n", (long long)(1 - topology.euler / 2));
+}
