@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; README.md's commands run.
+"""docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; README.md's
+commands run.
 
 Commands are those of the README that begin with "coppice "; they run in a folder of their own beside a copy of examples/.
 """
@@ -14,7 +15,9 @@ import sys
 import tempfile
 
 CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?)\]")
-LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)]*))?\)")
+HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
+LARGEST_PICTURES = 1 << 20  # bytes of all together
 FOLDERS = ("src", "app", "bench", "tests", "examples", "docs")
 
 
@@ -39,13 +42,35 @@ def missing_sources(root):
         yield f"docs/references.bib: nothing cites {key}"
 
 
+def anchors(text):
+    """What the headings of a page are called in links."""
+    return {re.sub(r"[^\w -]", "", heading.strip().lower()).replace(" ", "-") for heading in HEADING.findall(text)}
+
+
 def broken_links(root):
     for path, text in texts(root):
         if path.suffix != ".md":
             continue
-        for target in LINK.findall(text):
-            if "://" not in target and not (path.parent / target).exists():
+        for target, anchor in LINK.findall(text):
+            if "://" in target:
+                continue
+            page = path.parent / target if target else path
+            if not page.exists():
                 yield f"{path.relative_to(root)}: links to {target}, which does not exist"
+            elif anchor and page.suffix == ".md" and anchor not in anchors(page.read_text()):
+                yield f"{path.relative_to(root)}: links to {target}#{anchor}, and no heading there is called so"
+
+
+def pictures(root):
+    files = sorted((root / "docs/pictures").iterdir())
+    pages = [text for path, text in texts(root) if path.suffix == ".md"]
+    used = {pathlib.PurePath(target).name for text in pages for target, _ in LINK.findall(text)}
+    for path in files:
+        if path.name not in used:
+            yield f"{path.relative_to(root)}: no page shows it"
+    total = sum(path.stat().st_size for path in files)
+    if total > LARGEST_PICTURES:
+        yield f"docs/pictures: {total} bytes, more than {LARGEST_PICTURES}"
 
 
 def failing_commands(root, program):
@@ -64,7 +89,7 @@ def failing_commands(root, program):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    faults = [*missing_sources(root), *broken_links(root)]
+    faults = [*missing_sources(root), *broken_links(root), *pictures(root)]
     if len(sys.argv) > 2:
         faults += failing_commands(root, os.path.abspath(sys.argv[2]))
     print("\n".join(faults))
