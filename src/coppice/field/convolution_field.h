@@ -24,7 +24,7 @@ namespace coppice {
 /// and where options.weights is global.
 ///
 /// Radii are met in the middle of branches; nodes swell, the outer side of bends sinks, and surfaces that
-/// pass close by blend (figures: docs/decisions/0002-field.md). The line goes on beyond tips and roots, so
+/// pass close by blend (figures: docs/user/comparison.md). The line goes on beyond tips and roots, so
 /// that even a tree shorter than its radius has a surface. A tree of one node is a ball.
 ///
 /// Values are >= 0, and 0 beyond the support of a compact kernel; blend 8 takes an axis below 2^-15 for 0.

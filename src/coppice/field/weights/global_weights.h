@@ -53,7 +53,7 @@ struct GlobalWeights {
 /// level is unseen. options.blend is taken for 1, options.contact for 0.
 ///
 /// It fits mean residuals: near forks, where the sum is too great, branches become thinner than they should
-/// be, and others thicker in turn (docs/decisions/0002-field.md has figures). It is here for comparison.
+/// be, and others thicker in turn (docs/user/comparison.md has figures). It is here for comparison.
 ///
 /// Compact kernels: 300 segments take a few milliseconds. Throws InvalidInput naming an option out of range,
 /// for constraints that are not finite or of which none lies near the skeleton, and Unsupported where so many
