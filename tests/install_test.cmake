@@ -1,4 +1,4 @@
-# cmake -D BUILD= -D SOURCE= -D WORK= -D COMPILER= -D FLAGS= -P install_test.cmake
+# cmake -D BUILD= -D SOURCE= -D WORK= -D COMPILER= -D FLAGS= -D PYTHON= -P install_test.cmake
 # Uses Coppice as guests do: installs BUILD into WORK/prefix, builds examples/ and tests/guest against it as projects of their
 # own and runs them; then tests/guest with Coppice as a part of its build, shared libraries and all.
 function(run)
@@ -21,6 +21,7 @@ run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 
 build(${WORK}/examples ${SOURCE}/examples -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Release)
 run(${WORK}/examples/mesh_a_tree ${SOURCE}/examples/oak.swc ${WORK}/oak.ply)
+run(${PYTHON} ${SOURCE}/tests/tour_test.py ${SOURCE} ${WORK}/examples/tour)
 run(${prefix}/bin/coppice check ${WORK}/oak.ply --no-intersections)
 
 # Skeletons need nothing of what meshes, pictures and files need.

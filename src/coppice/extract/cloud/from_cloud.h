@@ -87,10 +87,14 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// What was left out of a cloud, counted in points.
 struct CloudReport {
-    std::uint64_t points = 0;  ///< that were given
-    std::uint64_t duplicates = 0, thinned = 0, ground = 0, strays = 0, leaves = 0;
-    std::uint64_t unreached = 0;  ///< beyond gaps too wide to bridge
-    double spacing = 0;           ///< [m] median distance of the points used to their fourth neighbour
+    std::uint64_t points = 0;      ///< that were given
+    std::uint64_t duplicates = 0;  ///< at the place of another one
+    std::uint64_t thinned = 0;     ///< others of their cube stand for them
+    std::uint64_t ground = 0;      ///< of the ground
+    std::uint64_t strays = 0;      ///< far from all others
+    std::uint64_t leaves = 0;      ///< taken for leaves
+    std::uint64_t unreached = 0;   ///< beyond gaps too wide to bridge
+    double spacing = 0;            ///< [m] median distance of the points used to their fourth neighbour
 };
 
 /// Calls visit(name, number) for every member, in order.
