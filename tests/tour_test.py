@@ -61,7 +61,7 @@ def faults(page, root, programs):
         yield f"{name} is only {'on the page' if name in quoted else 'a program'}"
     for name in sorted(quoted.keys() & sources.keys()):
         if quoted[name]["code"] != sources[name]:
-            yield f"{PAGE} quotes {name}.cpp as it is not; tests/tour_test.py --write mends it"
+            yield f"{PAGE} quotes {name}.cpp as it is not; tests/tour_test.py --write brings it up to date"
     for program in programs:
         if program.name not in quoted:
             yield f"{program} is not on the page"

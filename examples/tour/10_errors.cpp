@@ -35,9 +35,9 @@ int main() {
     attempt("a file that is not there", [] { coppice::read_skeleton("nowhere.swc"); });
     attempt("a cycle", [] { coppice::parse_skeleton("1 0 0 0 0 1 2\n2 0 0 0 1 1 1\n", "cycle.swc"); });
 
-    // Here the parent comes last, and a radius is missing: both are mended, and counted.
+    // Here the parent comes last, and a radius is missing: both are repaired, and counted.
     const coppice::SkeletonFile file =
-        coppice::parse_skeleton("2 0 0 0 1 0 1\n3 0 0 0 2 0.1 2\n1 0 0 0 0 0.3 -1\n", "mended.swc");
+        coppice::parse_skeleton("2 0 0 0 1 0 1\n3 0 0 0 2 0.1 2\n1 0 0 0 0 0.3 -1\n", "repaired.swc");
     std::printf("reordered %u, missing radii %u: node 1 now has %.2f\n", file.report.reordered,
                 file.report.missing_radii, file.skeleton.radius(NodeId(1)));
 }

@@ -5,8 +5,8 @@
 
 namespace coppice {
 
-/// Base of all errors that a user can cause and mend. The text is one sentence that names the file, line or
-/// field, and the mend.
+/// Base of all errors that a user can cause and fix. The text is one sentence that names the file, line or
+/// field, and the remedy.
 class Error : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;

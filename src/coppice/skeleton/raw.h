@@ -28,7 +28,7 @@ struct RawCylinder {
     std::uint32_t line = 0;    ///< as in RawNode
 };
 
-/// What `repair` mended, counted.
+/// What `repair` repaired, counted.
 struct RepairReport {
     std::uint32_t reordered = 0;        ///< nodes that came before their parents
     std::uint32_t missing_parents = 0;  ///< nodes whose parent does not exist: they became roots
@@ -46,10 +46,10 @@ struct RepairReport {
     }
 };
 
-/// A valid skeleton, and what had to be mended for it.
+/// A valid skeleton, and what had to be repaired for it.
 struct RepairResult {
     Skeleton skeleton;    ///< every node of the input but those merged
-    RepairReport report;  ///< what was mended
+    RepairReport report;  ///< what was repaired
 };
 
 /// Makes a valid skeleton of raw nodes. Parents are put first, otherwise the order is kept. Nodes without a

@@ -9,7 +9,7 @@
 
 namespace coppice {
 
-/// What had to be mended in a mesh before a skeleton could be read off it, counted.
+/// What had to be repaired in a mesh before a skeleton could be read off it, counted.
 struct MeshRepairs {
     std::uint32_t other_material = 0;      ///< faces left out because their group is not wood
     std::uint32_t welded = 0;              ///< vertices at the place of another one

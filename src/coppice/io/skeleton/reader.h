@@ -35,10 +35,10 @@ constexpr void visit_fields(Self& options, Visitor&& visit) {
           options.default_radius);
 }
 
-/// A skeleton from a file, and what had to be mended.
+/// A skeleton from a file, and what had to be repaired.
 struct SkeletonFile {
     Skeleton skeleton;               ///< [m]
-    RepairReport report;             ///< what was mended
+    RepairReport report;             ///< what was repaired
     std::string format;              ///< name of the SkeletonFormat it was read as
     std::vector<std::string> notes;  ///< what else the user should know, one sentence each
 };
