@@ -34,8 +34,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// Triangles, counterclockwise seen from outside.
 struct TriangleSurface {
-    std::vector<Vec3> positions;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<Vec3> positions;                          ///< [m]
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< numbers of positions
 };
 
 /// The surface of a field as triangles: every cell is cut into six tetrahedra that match those of its
