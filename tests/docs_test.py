@@ -16,6 +16,7 @@ import tempfile
 
 CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?)\]")
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)]*))?\)")
+CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 LARGEST_PICTURES = 1 << 20  # bytes of all together
 FOLDERS = ("src", "app", "bench", "tests", "examples", "docs")
@@ -51,7 +52,7 @@ def broken_links(root):
     for path, text in texts(root):
         if path.suffix != ".md":
             continue
-        for target, anchor in LINK.findall(text):
+        for target, anchor in LINK.findall(CODE.sub("", text)):
             if "://" in target:
                 continue
             page = path.parent / target if target else path
