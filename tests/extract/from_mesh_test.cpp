@@ -88,6 +88,7 @@ TEST(FromMesh, AnOpenTubeHasItsAxis) {
 TEST_P(BothMethods, TaperIsKept) {
     const FromMeshResult r =
         extract_from_mesh(tube({0, 0, 0}, {0, 0, 4}, 0.3f, {.rings = 41, .radius_end = 0.1f}), options());
+    EXPECT_NEAR(measure(r.skeleton).length, 4, 0.5);  // within a radius at either end
     for (const NodeId n : nodes(r.skeleton)) {
         // A point at height z on the cone is this far from its axis.
         const double z = r.skeleton.position(n).z;
@@ -295,7 +296,7 @@ TEST(FromMesh, PiecesWithoutAnAxisAreRefused) {
 // A hub with 20,000 spokes: the square of its Laplacian would have 400 million entries.
 TEST(FromMesh, HubsAreNotContracted) {
     const PolygonMesh mesh = tube({0, 0, 0}, {0, 0, 3}, 1, {.sides = 20000, .rings = 2});
-    EXPECT_GT(extract_from_mesh(mesh).skeleton.size(), 0u);
+    EXPECT_NEAR(measure(extract_from_mesh(mesh).skeleton).length, 3, 0.5);
     FromMeshOptions options;
     options.method = MeshSkeletonMethod::contraction;
     EXPECT_THROW(extract_from_mesh(mesh, options), InvalidInput);
@@ -304,6 +305,7 @@ TEST(FromMesh, HubsAreNotContracted) {
 // Random triangles: any answer will do, but there must be one.
 TEST(FromMesh, AnythingEnds) {
     const CounterRandom random(3, 1);
+    int answered = 0;
     for (std::uint64_t round = 0; round < 40; ++round) {
         PolygonMesh m;
         const auto count = 3 + static_cast<std::uint32_t>(random.bits(round) % 60);
@@ -324,11 +326,16 @@ TEST(FromMesh, AnythingEnds) {
             FromMeshOptions options;
             options.method = method;
             try {
-                EXPECT_GT(extract_from_mesh(m, options).skeleton.size(), 0u);
+                // All corners lie within 1 of the middle along each axis.
+                const Box3 box = extract_from_mesh(m, options).skeleton.bounds();
+                EXPECT_TRUE(is_finite(box.low) && is_finite(box.high));
+                EXPECT_LT(box.diagonal(), 10);
+                ++answered;
             } catch (const InvalidInput&) {
             }
         }
     }
+    EXPECT_GT(answered, 20);
 }
 
 }  // namespace

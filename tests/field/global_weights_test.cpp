@@ -40,6 +40,7 @@ TEST(SurfaceConstraints, LieOnTheSurfaceAndOutsideOfOtherBranches) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
         const auto points = surface_constraints(s, {});
+        EXPECT_FALSE(points.empty());
         const double rounding = 1e-6 * (length(Vec3d(s.bounds().center())) + s.bounds().diagonal());
         for (const WeightConstraint& c : points) {
             const Segment own = segment_or_ball(s, c.segment);

@@ -89,6 +89,7 @@ TEST(Json, FloatsAtTheEndsOfTheirRangeAreTaken) { EXPECT_EQ(sample_of(json_of(Sa
 TEST(Json, ErrorsNameTheFieldAndTheMend) {
     EXPECT_EQ(message_of(R"({"cuont": 4})"), "file.json: there is no field cuont; did you mean count?");
     EXPECT_EQ(message_of(R"({"elephant": 4})"), "file.json: there is no field elephant");
+    EXPECT_EQ(message_of(R"({"two\nlines": 4})"), R"(file.json: there is no field two\nlines)");
     EXPECT_EQ(message_of(R"({"count": 10})"), "file.json: count must lie between 1 and 9, but is 10");
     EXPECT_EQ(message_of(R"({"count": 1.5})"), "file.json: count must be a whole number");
     EXPECT_EQ(message_of(R"({"count": 1e300})"), "file.json: count must be a whole number");

@@ -181,7 +181,10 @@ TEST(Render, InsideIsBlueAndOutsideRed) {
     EXPECT_GT(middle(-0.1f)[2], middle(-0.1f)[0] + 40);
     EXPECT_NEAR(middle(0.0f)[0], middle(0.0f)[2], 30);
     EXPECT_EQ(middle(0.5f), middle(0.1f)) << "the colours end at the range";
-    EXPECT_NO_THROW(middle(std::numeric_limits<float>::quiet_NaN()));
+    // What is not known is drawn in a grey of its own, and not in the colour of 0.
+    const auto unknown = middle(std::numeric_limits<float>::quiet_NaN());
+    EXPECT_NE(unknown, middle(0.0f));
+    EXPECT_NEAR(unknown[0], unknown[2], 30);
 }
 
 TEST(Render, DeviationComesWithAScaleBar) {

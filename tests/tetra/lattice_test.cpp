@@ -172,6 +172,7 @@ TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
     const std::vector<Segment> segments = segments_of(random_tree(60, 2));
     for (const LatticeOptions& options : {LatticeOptions{}, LatticeOptions{1, 0.9f, 1.1f}}) {
         const Lattice lattice(segments, options);
+        ASSERT_FALSE(lattice.mesh().tetra.empty());
         for (const Tetra& t : lattice.mesh().tetra) {
             const auto c = corners_of(lattice.mesh(), t);
             const Vec3d middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);

@@ -31,7 +31,10 @@ void check_keys(const Json& object, std::span<const OptionField> fields, const s
     for (const OptionField& field : fields) known.emplace_back(field.field.name);
     for (const auto& [key, value] : object.items()) {
         if (std::ranges::find(known, key) != known.end()) continue;
-        throw InvalidInput(fmt::format("{}: there is no field {}{}", where, key, did_you_mean(key, known)));
+        const std::string quoted = Json(key).dump();  // a key may hold line breaks
+        throw InvalidInput(fmt::format("{}: there is no field {}{}", where,
+                                       std::string_view(quoted).substr(1, quoted.size() - 2),
+                                       did_you_mean(key, known)));
     }
 }
 

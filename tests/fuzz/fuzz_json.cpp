@@ -1,0 +1,36 @@
+// Options as JSON, from arbitrary bytes: those of a mesh, which have options of every type and options within
+// them. What is taken lies in range and is written and read back the same; what is not is refused in a
+// sentence of one line.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "coppice/base/error.h"
+#include "coppice/pipeline/json.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+
+namespace {
+
+using coppice::Json;
+using coppice::MeshOptions;
+
+void require(bool condition) {
+    if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const Json json = Json::parse(data, data + size, nullptr, false);
+    if (json.is_discarded()) return 0;
+    try {
+        const Json written = to_json(coppice::from_json<MeshOptions>(json, "fuzz.json"));
+        require(to_json(coppice::from_json<MeshOptions>(written, "back.json")) == written);
+    } catch (const coppice::Error& error) {
+        require(std::string_view(error.what()).find('\n') == std::string_view::npos);
+    }
+    return 0;
+}
