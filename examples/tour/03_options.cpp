@@ -1,7 +1,9 @@
 // Options are plain structs that describe themselves: to JSON, from JSON, as a schema.
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
+#include "coppice/base/error.h"
 #include "coppice/pipeline/json.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
@@ -10,25 +12,27 @@ int main() {
     options.control.base = coppice::BaseShape::round;
     options.field.support = 2;
 
-    const coppice::Json json = coppice::to_json(options);
+    const coppice::Json json = coppice::to_json(coppice::option_fields(options));
     std::printf("control: %s\n", json["control"].dump().c_str());
 
-    // What is left out keeps its default.
-    const auto short_form = coppice::Json::parse(R"({"levels": 1, "control": {"tips": "flat"}})");
-    const auto read = coppice::from_json<coppice::MeshOptions>(short_form, "my options");
+    // What is left out keeps its value.
+    coppice::MeshOptions read;
+    const auto text = coppice::Json::parse(R"({"levels": 1, "control": {"tips": "flat"}})");
+    coppice::from_json(text, coppice::option_fields(read), "my options");
     std::printf("levels %d, tips %s, base %s\n", read.levels, coppice::name_of(read.control.tips).data(),
                 coppice::name_of(read.control.base).data());
 
     for (const char* wrong : {R"({"level": 1})", R"({"levels": 9})", R"({"control": {"tips": "pointed"}})"}) {
         try {
-            coppice::from_json<coppice::MeshOptions>(coppice::Json::parse(wrong), "my options");
+            coppice::from_json(coppice::Json::parse(wrong), coppice::option_fields(read), "my options");
         } catch (const coppice::InvalidInput& error) {
             std::printf("refused: %s\n", error.what());
         }
     }
 
     // What sliders and pages of a front end are made of.
-    for (const auto& field : coppice::schema_of<coppice::ControlOptions>()) {
+    coppice::ControlOptions defaults;
+    for (const auto& field : coppice::schema_of(coppice::option_fields(defaults))) {
         std::printf("%s\n", field.dump().c_str());
     }
 }

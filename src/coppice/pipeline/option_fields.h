@@ -22,16 +22,17 @@ concept OptionStruct = requires(const T& options) {
 
 /// An enum of any type by the names of its values.
 struct ChoiceRef {
-    std::span<const std::string_view> names;
-    void* value;
-    std::size_t (*index_of)(const void* value);
-    void (*assign)(void* value, std::size_t index);
+    std::span<const std::string_view> names;         ///< of all values, from 0
+    void* value;                                     ///< the enum
+    std::size_t (*index_of)(const void* value);      ///< reads it
+    void (*assign)(void* value, std::size_t index);  ///< sets it
 
-    std::size_t index() const { return index_of(value); }
-    std::string_view name() const { return names[index()]; }
-    void set(std::size_t index) const { assign(value, index); }
+    std::size_t index() const { return index_of(value); }        ///< of the present value
+    std::string_view name() const { return names[index()]; }     ///< of the present value
+    void set(std::size_t index) const { assign(value, index); }  ///< index < names.size()
 };
 
+/// Refers to an enum, which has to outlive what is returned.
 template <NamedEnum E>
 ChoiceRef choice_of(E& value) {
     return {EnumNames<E>::names, &value,
@@ -48,8 +49,8 @@ using OptionRef = std::variant<bool*, int*, float*, ChoiceRef, std::optional<Vec
 /// One member of an option struct without its type, so that command line, JSON and schema are plain code.
 /// It refers to the struct.
 struct OptionField {
-    Field field;
-    OptionRef ref;
+    Field field;    ///< what front ends have to know of it
+    OptionRef ref;  ///< where it is stored
 };
 
 /// The members of an option struct in the order in which it visits them.
