@@ -5,6 +5,7 @@
 
 #include "coppice/extract/cloud/clean_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/extract/tree/simplify_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -96,7 +97,7 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& gr
         grow_chains(draft.tree, draft.samples, graph, spacing, cover, options, ctx);
         settle_forks(draft.tree, draft.samples);
         fit(draft, kLongFit, ctx);
-        extract_internal::thin(draft.tree, draft.samples, kTolerance);
+        simplify(draft.tree, draft.samples, kTolerance);
         draft.dropped += drop_needless(draft.tree, draft.samples, spacing, cover.noise, ctx);
         settle_forks(draft.tree, draft.samples);
         fit(draft, kShortFit, ctx);
@@ -106,9 +107,9 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& gr
     slim_clubs(draft.tree);
     const double least = kLeast * double{median(spacing)};
     for (double& r : draft.tree.radius) r = std::max(r, least);
-    extract_internal::thin(draft.tree, draft.samples, kTolerance);
+    simplify(draft.tree, draft.samples, kTolerance);
     settle_forks(draft.tree, draft.samples);
-    extract_internal::thin(draft.tree, draft.samples, kTolerance);
+    simplify(draft.tree, draft.samples, kTolerance);
     claim_points(draft.tree, draft.samples, spacing, ctx);
     return draft;
 }

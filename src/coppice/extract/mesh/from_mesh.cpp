@@ -10,6 +10,7 @@
 #include "coppice/extract/mesh/distance_internal.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/extract/tree/simplify_internal.h"
 
 namespace coppice {
 namespace {
@@ -190,9 +191,9 @@ FromMeshResult Extraction::run(const PolygonMesh& mesh) {
         report().pruned_twigs += prune_stubs(tree_, samples_, options_.prune);
     });
     stage("refine", 0.9f, [&] {
-        thin(tree_, samples_, options_.tolerance);
+        simplify(tree_, samples_, options_.tolerance);
         fit(kLastFit, kNarrow);
-        thin(tree_, samples_, options_.tolerance);
+        simplify(tree_, samples_, options_.tolerance);
         fit(kLastFit, kNarrow);
         extend_ends(tree_, samples_);
     });

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "coppice/base/segment_distance.h"
-#include "coppice/skeleton/prepare.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -244,18 +243,6 @@ std::uint32_t unfold(DraftTree& tree, FitSamples& samples) {
     for (std::uint32_t& n : samples.node)
         if (n != kNone) n = new_of_old[stands_for[n]];
     return count;
-}
-
-void thin(DraftTree& tree, FitSamples& samples, double tolerance) {
-    unfold(tree, samples);
-    PrepareOptions options;
-    options.resample.tolerance = static_cast<float>(tolerance);
-    options.resample.max_length = 1e6f;
-    options.resample.bend_angle = 3.14f;
-    const PrepareResult thinned = prepare(to_skeleton(tree, {}), options);
-    tree = to_draft(thinned.skeleton);
-    for (std::uint32_t& n : samples.node)
-        if (n != kNone) n = thinned.new_of_old[n].index();
 }
 
 std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {

@@ -26,10 +26,6 @@ std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least);
 /// to the node below. Returns their number. O(nodes).
 std::uint32_t unfold(DraftTree& tree, FitSamples& samples);
 
-/// Unfolds, and takes away the nodes that the surface does not need to stay within `tolerance` radii. O(n log
-/// n).
-void thin(DraftTree& tree, FitSamples& samples, double tolerance);
-
 /// Moves every end along its axis to where its samples end, less its radius; where they end in a flat face,
 /// into that face, whose samples are then left out. Returns the number of ends moved by more than a tenth of
 /// their radius. O(samples + nodes).

@@ -1,0 +1,93 @@
+#include "coppice/extract/tree/simplify_internal.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "coppice/extract/tree/draft_edit_internal.h"
+#include "coppice/skeleton/simplify_chain.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::uint32_t kNone = DraftTree::kNoParent;
+constexpr double kMinSpacing = 0.9;  // [radius] nodes nearer together have too few samples of their own
+
+bool is_chain_node(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
+    return tree.parent[n] != kNone && links.children(n).size() == 1;
+}
+
+/// The nodes from `first`, the child of a root or fork, to the next fork or tip, after the node that it
+/// leaves.
+std::vector<ChainPoint> chain_from(const DraftTree& tree, const DraftLinks& links, std::uint32_t first) {
+    const std::uint32_t fork = tree.parent[first];
+    const bool leads = links.leader(fork) == first;
+    std::vector<ChainPoint> chain{{tree.position[fork], tree.radius[leads ? fork : first], fork}};
+    for (std::uint32_t n = first;; n = links.children(n)[0]) {
+        chain.push_back({tree.position[n], tree.radius[n], n});
+        if (!is_chain_node(tree, links, n)) return chain;
+    }
+}
+
+/// Marks the nodes that stay, and moves those that a jump in radius pushes apart.
+std::vector<char> choose_nodes(DraftTree& tree, const DraftLinks& links, double tolerance) {
+    std::vector<char> kept(tree.size(), 0);
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (is_chain_node(tree, links, n)) continue;
+        kept[n] = 1;
+        for (const std::uint32_t first : links.children(n)) {
+            const bool leads = links.leader(n) == first;
+            const SimplifiedChain chain =
+                simplify_chain(chain_from(tree, links, first),
+                               {tolerance, kMinSpacing, leads, leads ? 0 : kMinSpacing * tree.radius[n]});
+            for (std::size_t i = 1; i + 1 < chain.points.size(); ++i) {
+                kept[chain.points[i].node] = 1;
+                tree.position[chain.points[i].node] = chain.points[i].position;
+            }
+        }
+    }
+    return kept;
+}
+
+/// Where leaving out nodes would make another child lead, the first nodes of all children stay.
+void keep_leaders(const DraftTree& tree, const DraftLinks& links, std::vector<char>& kept) {
+    const auto first_radius = [&](std::uint32_t n) {
+        while (!kept[n]) n = links.children(n)[0];
+        return tree.radius[n];
+    };
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const auto children = links.children(n);
+        if (children.size() < 2) continue;
+        const std::uint32_t leader = links.leader(n);
+        const double radius = first_radius(leader);
+        const bool stays = std::ranges::all_of(children, [&](std::uint32_t c) {
+            const double r = first_radius(c);
+            return c == leader || r < radius || (r == radius && leader < c);
+        });
+        if (stays) continue;
+        for (const std::uint32_t c : children) kept[c] = 1;
+    }
+}
+
+}  // namespace
+
+void simplify(DraftTree& tree, FitSamples& samples, double tolerance) {
+    unfold(tree, samples);
+    const DraftLinks links(tree);
+    std::vector<char> kept = choose_nodes(tree, links, tolerance);
+    keep_leaders(tree, links, kept);
+    // Only nodes with one child go, so what stands for one is the next that stays towards the tip.
+    std::vector<std::uint32_t> parent(tree.size()), image(tree.size(), kNone);
+    DraftTree out;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const std::uint32_t q = tree.parent[n] == kNone ? kNone : parent[tree.parent[n]];
+        parent[n] = kept[n] ? out.add(q, tree.position[n], tree.radius[n]) : q;
+        if (kept[n]) image[n] = parent[n];
+    }
+    for (std::uint32_t n = tree.size(); n-- > 0;)
+        if (!kept[n]) image[n] = image[links.children(n)[0]];
+    tree = std::move(out);
+    for (std::uint32_t& n : samples.node)
+        if (n != kNone) n = image[n];
+}
+
+}  // namespace coppice::extract_internal

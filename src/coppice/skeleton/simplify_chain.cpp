@@ -1,0 +1,130 @@
+#include "coppice/skeleton/simplify_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace coppice {
+namespace {
+
+constexpr double kJump = 0.2f;  // relative change of radius that is worth two close nodes
+
+struct Interval {
+    std::uint32_t first, last;
+    int depth;
+};
+
+/// The relative shift of the ball about p when points first + 1 ... last - 1 go.
+double shift_of(const ChainPoint& p, const ChainPoint& a, const ChainPoint& b) {
+    const Vec3d way = b.position - a.position;
+    const double widening = b.radius - a.radius;
+    const Vec3d to = p.position - a.position;
+    const double square = dot(way, way) + widening * widening;
+    const double along = dot(to, way) + (p.radius - a.radius) * widening;
+    const double t = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.0;
+    const double d_radius = p.radius - a.radius - t * widening;
+    return std::sqrt(length_squared(to - way * t) + d_radius * d_radius) / p.radius;
+}
+
+std::pair<std::uint32_t, double> find_farthest(const std::vector<ChainPoint>& points, const Interval& in,
+                                               bool leads) {
+    std::pair<std::uint32_t, double> best{in.first, -1};
+    ChainPoint a = points[in.first];
+    // A lateral's first segment has the radius of its end all along.
+    if (in.first == 0 && !leads) a.radius = points[in.last].radius;
+    for (std::uint32_t i = in.first + 1; i < in.last; ++i) {
+        const double shift = shift_of(points[i], a, points[in.last]);
+        if (shift > best.second) best = {i, shift};
+    }
+    return best;
+}
+
+/// Chooses points by Douglas-Peucker in four dimensions, on a stack of its own. Deep intervals are halved
+/// instead of split at their farthest point: so the worst case stays O(n log n), at the price of a few points
+/// more.
+std::vector<bool> choose_points(std::vector<ChainPoint>& points, const ChainRule& rule) {
+    const auto last = static_cast<std::uint32_t>(points.size() - 1);
+    std::vector<bool> chosen(points.size(), false);
+    chosen[0] = chosen[last] = true;
+    const int deepest = 16 + 2 * static_cast<int>(std::log2(points.size()));
+    std::vector<Interval> stack{{0, last, 0}};
+    while (!stack.empty()) {
+        const Interval in = stack.back();
+        stack.pop_back();
+        const auto [farthest, shift] = find_farthest(points, in, rule.leads);
+        if (!(shift > rule.tolerance)) continue;
+        const std::uint32_t at = in.depth < deepest ? farthest : in.first + (in.last - in.first) / 2;
+        chosen[at] = true;
+        points[at].influence = shift;
+        stack.push_back({at, in.last, in.depth + 1});
+        stack.push_back({in.first, at, in.depth + 1});
+    }
+    return chosen;
+}
+
+bool is_jump(const ChainPoint& a, const ChainPoint& b) {
+    return std::abs(a.radius - b.radius) > kJump * std::max(a.radius, b.radius);
+}
+
+/// Neither far enough apart nor worth two points.
+bool crowd(const ChainPoint& a, const ChainPoint& b, double spacing) {
+    return distance(a.position, b.position) < spacing * std::min(a.radius, b.radius) && !is_jump(a, b);
+}
+
+/// Adds a point to those that stay, in place of nearby ones of less influence, or not at all.
+void add_spaced(std::vector<ChainPoint>& out, const ChainPoint& p, double spacing) {
+    while (crowd(out.back(), p, spacing)) {
+        if (out.size() == 1 || out.back().influence >= p.influence) return;
+        out.pop_back();
+    }
+    out.push_back(p);
+}
+
+std::vector<ChainPoint> space_out(const std::vector<ChainPoint>& points, const std::vector<bool>& chosen,
+                                  const ChainRule& rule) {
+    std::vector<ChainPoint> out{points[0]};
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        if (!chosen[i]) continue;
+        if (out.size() == 1 && distance(points[i].position, points[0].position) < rule.fork_ball) continue;
+        add_spaced(out, points[i], rule.min_spacing);
+    }
+    while (out.size() > 1 && crowd(out.back(), points.back(), rule.min_spacing)) out.pop_back();
+    out.push_back(points.back());
+    return out;
+}
+
+/// Pushes the two ends of a jump in radius apart, each along its own segment and by at most a third of that.
+/// Returns how many points moved.
+std::uint32_t spread_jumps(std::vector<ChainPoint>& chain, double spacing) {
+    std::uint32_t moved = 0;
+    const auto move = [&](std::size_t i, std::size_t toward, double way) {
+        const Vec3d to = chain[toward].position - chain[i].position;
+        const double l = length(to);
+        if (l <= 0) return 0.0;
+        const double step = std::min(way, l / 3);
+        chain[i].position += to * (step / l);
+        ++moved;
+        return step;
+    };
+    for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+        if (!is_jump(chain[i], chain[i + 1])) continue;
+        double lacking = spacing * std::min(chain[i].radius, chain[i + 1].radius) -
+                         distance(chain[i].position, chain[i + 1].position);
+        if (!(lacking > 0)) continue;
+        const bool back = i > 0, on = i + 2 < chain.size();
+        if (back) lacking -= move(i, i - 1, on ? lacking / 2 : lacking);
+        if (on && lacking > 0) move(i + 1, i + 2, lacking);
+    }
+    return moved;
+}
+
+}  // namespace
+
+SimplifiedChain simplify_chain(std::vector<ChainPoint> points, const ChainRule& rule) {
+    const std::vector<bool> chosen = choose_points(points, rule);
+    SimplifiedChain out{space_out(points, chosen, rule)};
+    out.moved = spread_jumps(out.points, rule.min_spacing);
+    return out;
+}
+
+}  // namespace coppice

@@ -1,0 +1,84 @@
+#include "coppice/extract/tree/simplify_internal.h"
+
+#include <gtest/gtest.h>
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::uint32_t kNone = DraftTree::kNoParent;
+
+/// A stem along z with nodes at these heights.
+DraftTree stem(const std::vector<double>& heights, double radius) {
+    DraftTree t;
+    for (const double z : heights) t.add(t.size() == 0 ? kNone : t.size() - 1, {0, 0, z}, radius);
+    return t;
+}
+
+TEST(Simplify, NodesThatNothingNeedsGoAndTheirSamplesGoTowardsTheTip) {
+    DraftTree t = stem({0, 1, 2, 3, 4}, 0.1);
+    t.radius[2] = 0.15;
+    FitSamples samples{{}, {}, {0, 1, 2, 3, kNone}};
+    simplify(t, samples, 0.02);
+    EXPECT_EQ(t.position, (std::vector<Vec3d>{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}}));
+    t.radius[2] = 0.1;
+    simplify(t, samples, 0.02);
+    EXPECT_EQ(t.position, (std::vector<Vec3d>{{0, 0, 0}, {0, 0, 4}}));
+    EXPECT_EQ(t.parent, (std::vector<std::uint32_t>{kNone, 0}));
+    EXPECT_EQ(samples.node, (std::vector<std::uint32_t>{0, 1, 1, 1, kNone}));
+}
+
+// Meshing merges forks nearer than half a radius; what was measured are two.
+TEST(Simplify, ForksNearEachOtherStayTwo) {
+    DraftTree t = stem({0, 1, 1.05, 2}, 0.2);  // a quarter of a radius apart
+    t.add(1, {0.6, 0, 1.3}, 0.05);
+    t.add(2, {-0.6, 0, 1.35}, 0.05);
+    FitSamples samples;
+    simplify(t, samples, 0.02);
+    ASSERT_EQ(t.size(), 6u);
+    const DraftLinks links(t);
+    std::uint32_t forks = 0;
+    for (std::uint32_t n = 0; n < t.size(); ++n) forks += links.children(n).size() > 1;
+    EXPECT_EQ(forks, 2u);
+}
+
+TEST(Simplify, NothingIsRounded) {
+    DraftTree t = stem({0, 1.0 / 3, 1}, 1.0 / 30);
+    t.position[1].x = 1.0 / 7;
+    const DraftTree before = t;
+    FitSamples samples;
+    simplify(t, samples, 0.02);
+    EXPECT_EQ(t.position, before.position);
+    EXPECT_EQ(t.radius, before.radius);
+}
+
+TEST(Simplify, OfTwoNodesNearEachOtherOneStays) {
+    // A kink of two nodes 0.05 apart, half a radius, then the same five radii apart.
+    for (const double apart : {0.05, 0.5}) {
+        DraftTree t;
+        t.add(kNone, {0, 0, 0}, 0.1);
+        t.add(0, {0, 0, 1}, 0.1);
+        t.add(1, {0, apart * 0.5, 1 + apart}, 0.1);
+        t.add(2, {0, 1, 2}, 0.1);
+        FitSamples samples;
+        simplify(t, samples, 0.02);
+        EXPECT_EQ(t.size(), apart < 0.09 ? 3u : 4u);
+    }
+}
+
+TEST(Simplify, TheSameChildLeads) {
+    // The node that makes the stem lead lies on the way to a thinner one, and is not needed otherwise.
+    DraftTree t = stem({0, 1, 1.5, 2}, 0.1);
+    t.radius[2] = 0.0995;
+    t.radius[3] = 0.099;
+    t.add(1, {1, 0, 1}, 0.0992);
+    FitSamples samples;
+    simplify(t, samples, 0.02);
+    const DraftLinks links(t);
+    for (std::uint32_t n = 0; n < t.size(); ++n) {
+        if (links.children(n).size() < 2) continue;
+        EXPECT_EQ(t.position[links.leader(n)].x, 0);
+    }
+}
+
+}  // namespace
+}  // namespace coppice::extract_internal

@@ -1,0 +1,49 @@
+#include "coppice/skeleton/simplify_chain.h"
+
+#include <gtest/gtest.h>
+
+namespace coppice {
+namespace {
+
+std::vector<std::uint32_t> nodes_of(const SimplifiedChain& chain) {
+    std::vector<std::uint32_t> nodes;
+    for (const ChainPoint& p : chain.points) nodes.push_back(p.node);
+    return nodes;
+}
+
+using Nodes = std::vector<std::uint32_t>;
+
+TEST(SimplifyChain, KeepsEndsAndWhatTheSurfaceNeeds) {
+    // A straight taper of 0.1 per metre, but for node 2, which is off by 0.02 of 0.5 radii: 4 %.
+    std::vector<ChainPoint> points;
+    for (std::uint32_t i = 0; i <= 4; ++i) points.push_back({{0, 0, 1.0 * i}, 0.7 - 0.1 * i, i});
+    EXPECT_EQ(nodes_of(simplify_chain(points, {0.01, 0})), (Nodes{0, 4}));
+    points[2].position.x = 0.02;
+    EXPECT_EQ(nodes_of(simplify_chain(points, {0.03, 0})), (Nodes{0, 2, 4}));
+    EXPECT_EQ(nodes_of(simplify_chain(points, {0.05, 0})), (Nodes{0, 4}));
+}
+
+TEST(SimplifyChain, ALateralHasTheRadiusOfItsEndAllAlong) {
+    const std::vector<ChainPoint> points{{{0, 0, 0}, 0.1, 0}, {{0, 0, 1}, 0.1, 1}, {{0, 0, 2}, 0.2, 2}};
+    EXPECT_EQ(nodes_of(simplify_chain(points, {0.02, 0})), (Nodes{0, 1, 2}));
+    // Between balls of 0.2 and 0.2 the one of 0.1 is off by a radius of its own.
+    EXPECT_EQ(nodes_of(simplify_chain(points, {1.01, 0, false})), (Nodes{0, 2}));
+    EXPECT_EQ(nodes_of(simplify_chain(points, {0.99, 0, false})), (Nodes{0, 1, 2}));
+    // Within the ball of the fork nothing shows.
+    EXPECT_EQ(nodes_of(simplify_chain(points, {0.02, 0, false, 1.5})), (Nodes{0, 2}));
+}
+
+TEST(SimplifyChain, PushesJumpsApartAndKeepsBothRadii) {
+    // Half a metre thick up to 1, a quarter from 1.05 on: too near, but worth two points.
+    const std::vector<ChainPoint> points{
+        {{0, 0, 0}, 0.5, 0}, {{0, 0, 1}, 0.5, 1}, {{0, 0, 1.05}, 0.25, 2}, {{0, 0, 3}, 0.25, 3}};
+    const SimplifiedChain chain = simplify_chain(points, {0.02, 0.9});
+    EXPECT_EQ(nodes_of(chain), (Nodes{0, 1, 2, 3}));
+    EXPECT_EQ(chain.moved, 2u);
+    // 0.9 radii of 0.25 are 0.225, shared evenly: 0.0875 each.
+    EXPECT_NEAR(chain.points[1].position.z, 0.9125, 1e-12);
+    EXPECT_NEAR(chain.points[2].position.z, 1.1375, 1e-12);
+}
+
+}  // namespace
+}  // namespace coppice
