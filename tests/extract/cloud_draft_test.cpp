@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 
 #include "coppice/extract/cloud/clean_internal.h"
@@ -69,6 +70,17 @@ TEST(CloudCover, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
     EXPECT_EQ(std::ranges::count_if(tree.position, [](Vec3d q) { return q.x > 0.4; }), 1);
     // Nothing else explains what is left.
     EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, cover.noise, {}), 0u);
+}
+
+TEST(CloudCover, DropsABranchWithoutPointsAndDividesByNothing) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
+    Prepared p(set);
+    DraftTree tree = stem();
+    tree.add(tree.add(kNone, {3, 0, 0}, 0.03), {3, 0, 5}, 0.03);
+    std::feclearexcept(FE_ALL_EXCEPT);
+    EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, 0.001, {.threads = 1}), 1u);
+    EXPECT_FALSE(std::fetestexcept(FE_INVALID | FE_DIVBYZERO));
 }
 
 TEST(CloudChains, FollowATwigOfTenPointsBackToTheStem) {

@@ -58,6 +58,13 @@ TEST(MeshClean, WeldingGoesByTheSizeOfTheMesh) {
     EXPECT_LT(clean_mesh(m, {.weld = 0.01f}).mesh.positions.size(), 500u);
 }
 
+// Cells of 1e-22 of the size have numbers beyond 64 bits: once all vertices fell into one.
+TEST(MeshClean, TheFinestWeldingIsExact) {
+    const PolygonMesh m = soup(closed_tube());
+    for (const float weld : {0.0f, 1e-22f, 1e-30f})
+        EXPECT_EQ(clean_mesh(m, {.weld = weld}).mesh.positions.size(), 338u);
+}
+
 TEST(MeshClean, DegenerateAndDoubleFacesGo) {
     PolygonMesh m = closed_tube();
     m.add_face(std::vector<std::uint32_t>{0, 1, 1});

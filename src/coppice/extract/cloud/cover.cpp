@@ -215,8 +215,9 @@ std::uint32_t drop_needless(DraftTree& tree, FitSamples& samples, std::span<cons
             about += spacing[i];
             near = near && rivals[i].second != kNone;
         }
-        about /= static_cast<double>(members.of(n).size());
-        if (near && tree.radius[n] < kThin * about) c.gain = 0;
+        // A branch without points explains nothing as it is.
+        const auto points = static_cast<double>(std::max<std::size_t>(members.of(n).size(), 1));
+        if (near && tree.radius[n] < kThin * about / points) c.gain = 0;
         order.push_back(c);
     }
     std::ranges::stable_sort(order, {}, &Candidate::gain);

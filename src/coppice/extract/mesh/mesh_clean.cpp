@@ -23,6 +23,7 @@ namespace {
 using extract_internal::kNone;
 using extract_internal::Surface;
 
+constexpr double kFinestWeld = 0x1p-52;
 constexpr double kFlatShare = 0.8;  // a tube's normals share 0.5 and 0.5, those of a folded leaf 0.7 and 0.3
 
 std::string lower_case(std::string text) {
@@ -73,7 +74,8 @@ std::vector<std::uint32_t> same_place(std::span<const Vec3> positions, double we
     };
     Box3 box;
     for (const Vec3 p : positions) box.extend(p);
-    const double cell = weld * box.diagonal();
+    // Finer cells than the numbers of a double would run over: then places are told apart exactly.
+    const double cell = weld < kFinestWeld ? 0 : weld * box.diagonal();
     const auto cell_of = [&](Vec3 p) {
         std::array<std::int64_t, 3> c{};
         for (int k = 0; k < 3; ++k)
