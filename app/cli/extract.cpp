@@ -97,22 +97,31 @@ auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& 
     });
 }
 
-ExtractResult from_mesh(Run& run, const ExtractFlags& flags) {
+ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PolygonMesh mesh = load_mesh(run, flags.input);
     FromMeshResult result = extract_stage(
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
     for (const auto& [name, seconds] : result.stages)
         run.add_stage(fmt::format("extract: {}", name), seconds);
     run.repairs() = figures_of(result.repairs);
+    summary = fmt::format(", {} loops cut", grouped(result.report.loops));
     return result;
 }
 
-ExtractResult from_cloud(Run& run, const ExtractFlags& flags) {
+/// What the summary says of leaves: they are the points that a user misses first.
+std::string leaves_left_out(const CloudReport& cleaning) {
+    if (cleaning.leaves == 0) return "";
+    return fmt::format(", {} of {} points left out as leaves", grouped(cleaning.leaves),
+                       grouped(cleaning.points));
+}
+
+ExtractResult from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PointSet points = load_points(run, flags.input);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_of(result.cleaning);
+    summary = leaves_left_out(result.cleaning);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves",
                   [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
@@ -153,7 +162,9 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     const auto is_height = [](const Option* option) { return option->name == "--ground-height"; };
     if (std::ranges::any_of(given, is_height) && flags.from_cloud.ground != GroundRule::height)
         throw UsageError("--ground-height is for the rule of that name; add --ground height");
-    const ExtractResult result = kind == FileKind::mesh ? from_mesh(run, flags) : from_cloud(run, flags);
+    std::string found;
+    const ExtractResult result =
+        kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
     write(run, flags, result);
     fill_report(run, result);
     std::string surface;
@@ -165,10 +176,8 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
         run.counts()["quads"] = made.mesh.quads.size();
         surface = fmt::format("; {}: {} quads", flags.mesh_output.string(), grouped(made.mesh.quads.size()));
     }
-    const std::string loops =
-        kind == FileKind::mesh ? fmt::format(", {} loops cut", grouped(result.report.loops)) : "";
     run.finish(fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
-                           grouped(result.skeleton.size()), grouped(result.report.trees), loops, surface));
+                           grouped(result.skeleton.size()), grouped(result.report.trees), found, surface));
     return kDone;
 }
 

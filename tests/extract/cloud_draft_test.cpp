@@ -21,7 +21,7 @@ struct Prepared {
     FitSamples samples;
     explicit Prepared(const PointSet& set) : points(set.positions.begin(), set.positions.end()) {
         const Neighbours near = nearest_neighbours(points, 12, {});
-        graph = make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {});
+        graph = make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {}, {});
         spacing = local_spacing(near, 4);
         samples = {points, {}, std::vector<std::uint32_t>(points.size(), kNone)};
     }
@@ -136,7 +136,7 @@ TEST(CloudForks, LateralsStartWhereTheirAxesMeet) {
     samples.node = {inside};
     const auto new_of_old = sort_parents_first(tree);
     samples.node[0] = new_of_old[inside];
-    settle_forks(tree, samples);
+    settle_forks(tree, samples, {});
     // At 45 degrees, from 0.3 off the stem at a height of 1.3: it leaves the stem at 1.0.
     const auto lateral = std::ranges::find(tree.position, Vec3d(0.3, 0, 1.3)) - tree.position.begin();
     ASSERT_LT(lateral, tree.size());

@@ -72,7 +72,7 @@ TEST(CloudGraph, PathsPreferManyShortSteps) {
     // A square with one side in steps of 1, and a straight way of 3: 1 + 1 + 1 < 9.
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0.1f, 0}, {2, 0.1f, 0}, {3, 0, 0}};
     const Neighbours near = nearest_neighbours(points, 3, {});
-    const Graph graph = make_graph(near, std::vector<std::uint8_t>(4, 0), {});
+    const Graph graph = make_graph(near, std::vector<std::uint8_t>(4, 0), {}, {});
     const std::vector<float> spacing(4, 1);
     const std::vector<std::uint32_t> root{0}, free(4, kNone);
     const Paths paths = shortest_paths(graph, root, free, spacing, {});
@@ -96,7 +96,7 @@ TEST(CloudGraph, IgnoredPointsHaveNoLinks) {
     const Neighbours near = nearest_neighbours(points, 6, {});
     std::vector<std::uint8_t> ignored(points.size(), 0);
     ignored[7] = 1;
-    const Graph graph = make_graph(near, ignored, {});
+    const Graph graph = make_graph(near, ignored, {}, {});
     EXPECT_EQ(graph.first[7], graph.first[8]);
     EXPECT_EQ(std::ranges::count(graph.to, 7u), 0);
     std::size_t both = 0;

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stop_token>
 #include <string>
+#include <thread>
 
 #include "coppice/base/error.h"
 #include "coppice/skeleton/measure.h"
@@ -258,6 +260,29 @@ TEST(FromCloud, CanBeStoppedAndTellsHowFarItIs) {
                        }});
     EXPECT_TRUE(rises);
     EXPECT_EQ(last, 1);
+}
+
+// Asks for a stop at eight moments, and measures how long it takes to be heeded.
+TEST(FromCloud, StopsWithinASecondAtAnyMoment) {
+    using Clock = std::chrono::steady_clock;
+    const PointSet set = whorl_cloud(60'000);
+    const auto start = Clock::now();
+    extract_from_cloud(set);
+    const auto whole = Clock::now() - start;
+    for (int k = 0; k < 8; ++k) {
+        std::stop_source source;
+        Clock::time_point asked = Clock::time_point::max();
+        const std::jthread other([&] {
+            std::this_thread::sleep_for(whole * k / 8);
+            asked = Clock::now();
+            source.request_stop();
+        });
+        try {
+            extract_from_cloud(set, {}, {.stop = source.get_token()});
+        } catch (const Cancelled&) {
+            EXPECT_LT(Clock::now() - asked, std::chrono::seconds(1)) << k;
+        }
+    }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/tree_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -47,7 +48,9 @@ class Binner {
         for (const auto& root : roots) {
             for (const std::uint32_t p : root) set_.join(p, root[0]);
         }
+        std::size_t turn = 0;
         for (const std::uint32_t p : paths_.order) {
+            poll_stop(ctx_, turn++);
             for (std::uint32_t e = graph_.first[p]; e < graph_.first[p + 1]; ++e) {
                 const std::uint32_t q = graph_.to[e];
                 if (level_[q] == level_[p] && graph_.length[e] <= link_ * std::max(spacing_[p], spacing_[q]))
@@ -74,7 +77,7 @@ class Binner {
         for (const std::uint32_t p : paths_.order) tree.node_of_point[p] = first + piece_of[p];
         std::vector<std::uint32_t> below;
         for (std::uint32_t i = 0; i < heads.size(); ++i) {
-            if (i % 65536 == 0) ctx_.throw_if_cancelled();
+            poll_stop(ctx_, i);
             below.clear();
             Vec3d sum;
             for (const std::uint32_t p : members.of(i)) {

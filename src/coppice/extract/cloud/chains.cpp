@@ -12,7 +12,6 @@ constexpr std::size_t kFewest = 3;   // points of a branch
 constexpr double kHigh = 0.5;        // [radius] of what it leaves, above which a tip is no bark
 constexpr double kHighSpacings = 4;  // [spacing] above which it is none either
 constexpr double kSteep = 0.85;      // of its length, which bark does not rise
-constexpr std::size_t kPoll = 1024;
 
 /// Height of a point above what is there: above all that `cover` knows, and the few segments towards the root
 /// from where its path ends.
@@ -43,10 +42,10 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const Graph& graph, std::
     const Paths paths = shortest_paths(graph, points_with_nodes(samples), samples.node, spacing, ctx);
     Strand strand(samples.positions, graph, spacing, samples.node, options.step);
     std::vector<std::uint8_t> dead(samples.node.size(), 0);  // no branch starts there
-    for (std::size_t i = paths.order.size(), turn = 0; i-- > 0;) {
+    for (std::size_t i = paths.order.size(); i-- > 0;) {
         const std::uint32_t tip = paths.order[i];
         if (dead[tip] || samples.node[tip] != kNone) continue;
-        if (turn++ % kPoll == 0) ctx.throw_if_cancelled();
+        ctx.throw_if_cancelled();
         const std::uint32_t owner = samples.node[strand.trace(tip, paths)];
         const double least = std::max(options.reach * strand.spacing(),
                                       std::min({kHigh * tree.radius[owner], kHighSpacings * strand.spacing(),

@@ -7,6 +7,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -42,7 +43,7 @@ Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Conte
     const Box3 box = bounds_of(points);
     edge = std::max(edge, widest(box) / kCells);
     Buffer<CubePlace> place(points.size());
-    parallel_for(ctx, points.size(), kGrain, [&](std::size_t i) {
+    stoppable_for(ctx, points.size(), kGrain, [&](std::size_t i) {
         std::uint64_t key = 0;
         for (int axis = 0; axis < 3; ++axis) {
             const double at = (double{points[i][axis]} - double{box.low[axis]}) / edge;
@@ -58,7 +59,8 @@ Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Conte
     const Buffer<CubePlace> place = by_cube(points, 1e-30, ctx);
     Buffer<Vec3> sorted;
     sorted.reserve(points.size());
-    for (std::size_t first = 0; first < place.size();) {
+    for (std::size_t first = 0, turn = 0; first < place.size();) {
+        poll_stop(ctx, turn++);
         std::size_t last = first;
         const std::size_t start = sorted.size();
         for (; last < place.size() && place[last].key == place[first].key; ++last) {
@@ -75,7 +77,8 @@ Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Conte
 Buffer<Vec3> thinned(std::span<const Vec3> points, double edge, const Context& ctx) {
     const Buffer<CubePlace> place = by_cube(points, edge, ctx);
     Buffer<Vec3> kept;
-    for (std::size_t first = 0; first < place.size();) {
+    for (std::size_t first = 0, turn = 0; first < place.size();) {
+        poll_stop(ctx, turn++);
         std::size_t last = first;
         Vec3d sum;
         for (; last < place.size() && place[last].key == place[first].key; ++last) {
@@ -93,7 +96,6 @@ Buffer<Vec3> thinned_to(Buffer<Vec3> points, std::size_t limit, const Context& c
     // Points lie on surfaces, of which cubes of the widest extent / sqrt(limit) leave about `limit`.
     double edge = widest(bounds_of(points)) / std::sqrt(static_cast<double>(limit)) / 4;
     for (bool enough = false; !enough; edge *= 1.25) {
-        ctx.throw_if_cancelled();
         kept = thinned(points, edge, ctx);
         enough = kept.size() <= limit;
     }
@@ -113,13 +115,13 @@ std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, co
     const std::uint32_t near = std::min(kNear, neighbours.count);
     const std::size_t n = neighbours.index.size() / neighbours.count;
     Buffer<float> mean(n);
-    parallel_for(ctx, n, kGrain, [&](std::size_t i) {
+    stoppable_for(ctx, n, kGrain, [&](std::size_t i) {
         double sum = 0;
         for (std::uint32_t k = 0; k < near; ++k) sum += neighbours.distances(i)[k];
         mean[i] = static_cast<float>(sum / near);
     });
     std::vector<std::uint8_t> stray(n, 0);
-    parallel_for(ctx, n, kGrain, [&](std::size_t i) {
+    stoppable_for(ctx, n, kGrain, [&](std::size_t i) {
         std::array<float, kNear> about{};
         for (std::uint32_t k = 0; k < near; ++k) about[k] = mean[neighbours.of(i)[k]];
         std::nth_element(about.begin(), about.begin() + near / 2, about.begin() + near);

@@ -6,6 +6,7 @@
 #include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
+#include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -165,7 +166,7 @@ Cover claim_points(const DraftTree& tree, FitSamples& samples, std::span<const f
     Buffer<float> radius;
     radius.assign(count, 0);
     samples.node.assign(count, kNone);
-    parallel_for(ctx, count, kGrain, [&](std::size_t i) {
+    stoppable_for(ctx, count, kGrain, [&](std::size_t i) {
         double best = std::numeric_limits<double>::infinity();
         const Vec3d p(samples.positions[i]);
         cones.visit(samples.positions[i], static_cast<float>(kLook * spacing[i]), [&](std::uint32_t n) {
@@ -195,7 +196,7 @@ std::uint32_t drop_needless(DraftTree& tree, FitSamples& samples, std::span<cons
     const RivalFinder finder(cones, branch, noise);
     std::vector<Rivals> rivals(samples.positions.size());
     std::vector<std::uint32_t> key(rivals.size(), kNone);
-    parallel_for(ctx, rivals.size(), kGrain, [&](std::size_t i) {
+    stoppable_for(ctx, rivals.size(), kGrain, [&](std::size_t i) {
         rivals[i] = finder.find(samples.positions[i], spacing[i]);
         if (rivals[i].first != kNone) key[i] = branch[rivals[i].first];
     });

@@ -7,6 +7,7 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -47,7 +48,7 @@ float least_eigenvalue(const Tensor& t) {
 
 void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& near, const Context& ctx) {
     const std::uint32_t count = std::min(kDisorderNeighbours, near.count);
-    parallel_for(ctx, tensor.size(), kGrain, [&](std::size_t i) {
+    stoppable_for(ctx, tensor.size(), kGrain, [&](std::size_t i) {
         Tensor sum = tensor[i];
         for (const std::uint32_t j : near.of(i).first(count)) {
             for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += tensor[j][k];
@@ -99,13 +100,12 @@ Disorder disorder(std::span<const Vec3> points, const Neighbours& near, const Co
     Disorder out;
     const std::size_t count = points.size();
     Buffer<Tensor> tensor(count), scratch(count);
-    parallel_for(ctx, count, kGrain, [&](std::size_t i) { tensor[i] = normal_squared(points, near, i); });
+    stoppable_for(ctx, count, kGrain, [&](std::size_t i) { tensor[i] = normal_squared(points, near, i); });
     for (int pass = 0; pass < kPasses; ++pass) {
-        ctx.throw_if_cancelled();
         average(tensor, scratch, near, ctx);
     }
     out.value.resize(count);
-    parallel_for(ctx, count, kGrain, [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
+    stoppable_for(ctx, count, kGrain, [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
     out.spacing = median(local_spacing(near, kSpacingRank));
     out.share = static_cast<double>(std::ranges::count_if(out.value, [](float v) { return v > kHigh; })) /
                 static_cast<double>(count);
@@ -120,6 +120,7 @@ Places places_of(std::span<const Vec3> points, double edge, const Context& ctx) 
     std::vector<std::uint32_t> count;
     std::vector<Vec3d> sum;
     for (std::size_t i = 0; i < points.size(); ++i) {
+        poll_stop(ctx, i);
         if (first[i] == i) {
             places.of[i] = static_cast<std::uint32_t>(sum.size());
             sum.emplace_back();

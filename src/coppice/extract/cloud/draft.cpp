@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 #include "coppice/extract/tree/simplify_internal.h"
 
@@ -11,11 +12,12 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr int kRounds = 3;
-constexpr int kLongFit = 8, kShortFit = 4;  // iterations
-constexpr double kRobust = 0.5;             // [radius] residuals much larger than this hardly count
-constexpr double kTolerance = 0.02;         // [radius] to which nodes are needed
-constexpr double kLeast = 0.05;             // [spacing] median: no radius is less, which nothing could tell
-constexpr double kClubEnd = 1.5;  // [radius] of what bears it, as far as a club is thicker than this
+constexpr int kLongFit = 8, kShortFit = 4;                          // iterations
+constexpr float kFitted = 0.08f, kJoined = 0.2f, kRefined = 0.97f;  // of the time, by then
+constexpr double kRobust = 0.5;      // [radius] residuals much larger than this hardly count
+constexpr double kTolerance = 0.02;  // [radius] to which nodes are needed
+constexpr double kLeast = 0.05;      // [spacing] median: no radius is less, which nothing could tell
+constexpr double kClubEnd = 1.5;     // [radius] of what bears it, as far as a club is thicker than this
 
 void fit(CloudDraft& draft, int iterations, const Context& ctx) {
     FitOptions options;
@@ -83,32 +85,33 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const Graph& gr
                             std::span<const float> spacing, const DraftOptions& options, const Context& ctx) {
     CloudDraft draft{std::move(tubes), std::move(samples)};
     if (draft.tree.size() > 0) {
-        fit(draft, kLongFit, ctx);
+        fit(draft, kLongFit, stage_context(ctx, 0, kFitted));
         claim_points(draft.tree, draft.samples, spacing, ctx);
     }
     draft.reached = join_tubes(draft.tree, draft.samples, graph, feet, spacing, options, ctx);
-    settle_forks(draft.tree, draft.samples);
-    fit(draft, kLongFit, ctx);
+    settle_forks(draft.tree, draft.samples, ctx);
+    fit(draft, kLongFit, stage_context(ctx, kFitted, kJoined));
     extract_internal::extend_ends(draft.tree, draft.samples);
-    for (int round = 0; round < kRounds; ++round) {
+    for (int k = 0; k < kRounds; ++k) {
+        const float share = (kRefined - kJoined) / kRounds, start = kJoined + static_cast<float>(k) * share;
+        const Context round = stage_context(ctx, start, start + share);
         ctx.throw_if_cancelled();
         const Cover cover = claim_points(draft.tree, draft.samples, spacing, ctx);
         claim_feet(draft, feet);
         grow_chains(draft.tree, draft.samples, graph, spacing, cover, options, ctx);
-        settle_forks(draft.tree, draft.samples);
-        fit(draft, kLongFit, ctx);
+        settle_forks(draft.tree, draft.samples, ctx);
+        fit(draft, kLongFit, stage_context(round, 0.3f, 0.7f));
         simplify(draft.tree, draft.samples, kTolerance);
         draft.dropped += drop_needless(draft.tree, draft.samples, spacing, cover.noise, ctx);
-        settle_forks(draft.tree, draft.samples);
-        fit(draft, kShortFit, ctx);
+        settle_forks(draft.tree, draft.samples, ctx);
+        fit(draft, kShortFit, stage_context(round, 0.8f, 1));
         draft.ends = extract_internal::extend_ends(draft.tree, draft.samples);
-        ctx.report(0.7f + 0.09f * static_cast<float>(round + 1));
     }
     slim_clubs(draft.tree);
     const double least = kLeast * double{median(spacing)};
     for (double& r : draft.tree.radius) r = std::max(r, least);
     simplify(draft.tree, draft.samples, kTolerance);
-    settle_forks(draft.tree, draft.samples);
+    settle_forks(draft.tree, draft.samples, ctx);
     simplify(draft.tree, draft.samples, kTolerance);
     claim_points(draft.tree, draft.samples, spacing, ctx);
     return draft;

@@ -67,6 +67,6 @@ void slim_clubs(DraftTree& tree);
 
 /// Moves the starts of laterals: nodes inside of what they leave go, as no points hold them, and the axis of
 /// the rest, drawn backwards, meets the axis that it leaves. O(nodes).
-void settle_forks(DraftTree& tree, FitSamples& samples);
+void settle_forks(DraftTree& tree, FitSamples& samples, const Context& ctx);
 
 }  // namespace coppice::extract_internal

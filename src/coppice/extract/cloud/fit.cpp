@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coppice/base/parallel.h"
+#include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/circle_fit_internal.h"
 
 namespace coppice::extract_internal {
@@ -144,17 +145,14 @@ void smooth(CloudTree& tree, std::uint32_t first, const AxisFitter& axes) {
 void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points, int passes,
               const Context& ctx) {
     for (int pass = 0; pass < passes; ++pass) {
-        ctx.throw_if_cancelled();
         const AxisFitter axes(tree, points);
         std::vector<Measured> measured(tree.size());
-        parallel_for_ranges(ctx, tree.size(), 64, [&](IndexRange range) {
-            if (ctx.stop.stop_requested()) return;
+        stoppable_for_ranges(ctx, tree.size(), 64, [&](IndexRange range) {
             std::vector<PlanePoint> plane;
             for (std::size_t n = std::max<std::size_t>(range.begin, first); n < range.end; ++n) {
                 measured[n] = axes.measure(static_cast<std::uint32_t>(n), plane);
             }
         });
-        ctx.throw_if_cancelled();
         for (std::uint32_t n = first; n < tree.size(); ++n) {
             tree.position[n] = measured[n].position;
             tree.radius[n] = measured[n].radius;

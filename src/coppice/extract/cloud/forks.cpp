@@ -55,10 +55,11 @@ class ForkSettler {
         std::iota(stands_for_.begin(), stands_for_.end(), 0u);
     }
 
-    void run() {
+    void run(const Context& ctx) {
         for (std::uint32_t n = 0; n < gone_.size(); ++n) {
             const std::uint32_t fork = tree_.parent[n];
             if (fork == kNone || next_[fork] == n) continue;
+            ctx.throw_if_cancelled();
             const std::uint32_t outer = outer_node(n, fork);
             const Place place = best_place(outer, fork);
             if (place.node != kNone) {
@@ -173,6 +174,8 @@ class ForkSettler {
 
 }  // namespace
 
-void settle_forks(DraftTree& tree, FitSamples& samples) { ForkSettler(tree, samples).run(); }
+void settle_forks(DraftTree& tree, FitSamples& samples, const Context& ctx) {
+    ForkSettler(tree, samples).run(ctx);
+}
 
 }  // namespace coppice::extract_internal

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "coppice/base/parallel.h"
+#include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -21,7 +22,7 @@ template <class Visit>
 void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
                    std::span<const Link> more, const Context& ctx, const Visit& visit) {
     for (std::uint32_t i = 0; i < ignored.size(); ++i) {
-        if (i % 65536 == 0) ctx.throw_if_cancelled();
+        poll_stop(ctx, i);
         if (ignored[i]) continue;
         for (std::uint32_t k = 0; k < neighbours.count; ++k) {
             const std::uint32_t j = neighbours.of(i)[k];
@@ -152,10 +153,11 @@ Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ign
     return graph;
 }
 
-Components components(const Graph& graph) {
+Components components(const Graph& graph, const Context& ctx) {
     Components parts;
     parts.of.assign(graph.size(), kNone);
     std::vector<std::uint32_t> open;
+    std::size_t turn = 0;
     for (std::uint32_t i = 0; i < graph.size(); ++i) {
         if (parts.of[i] != kNone) continue;
         const auto part = static_cast<std::uint32_t>(parts.size.size());
@@ -165,6 +167,7 @@ Components components(const Graph& graph) {
         while (!open.empty()) {
             const std::uint32_t p = open.back();
             open.pop_back();
+            poll_stop(ctx, turn++);
             ++parts.size[part];
             for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
                 if (parts.of[graph.to[e]] != kNone) continue;
@@ -185,11 +188,10 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
     std::vector<std::uint32_t> part_of = parts.of;
     const Members members(nearest.used(), parts.of, parts.size.size());
     for (bool joined = true; joined;) {
-        ctx.throw_if_cancelled();
         for (std::uint32_t i = 0; i < part_of.size(); ++i) part_of[i] = sets.find(parts.of[i]);
         nearest.set_parts(part_of);
         std::vector<Link> best(parts.size.size(), {kNone, kNone, 0});
-        parallel_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
+        stoppable_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
             double squared = limit * limit;
             for (const std::uint32_t p : members.of(part)) {
                 std::uint32_t found = kNone;
@@ -235,7 +237,7 @@ Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
         const auto [at, p] = open.top();
         open.pop();
         if (at > cost[p]) continue;
-        if (turn % 65536 == 0) ctx.throw_if_cancelled();
+        poll_stop(ctx, turn);
         if (taken[p] == kNone) {
             paths.order.push_back(p);
             paths.distance[p] = static_cast<float>(at);

@@ -31,13 +31,13 @@ struct Graph {
 
 /// Joins every point that `ignored` does not mark to its neighbours, and the ends of `more` links. O(n k).
 Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                 std::span<const Link> more, const Context& ctx = {});
+                 std::span<const Link> more, const Context& ctx);
 
 struct Components {
     std::vector<std::uint32_t> of;    ///< of each point
     std::vector<std::uint32_t> size;  ///< points of each, in order of their first points
 };
-Components components(const Graph& graph);
+Components components(const Graph& graph, const Context& ctx);
 
 /// The shortest links that join what lies nearer together than `limit` [m] into one component, as a minimal
 /// spanning tree does: Boruvka's rounds over a hierarchy of boxes. O(n log n) per round.
@@ -60,6 +60,7 @@ Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
 /// nearest to that place. Else for each part with enough points: the lowest places as thick as a trunk.
 std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points, const Graph& graph,
                                                    const Components& parts, double spacing,
-                                                   const std::optional<Vec3d>& given, int most_trees);
+                                                   const std::optional<Vec3d>& given, int most_trees,
+                                                   const Context& ctx);
 
 }  // namespace coppice::extract_internal

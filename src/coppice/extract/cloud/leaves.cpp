@@ -8,6 +8,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/disorder_internal.h"
 #include "coppice/extract/cloud/graph_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -78,7 +79,7 @@ Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
     Buffer<float> value(scale.points.size()), scratch(scale.points.size());
     for (std::size_t i = 0; i < value.size(); ++i) value[i] = scale.disorder.value[scale.of(i)];
     for (int pass = 0; pass < kSmoothPasses; ++pass) {
-        parallel_for(ctx, value.size(), kGrain, [&](std::size_t i) {
+        stoppable_for(ctx, value.size(), kGrain, [&](std::size_t i) {
             float sum = value[i];
             for (const std::uint32_t j : near.of(i).first(count)) sum += value[j];
             scratch[i] = sum / static_cast<float>(count + 1);
@@ -99,12 +100,12 @@ std::vector<std::uint8_t> marked_places(const Scale& scale, std::span<const std:
 Buffer<float> beyond(const Scale& scale, std::span<const std::uint8_t> ignored, const LeafOptions& options,
                      const Context& ctx) {
     const auto at = scale.at();
-    Graph graph = make_graph(scale.near(), ignored, {});
-    const auto bridges = bridge_gaps(at, ignored, components(graph), options.gap, ctx);
-    if (!bridges.empty()) graph = make_graph(scale.near(), ignored, bridges);
+    Graph graph = make_graph(scale.near(), ignored, {}, ctx);
+    const auto bridges = bridge_gaps(at, ignored, components(graph, ctx), options.gap, ctx);
+    if (!bridges.empty()) graph = make_graph(scale.near(), ignored, bridges, ctx);
     std::vector<std::uint32_t> sources;
     for (const auto& root :
-         find_roots(at, graph, components(graph), scale.disorder.spacing, options.root, 0)) {
+         find_roots(at, graph, components(graph, ctx), scale.disorder.spacing, options.root, 0, ctx)) {
         sources.insert(sources.end(), root.begin(), root.end());
     }
     // One spacing for all: leaves are no sparser than wood.
@@ -126,8 +127,7 @@ Buffer<float> girth(const Buffer<float>& reach, const Neighbours& near, double l
     Buffer<float> girth(reach.size()), scratch(reach.size());
     for (std::size_t i = 0; i < reach.size(); ++i) girth[i] = reach[i] > least ? reach[i] / kSlender : -1;
     for (int pass = 0; pass < kGirthPasses; ++pass) {
-        ctx.throw_if_cancelled();
-        parallel_for(ctx, girth.size(), kGrain, [&](std::size_t i) {
+        stoppable_for(ctx, girth.size(), kGrain, [&](std::size_t i) {
             float most = girth[i];
             for (std::uint32_t k = 0; k < near.count; ++k)
                 most = std::max(most, girth[near.of(i)[k]] - near.distances(i)[k]);
@@ -141,8 +141,8 @@ Buffer<float> girth(const Buffer<float>& reach, const Neighbours& near, double l
 /// Gives pieces of wood that are shorter than `least` [m] to the leaves around them. `out` are leaves and
 /// points that are ignored.
 void drop_crumbs(std::vector<std::uint8_t>& leaf, const Scale& scale, std::span<const std::uint8_t> out,
-                 double least) {
-    const Components parts = components(make_graph(scale.near(), marked_places(scale, out), {}));
+                 double least, const Context& ctx) {
+    const Components parts = components(make_graph(scale.near(), marked_places(scale, out), {}, ctx), ctx);
     std::vector<Box3> box(parts.size.size());
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (!out[i]) box[parts.of[scale.of(i)]].extend(scale.points[i]);
@@ -174,7 +174,7 @@ std::vector<std::uint8_t> find_leaves(std::span<const Vec3> points, const Neighb
         leaf[i] = !ignored[i] && value[i] > scale.disorder.threshold && wood[scale.of(i)] < 0;
         out[i] |= leaf[i];
     }
-    drop_crumbs(leaf, scale, out, least);
+    drop_crumbs(leaf, scale, out, least, ctx);
     return leaf;
 }
 

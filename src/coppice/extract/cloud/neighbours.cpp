@@ -5,17 +5,24 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/neighbours_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr std::size_t kBatch = std::size_t{1} << 18;  // points between two looks at the stop token
 
+/// What the index asks for points. It looks nowhere at a stop token, so while it is built a question may
+/// throw.
 struct Cloud {
     std::span<const Vec3> points;
+    const Context* ctx;  ///< null once the index is built: threads ask then
+    mutable std::size_t asked = 0;
     std::size_t kdtree_get_point_count() const { return points.size(); }
-    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+        if (ctx != nullptr) poll_stop(*ctx, ++asked);
+        return points[i][static_cast<int>(axis)];
+    }
     template <class Box>
     bool kdtree_get_bbox(Box&) const {
         return false;
@@ -45,19 +52,16 @@ Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count,
     out.count = static_cast<std::uint32_t>(std::min<std::size_t>(count, points.size() - 1));
     out.index.resize(points.size() * out.count);
     out.distance.resize(points.size() * out.count);
-    const Cloud cloud{points};
+    Cloud cloud{points, &ctx};
     const Index tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-    for (std::size_t first = 0; first < points.size(); first += kBatch) {
-        ctx.throw_if_cancelled();
-        const std::size_t size = std::min(kBatch, points.size() - first);
-        parallel_for_ranges(ctx, size, kGrain, [&](IndexRange range) {
-            std::vector<std::uint32_t> index(out.count + 1);
-            std::vector<double> squared(out.count + 1);
-            for (std::size_t i = range.begin; i < range.end; ++i) {
-                find_row(tree, cloud, first + i, index, squared, out);
-            }
-        });
-    }
+    cloud.ctx = nullptr;
+    stoppable_for_ranges(ctx, points.size(), kGrain, [&](IndexRange range) {
+        std::vector<std::uint32_t> index(out.count + 1);
+        std::vector<double> squared(out.count + 1);
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            find_row(tree, cloud, i, index, squared, out);
+        }
+    });
     return out;
 }
 

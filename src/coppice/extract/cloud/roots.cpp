@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "coppice/extract/cloud/graph_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -20,7 +21,7 @@ struct Slice {
 /// The points of one part with z <= top, as pieces that hang together.
 std::vector<Slice> pieces_below(std::span<const Vec3> points, const Graph& graph,
                                 std::span<const std::uint32_t> members, float top,
-                                std::vector<std::uint8_t>& seen) {
+                                std::vector<std::uint8_t>& seen, const Context& ctx) {
     std::vector<Slice> pieces;
     std::vector<std::uint32_t> open;
     for (const std::uint32_t start : members) {
@@ -31,6 +32,7 @@ std::vector<Slice> pieces_below(std::span<const Vec3> points, const Graph& graph
         while (!open.empty()) {
             const std::uint32_t p = open.back();
             open.pop_back();
+            poll_stop(ctx, piece.points.size());
             piece.points.push_back(p);
             piece.low = std::min(piece.low, points[p].z);
             piece.high = std::max(piece.high, points[p].z);
@@ -62,7 +64,8 @@ std::vector<std::uint32_t> foot_of(std::span<const Vec3> points, const Slice& tr
 
 std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points, const Graph& graph,
                                                    const Components& parts, double spacing,
-                                                   const std::optional<Vec3d>& given, int most_trees) {
+                                                   const std::optional<Vec3d>& given, int most_trees,
+                                                   const Context& ctx) {
     std::vector<std::vector<std::uint32_t>> roots;
     if (given) {
         std::uint32_t nearest = kNone;
@@ -95,7 +98,7 @@ std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points,
             high = std::max(high, points[p].z);
         }
         const auto band = static_cast<float>(std::max(kBand * (high - low), 3 * spacing));
-        const auto pieces = pieces_below(points, graph, part, low + band, seen);
+        const auto pieces = pieces_below(points, graph, part, low + band, seen, ctx);
         std::size_t most = 0;
         for (const Slice& piece : pieces) most = std::max(most, piece.points.size());
         for (const Slice& piece : pieces) {

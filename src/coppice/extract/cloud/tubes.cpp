@@ -8,6 +8,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/extract/cloud/fit_internal.h"
+#include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -127,7 +128,7 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
         owner.push_back(n);
     }
     const BoxTree index(boxes, ctx);
-    parallel_for(ctx, points.size(), 4096, [&](std::size_t i) {
+    stoppable_for(ctx, points.size(), 4096, [&](std::size_t i) {
         double best = 1 + kSlack;
         std::uint32_t found = kNone;
         const Vec3d p(points[i]);
@@ -185,7 +186,9 @@ CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph,
     Paths paths;
     std::uint32_t known = 0;  // nodes of the tree that the paths start from
     const double thickest = thickest_foot(points, feet, spacing);
+    float done = 0;
     for (const Scale& scale : kScales) {
+        ctx.report(done++ / kScales.size());
         if (scale.step > kAlways && thickest < kFootOfLeast * scale.least) continue;
         const std::uint32_t first = tree.size();
         // Where a scale finds nothing, the paths of the next are the same.

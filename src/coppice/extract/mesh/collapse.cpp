@@ -1,4 +1,5 @@
 #include "coppice/extract/mesh/collapse_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 #include <algorithm>
 #include <array>
@@ -162,14 +163,22 @@ void Collapser::collapse(std::uint32_t i, std::uint32_t j) {
 }
 
 void Collapser::run(const Context& ctx) {
-    constexpr std::size_t kPoll = 4096;
-    for (std::uint32_t v = 0; v < s_.size(); ++v) offer(v);
+    constexpr std::size_t kPoll = 256;
+    for (std::uint32_t v = 0; v < s_.size(); ++v) {
+        poll_stop(ctx, v);
+        offer(v);
+    }
+    std::size_t collapsed = 0;
     for (std::size_t step = 0; !queue_.empty(); ++step) {
-        if (step % kPoll == 0) ctx.throw_if_cancelled();
+        if (step % kPoll == 0) {
+            ctx.throw_if_cancelled();
+            ctx.report(static_cast<float>(collapsed) / static_cast<float>(s_.size()));
+        }
         const Move move = queue_.top();
         queue_.pop();
         if (into_[move.from] != move.from || stamp_[move.from] != move.stamp) continue;
         collapse(move.from, move.to);
+        ++collapsed;
         // Every neighbour of the place has a new cost.
         std::vector<std::uint32_t> changed = neighbours_[move.to];
         changed.push_back(move.to);

@@ -1,15 +1,15 @@
 #include "coppice/extract/mesh/contraction_internal.h"
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
-
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
+#include "coppice/extract/mesh/cholesky_internal.h"
 #include "coppice/extract/mesh/collapse_internal.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -18,52 +18,33 @@ constexpr int kMostIterations = 20;
 constexpr double kGrowth = 2;                      // of the contraction weight, per iteration [Au2008]
 constexpr double kFirstWeight = 1e-3;              // [root of the mean triangle area]
 constexpr double kDone = 1e-3;                     // [area at first] the surface is a line by then
+constexpr float kSmoothingShare = 0.9f;            // of the time
 constexpr double kLeastCot = 0.05, kMostCot = 20;  // slivers have no useful cotangents
 
-using Matrix = Eigen::SparseMatrix<double>;
-using Solver = Eigen::SimplicialLLT<Matrix>;
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+using Matrix = SparseCholesky::Matrix;
+using Points = SparseCholesky::Columns;
 
 Vec3d point(const Points& p, std::uint32_t v) { return {p(v, 0), p(v, 1), p(v, 2)}; }
 
-class Contractor {
-  public:
-    Contractor(const Surface& s, const Context& ctx) : s_(s), ctx_(ctx), at_(s.size(), 3) {
-        for (std::uint32_t v = 0; v < s.size(); ++v)
-            for (int k = 0; k < 3; ++k) at_(v, k) = static_cast<double>(s.positions[v][k]);
-    }
-    Points run();
-
-  private:
-    std::vector<double> one_ring_areas() const;
-    Matrix laplacian() const;
-
-    const Surface& s_;
-    const Context& ctx_;
-    Points at_;
-    Solver solver_;
-    bool analyzed_ = false;
-};
-
 /// The area around every vertex, a third of its triangles.
-std::vector<double> Contractor::one_ring_areas() const {
-    std::vector<double> area(s_.size(), 0);
-    for (const Triangle& t : s_.triangles) {
-        const Vec3d a = point(at_, t[0]);
-        const double third = length(cross(point(at_, t[1]) - a, point(at_, t[2]) - a)) / 6;
+std::vector<double> one_ring_areas(const Surface& s, const Points& at) {
+    std::vector<double> area(s.size(), 0);
+    for (const Triangle& t : s.triangles) {
+        const Vec3d a = point(at, t[0]);
+        const double third = length(cross(point(at, t[1]) - a, point(at, t[2]) - a)) / 6;
         for (const std::uint32_t v : t) area[v] += third;
     }
     return area;
 }
 
 /// Off the diagonal the sum of the clamped cotangents across each edge; rows sum to zero.
-Matrix Contractor::laplacian() const {
+Matrix laplacian(const Surface& s, const Points& at) {
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(12 * s_.triangles.size());
-    for (const Triangle& t : s_.triangles) {
+    entries.reserve(12 * s.triangles.size());
+    for (const Triangle& t : s.triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t i = t[(k + 1) % 3], j = t[(k + 2) % 3];
-            const Vec3d u = point(at_, i) - point(at_, t[k]), v = point(at_, j) - point(at_, t[k]);
+            const Vec3d u = point(at, i) - point(at, t[k]), v = point(at, j) - point(at, t[k]);
             const double sine = length(cross(u, v));
             const double w = std::clamp(sine > 0 ? dot(u, v) / sine : kMostCot, kLeastCot, kMostCot);
             for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
@@ -72,41 +53,48 @@ Matrix Contractor::laplacian() const {
             }
         }
     }
-    Matrix l(static_cast<Eigen::Index>(s_.size()), static_cast<Eigen::Index>(s_.size()));
+    Matrix l(static_cast<Eigen::Index>(s.size()), static_cast<Eigen::Index>(s.size()));
     l.setFromTriplets(entries.begin(), entries.end());
     return l;
 }
 
-Points Contractor::run() {
-    const std::vector<double> first = one_ring_areas();
-    double whole = 0;
-    for (const double a : first) whole += a;
-    double pull = kFirstWeight * std::sqrt(whole / static_cast<double>(s_.triangles.size()));
-    const double least = 1e-12 * whole / static_cast<double>(s_.size());
+/// The vertices after implicit Laplacian smoothing under growing weights. Areas shrink about geometrically,
+/// so the logarithm of what is left of them tells how far it is.
+Points smoothed(const Surface& s, const Context& ctx) {
+    Points at(s.size(), 3);
+    for (std::uint32_t v = 0; v < s.size(); ++v)
+        for (int k = 0; k < 3; ++k) at(v, k) = static_cast<double>(s.positions[v][k]);
+    const std::vector<double> first = one_ring_areas(s, at);
+    const double whole = std::accumulate(first.begin(), first.end(), 0.0);
+    if (!(whole > 0)) return at;
+    double pull = kFirstWeight * std::sqrt(whole / static_cast<double>(s.triangles.size()));
+    const double least = 1e-12 * whole / static_cast<double>(s.size());
     std::vector<double> area = first;
+    SparseCholesky solver;
+    float done = 0;
     for (int k = 0; k < kMostIterations; ++k, pull *= kGrowth) {
-        ctx_.throw_if_cancelled();
-        const Matrix l = laplacian();
+        ctx.throw_if_cancelled();
+        const Matrix l = laplacian(s, at);
         Matrix a = (pull * pull) * Matrix(l.transpose() * l);
-        Points right = at_;
-        for (std::uint32_t v = 0; v < s_.size(); ++v) {
+        Points right = at;
+        for (std::uint32_t v = 0; v < s.size(); ++v) {
             const double hold = std::max(first[v], least) / std::max(area[v], least);  // the square of W_H
             a.coeffRef(v, v) += hold;
             right.row(v) *= hold;
         }
-        if (!analyzed_) solver_.analyzePattern(a);
-        analyzed_ = true;
-        solver_.factorize(a);
-        if (solver_.info() != Eigen::Success) break;
-        const Points next = solver_.solve(right);
+        ctx.throw_if_cancelled();
+        if (k == 0) solver.analyze(a);
+        if (!solver.factorize(a, ctx)) break;
+        const Points next = solver.solve(right);
         if (!next.allFinite()) break;
-        at_ = next;
-        area = one_ring_areas();
-        double left = 0;
-        for (const double x : area) left += x;
+        at = next;
+        area = one_ring_areas(s, at);
+        const double left = std::accumulate(area.begin(), area.end(), 0.0);
         if (left < kDone * whole) break;
+        done = std::max(done, static_cast<float>(std::log(left / whole) / std::log(kDone)));
+        ctx.report(done);
     }
-    return at_;
+    return at;
 }
 
 /// The middle of the vertices that became a node, by the area that they stand for.
@@ -172,10 +160,10 @@ void check_valences(const Surface& s) {
 
 Contraction contract(const Surface& s, const Context& ctx) {
     check_valences(s);
-    const Points thin = Contractor(s, ctx).run();
+    const Points thin = smoothed(s, stage_context(ctx, 0, kSmoothingShare));
     std::vector<Vec3d> at(s.size());
     for (std::uint32_t v = 0; v < s.size(); ++v) at[v] = point(thin, v);
-    Contraction out = collapse_to_graph(s, at, ctx);
+    Contraction out = collapse_to_graph(s, at, stage_context(ctx, kSmoothingShare, 1));
     center_nodes(s, out);
     measure_radii(s, ctx, out);
     return out;

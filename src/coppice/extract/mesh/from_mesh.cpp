@@ -9,6 +9,7 @@
 #include "coppice/extract/mesh/contraction_internal.h"
 #include "coppice/extract/mesh/distance_internal.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
+#include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 #include "coppice/extract/tree/simplify_internal.h"
 
@@ -27,26 +28,28 @@ class Extraction {
     FromMeshResult run(const PolygonMesh& mesh);
 
   private:
+    /// Runs work(context), which takes the whole work up to the fraction `done`.
     template <class Work>
     void stage(std::string_view name, float done, const Work& work) {
         ctx_.throw_if_cancelled();
         const auto start = std::chrono::steady_clock::now();
-        work();
+        work(stage_context(ctx_, done_, done));
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
         out_.stages.emplace_back(name, took.count());
-        ctx_.report(done);
+        ctx_.report(done_ = done);
     }
     void clean(const PolygonMesh& mesh);
     void draft_from_rings();
-    void draft_from_contraction();
+    void draft_from_contraction(const Context& ctx);
     void assign_rest();
-    void fit(int iterations, double robust);
+    void fit(int iterations, double robust, const Context& ctx);
     void finish();
     ExtractReport& report() { return out_.report; }
 
     const FromMeshOptions& options_;
     const Context& ctx_;
     FromMeshResult out_{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}};
+    float done_ = 0;
     Surface surface_;
     Vec3d origin_;
     std::vector<Vec3> normals_;
@@ -128,8 +131,8 @@ void Extraction::draft_from_rings() {
         if (forest.claim[v] != kNone) samples_.node[v] = new_of_old[strung.node_of_ring[forest.claim[v]]];
 }
 
-void Extraction::draft_from_contraction() {
-    Contraction contracted = contract(surface_, ctx_);
+void Extraction::draft_from_contraction(const Context& ctx) {
+    Contraction contracted = contract(surface_, ctx);
     tree_ = std::move(contracted.tree);
     samples_.node = std::move(contracted.node);
     report().loops = static_cast<std::uint32_t>(contracted.loops.size());
@@ -154,11 +157,11 @@ void Extraction::assign_rest() {
     }
 }
 
-void Extraction::fit(int iterations, double robust) {
+void Extraction::fit(int iterations, double robust, const Context& ctx) {
     FitOptions options;
     options.iterations = options_.fit ? iterations : 0;
     options.robust = robust;
-    fit_capsules(tree_, samples_, options, ctx_);
+    fit_capsules(tree_, samples_, options, ctx);
 }
 
 /// Roots, order, and what each node rests on.
@@ -173,31 +176,34 @@ void Extraction::finish() {
     sort_samples(sort_parents_first(tree_));
     choose_roots(tree_, static_cast<int>(options_.up), root);
     sort_samples(sort_parents_first(tree_));
-    fit(0, kNarrow);
+    fit(0, kNarrow, ctx_);
     out_.skeleton = to_skeleton(tree_, origin_);
     out_.confidence = rate_nodes(tree_, samples_, report().residual, ctx_);
     report().trees = out_.skeleton.tree_count();
 }
 
 FromMeshResult Extraction::run(const PolygonMesh& mesh) {
-    stage("clean", 0.1f, [&] { clean(mesh); });
-    stage("draft", 0.4f, [&] {
-        options_.method == MeshSkeletonMethod::rings ? draft_from_rings() : draft_from_contraction();
+    const bool rings = options_.method == MeshSkeletonMethod::rings;
+    // The share of the time that stages take on large meshes; contraction takes nearly all of it.
+    const auto done = [&](float by_rings, float by_contraction) { return rings ? by_rings : by_contraction; };
+    stage("clean", done(0.18f, 0.01f), [&](const Context&) { clean(mesh); });
+    stage("draft", done(0.31f, 0.97f), [&](const Context& ctx) {
+        rings ? draft_from_rings() : draft_from_contraction(ctx);
         assign_rest();
         report().repaired_tips = extend_ends(tree_, samples_);
     });
-    stage("fit", 0.7f, [&] {
-        fit(kFirstFit, kWide);
+    stage("fit", done(0.55f, 0.98f), [&](const Context& ctx) {
+        fit(kFirstFit, kWide, ctx);
         report().pruned_twigs += prune_stubs(tree_, samples_, options_.prune);
     });
-    stage("refine", 0.9f, [&] {
+    stage("refine", 0.99f, [&](const Context& ctx) {
         simplify(tree_, samples_, options_.tolerance);
-        fit(kLastFit, kNarrow);
+        fit(kLastFit, kNarrow, stage_context(ctx, 0, 0.5f));
         simplify(tree_, samples_, options_.tolerance);
-        fit(kLastFit, kNarrow);
+        fit(kLastFit, kNarrow, stage_context(ctx, 0.5f, 1));
         extend_ends(tree_, samples_);
     });
-    stage("join", 1.0f, [&] { finish(); });
+    stage("join", 1.0f, [&](const Context&) { finish(); });
     return std::move(out_);
 }
 

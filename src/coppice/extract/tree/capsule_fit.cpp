@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
+#include "coppice/extract/stage_internal.h"
 
 namespace coppice {
 namespace {
@@ -81,7 +81,7 @@ double Fit::score(std::uint32_t n, std::size_t i) const {
 
 void Fit::assign() {
     constexpr int kMostSteps = 64;
-    parallel_for(ctx_, s_.positions.size(), kGrain, [&](std::size_t i) {
+    extract_internal::stoppable_for(ctx_, s_.positions.size(), kGrain, [&](std::size_t i) {
         std::uint32_t n = s_.node[i];
         if (n == kNone) return;
         double best = score(n, i);
@@ -204,6 +204,7 @@ void Fit::solve(const std::vector<Block>& blocks) {
         }
     }
     for (std::uint32_t n = n_nodes; n-- > 0;) {
+        extract_internal::poll_stop(ctx_, n);
         const std::uint32_t q = t_.parent[n];
         if (q == kNone) continue;
         // Columns of diagonal^-1 across^T, and diagonal^-1 right.
@@ -243,13 +244,13 @@ void Fit::solve(const std::vector<Block>& blocks) {
 void Fit::run() {
     std::vector<Block> blocks(t_.size());
     for (int k = 0; k < options_.iterations; ++k) {
-        ctx_.throw_if_cancelled();
         links_.update_leaders(t_);
         assign();
         group();
-        parallel_for(ctx_, t_.size(), 64,
-                     [&](std::size_t n) { blocks[n] = block(static_cast<std::uint32_t>(n)); });
+        extract_internal::stoppable_for(
+            ctx_, t_.size(), 64, [&](std::size_t n) { blocks[n] = block(static_cast<std::uint32_t>(n)); });
         solve(blocks);
+        ctx_.report(static_cast<float>(k + 1) / static_cast<float>(options_.iterations));
     }
     links_.update_leaders(t_);
     assign();
@@ -267,7 +268,7 @@ std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& sample
     FitSamples same = samples;
     const FitOptions options;
     const Fit fit(copy, same, options, ctx);
-    parallel_for(ctx, out.size(), kGrain, [&](std::size_t i) {
+    extract_internal::stoppable_for(ctx, out.size(), kGrain, [&](std::size_t i) {
         if (samples.node[i] != kNone)
             out[i] = static_cast<float>(fit.foot(samples.node[i], Vec3d(samples.positions[i])).residual());
     });

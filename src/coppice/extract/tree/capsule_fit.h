@@ -30,7 +30,7 @@ struct FitOptions {
 /// squares [Levenberg1944]. Each sample belongs to the segment whose surface it is deepest in, sought among
 /// the neighbours of the one it had; `samples.node` is brought up to date. The normal equations of a tree are
 /// eliminated from the tips to the root without fill: O(samples + nodes) per iteration, parallel, the same
-/// bits for any number of threads.
+/// bits for any number of threads. Reports progress; throws Cancelled.
 void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx);
 
 /// Distance of a sample from the surface of its segment, negative inside [m].
