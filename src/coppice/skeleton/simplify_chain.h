@@ -23,6 +23,7 @@ struct ChainRule {
     double fork_ball = 0;  ///< [m] of a lateral: no point but the first lies nearer to that
 };
 
+/// What `simplify_chain` keeps.
 struct SimplifiedChain {
     std::vector<ChainPoint> points;  ///< in order; the first and the last are those of the input
     std::uint32_t moved = 0;         ///< points pushed apart, so that a jump in radius keeps both its radii
