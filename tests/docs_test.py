@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; README.md's
-commands run.
+"""docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; the library's
+modules are listed; README.md's commands run.
 
 Commands are those of the README that begin with "coppice "; they run in a folder of their own beside a copy of examples/.
 """
@@ -74,6 +74,15 @@ def pictures(root):
         yield f"docs/pictures: {total} bytes, more than {LARGEST_PICTURES}"
 
 
+def missing_modules(root):
+    """The table of docs/library/README.md has every library, in the order of layers.txt."""
+    listed = re.findall(r"^(\w+):", (root / "layers.txt").read_text(), re.MULTILINE)
+    libraries = [module for module in listed if (root / "src/coppice" / module).is_dir()]
+    rows = re.findall(r"^\| `(\w+)` \|", (root / "docs/library/README.md").read_text(), re.MULTILINE)
+    if rows != libraries:
+        yield f"docs/library/README.md: lists the modules {' '.join(rows)}, layers.txt {' '.join(libraries)}"
+
+
 def failing_commands(root, program):
     lines = re.findall(r"^(coppice .*)$", (root / "README.md").read_text(), re.MULTILINE)
     if not lines:
@@ -90,7 +99,7 @@ def failing_commands(root, program):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    faults = [*missing_sources(root), *broken_links(root), *pictures(root)]
+    faults = [*missing_sources(root), *broken_links(root), *pictures(root), *missing_modules(root)]
     if len(sys.argv) > 2:
         faults += failing_commands(root, os.path.abspath(sys.argv[2]))
     print("\n".join(faults))
