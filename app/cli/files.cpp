@@ -126,7 +126,8 @@ Figures repairs_of(const RepairReport& r) {
 }
 
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options) {
-    SkeletonFile file = run.stage("read", [&](const Context&) { return read_skeleton(path, options); });
+    SkeletonFile file =
+        run.stage("read", [&](const Context& ctx) { return read_skeleton(path, options, ctx); });
     run.counts()["nodes"] = file.skeleton.size();
     run.counts()["trees"] = file.skeleton.tree_count();
     run.repairs() = repairs_of(file.report);
@@ -141,7 +142,7 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path) {
 }
 
 PointSet load_points(Run& run, const std::filesystem::path& path) {
-    PointSet points = run.stage("read", [&](const Context&) { return read_points(path); });
+    PointSet points = run.stage("read", [&](const Context& ctx) { return read_points(path, ctx); });
     run.counts()["points"] = points.size();
     return points;
 }

@@ -87,6 +87,43 @@ TEST(PointText, IsReadInAllItsWritings) {
         expected);
 }
 
+TEST(PointText, ColumnsAreTakenByTheirNames) {
+    PointSet expected;
+    expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};
+    for (const char* text :
+         {"\"id\" \"X\" \"Y\" \"Z\"\n7 1 2 3\n8 -0.5 1000 0\n",             // as R writes a table
+          "\"X\" \"Y\" \"Z\"\n\"1\" 1 2 3\n\"2\" -0.5 1000 0\n",            // with names of rows
+          "\"\",\"z\",\"y\",\"x\"\n\"1\",3,2,1\n\"2\",0,1000,-0.5\n",       // and as CSV
+          "//X Y Z R G B\n1 2 3 9 9 9\n-0.5 1000 0 9 9 9\n",                // CloudCompare
+          "id,Intensity,Z,X,Y\n1,,3,1,2\n2,9,0,-0.5,1000\n",                // an empty cell counts
+          "# t x y z\n0 1 2 3\n0 -0.5 1000 0\n",                            // numpy.savetxt
+          "'y_coord'; 'x_coord'; 'z_coord (m)'\n2; 1; 3\n1000; -0.5; 0\n",  // any quotes, order and case
+          "\"Points:0\",\"Points:1\",\"Points:2\"\n1,2,3\n-0.5,1000,0\n",   // ParaView
+          "Height Northing Easting Elevation\n5 2 1 3\n5 1000 -0.5 0\n"}) {
+        EXPECT_EQ(parse_points(text, "p"), expected) << text;
+    }
+    // A comment that is no list of columns says nothing about them.
+    EXPECT_EQ(parse_points("# made by z and y\n# x\n1 2 3\n-0.5 1000 0\n", "p"), expected);
+}
+
+TEST(PointText, NamesWithoutCoordinatesAreRefused) {
+    EXPECT_EQ(error_of("id,east,red\n1,2,3\n"),
+              "p.xyz:1: the columns are named 'id', 'east', 'red', but x, y and z are not among them");
+    EXPECT_EQ(error_of("id x y z\n1 2 3\n"), "p.xyz:2: it has 3 values for 4 named columns");
+    EXPECT_EQ(error_of("x,y,z\n1,,3\n"), "p.xyz:2: '' is not a number");
+    EXPECT_EQ(error_of("tree1 2 3 4\n"), "p.xyz:1: 'tree1' is not a number");
+}
+
+TEST(PointText, AnOffFileWithoutFacesIsPoints) {
+    PointSet expected;
+    expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};
+    EXPECT_EQ(parse_points("OFF\n2 0 0\n1 2 3\n-0.5 1000 0\n", "p"), expected);
+    EXPECT_EQ(parse_points("COFF\n2 0 0\n1 2 3 255 0 0 255\n-0.5 1000 0 0 0 0 255\n", "p"), expected);
+    EXPECT_EQ(error_of("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+              "p.xyz: it has faces, so it is a mesh, not points");
+    EXPECT_EQ(error_of("OFF\n2 0 0\n1 2 3\n"), "p.xyz:3: the file ends after 1 of 2 vertices; it is cut");
+}
+
 TEST(PointText, DamagedFilesAreRefusedWithTheirLine) {
     EXPECT_EQ(error_of(""), "p.xyz: it holds no points");
     EXPECT_EQ(error_of("# nothing\n"), "p.xyz: it holds no points");

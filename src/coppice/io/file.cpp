@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -54,9 +55,20 @@ struct Descriptor {
     }
 };
 
+/// Waits until a pipe has something to give, or has ended; other files always have.
+void wait_for_bytes(int descriptor, const Context& ctx) {
+    constexpr int kPatience = 100;  // [ms]
+    pollfd waiting{descriptor, POLLIN, 0};
+    do {
+        ctx.throw_if_cancelled();
+    } while (::poll(&waiting, 1, kPatience) == 0);
+}
+
 /// One read, repeated when a signal interrupts it.
-std::size_t read_some(int descriptor, char* to, std::size_t size, const std::filesystem::path& path) {
+std::size_t read_some(int descriptor, char* to, std::size_t size, const std::filesystem::path& path,
+                      const Context& ctx) {
     for (;;) {
+        wait_for_bytes(descriptor, ctx);
         const ssize_t got = ::read(descriptor, to, std::min(size, kTransfer));
         if (got >= 0) return static_cast<std::size_t>(got);
         if (errno != EINTR) fail("read", path, reason_of(errno));
@@ -71,7 +83,7 @@ std::string too_large(std::uint64_t limit) {
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
+std::string read_file(const std::filesystem::path& path, std::uint64_t limit, const Context& ctx) {
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
     struct stat status {};
     if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, reason_of(errno));
@@ -84,7 +96,8 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
     // go on, to one byte more than the limit.
     std::string bytes(size + 1, '\0');
     std::size_t used = 0;
-    while (const std::size_t got = read_some(file.value, bytes.data() + used, bytes.size() - used, path)) {
+    while (const std::size_t got =
+               read_some(file.value, bytes.data() + used, bytes.size() - used, path, ctx)) {
         used += got;
         if (used > limit) fail("read", path, too_large(limit));
         if (used == bytes.size()) {

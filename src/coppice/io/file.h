@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "coppice/base/context.h"
+
 namespace coppice {
 
 /// No reader takes larger files, unless asked to.
@@ -17,8 +19,10 @@ inline constexpr std::uint64_t kLargestStream = std::uint64_t{1} << 30;
 
 /// The bytes of a file, or of a pipe until it ends. Throws `IoError`, one sentence that names the file, when
 /// it is missing, a folder, not readable, or larger than `limit` bytes (a pipe: than `kLargestStream`, if
-/// that is less). Memory: the file's size; for a pipe at most three times what came.
-std::string read_file(const std::filesystem::path& path, std::uint64_t limit = kLargestFile);
+/// that is less); `Cancelled` when a stop is asked for, at once where a pipe gives nothing. Memory: the
+/// file's size; for a pipe at most three times what came.
+std::string read_file(const std::filesystem::path& path, std::uint64_t limit = kLargestFile,
+                      const Context& ctx = {});
 
 /// A file that appears whole or not at all.
 ///

@@ -211,8 +211,12 @@ PlyHeader parse_ply_header(std::string_view file, const std::string& source) {
     return HeaderParser(file, source).parse();
 }
 
-PlyRows::PlyRows(std::string_view file, const PlyHeader& header, std::string source)
-    : file_(file), encoding_(header.encoding), source_(std::move(source)), offset_(header.data_offset) {}
+PlyRows::PlyRows(std::string_view file, const PlyHeader& header, std::string source, const Context& ctx)
+    : file_(file),
+      encoding_(header.encoding),
+      source_(std::move(source)),
+      progress_(ctx, file.size()),
+      offset_(header.data_offset) {}
 
 void PlyRows::begin_element(const PlyElement& element) {
     element_ = &element;
@@ -228,6 +232,7 @@ void PlyRows::begin_element(const PlyElement& element) {
 }
 
 void PlyRows::read(PlyRow& row) {
+    progress_.at(offset_);
     row.values.clear();
     row.first.clear();
     ++row_;

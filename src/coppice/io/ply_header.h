@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/io/file_progress.h"
+
 namespace coppice {
 
 /// How the data of a PLY file is written.
@@ -77,11 +79,11 @@ struct PlyRow {
 ///         for (std::uint64_t i = 0; i < element.count; ++i) rows.read(row);
 ///     }
 ///
-/// Throws InvalidInput where the file ends too early or a value is no number.
+/// Throws InvalidInput where the file ends too early or a value is no number, and Cancelled.
 class PlyRows {
   public:
     /// `file` must outlive this.
-    PlyRows(std::string_view file, const PlyHeader& header, std::string source);
+    PlyRows(std::string_view file, const PlyHeader& header, std::string source, const Context& ctx = {});
 
     /// Makes `element` the one that is read next, and refuses a count for which the file is too short: after
     /// this, reserving memory by `element.count` is safe.
@@ -103,6 +105,7 @@ class PlyRows {
     std::string_view file_;
     PlyEncoding encoding_;
     std::string source_;
+    FileProgress progress_;
     std::size_t offset_;
     const PlyElement* element_ = nullptr;
     std::uint64_t row_ = 0;

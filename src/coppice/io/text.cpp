@@ -78,18 +78,43 @@ std::string plain_name(std::string_view name) {
     return plain;
 }
 
-LineReader::LineReader(std::string_view text) : rest_(text) {
+LineReader::LineReader(std::string_view text, const Context& ctx)
+    : progress_(ctx, text.size()), size_(text.size()), rest_(text) {
     if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
 }
 
 bool LineReader::next() {
     if (rest_.empty()) return false;
+    progress_.at(size_ - rest_.size());
     const std::size_t end = std::min(rest_.find_first_of("\n\r"), rest_.size());
     line_ = rest_.substr(0, end);
     const bool crlf = rest_.substr(end).starts_with("\r\n");
     rest_.remove_prefix(std::min(rest_.size(), end + (crlf ? 2 : 1)));
     ++number_;
     return true;
+}
+
+void split_row(std::string_view line, std::vector<std::string_view>& cells) {
+    cells.clear();
+    const auto skip_blanks = [&] {
+        while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+    };
+    const auto is_comma = [](char c) { return c == ',' || c == ';'; };
+    for (skip_blanks(); !line.empty(); skip_blanks()) {
+        const char first = line.front();
+        const bool quoted = first == '"' || first == '\'';
+        std::size_t end = quoted ? line.find(first, 1) : 0;
+        if (quoted && end != line.npos) {
+            cells.push_back(trimmed(line.substr(1, end - 1)));
+            line.remove_prefix(end + 1);
+        } else {
+            for (end = 0; end < line.size() && !is_blank(line[end]) && !is_comma(line[end]);) ++end;
+            cells.push_back(line.substr(0, end));
+            line.remove_prefix(end);
+        }
+        skip_blanks();
+        if (!line.empty() && is_comma(line.front())) line.remove_prefix(1);
+    }
 }
 
 void split_at_blanks(std::string_view line, std::vector<std::string_view>& cells, bool commas) {

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/io/file_progress.h"
+
 namespace coppice {
 
 /// Numbers and lines of untrusted text, independent of the locale and without copies.
@@ -33,19 +35,25 @@ std::string plain_name(std::string_view name);
 /// Cuts a text into lines ended by LF, CR LF or CR; skips a byte order mark.
 class LineReader {
   public:
-    explicit LineReader(std::string_view text);
+    explicit LineReader(std::string_view text, const Context& ctx = {});
 
-    /// Steps to the next line; false at the end of the text.
+    /// Steps to the next line; false at the end of the text. Throws `Cancelled` when a stop was asked for.
     bool next();
     std::string_view line() const { return line_; }         ///< without its end
     std::uint32_t number() const { return number_; }        ///< from 1
     std::size_t remaining() const { return rest_.size(); }  ///< bytes after this line
 
   private:
+    FileProgress progress_;
+    std::size_t size_;
     std::string_view rest_;
     std::string_view line_;
     std::uint32_t number_ = 0;
 };
+
+/// Cuts a row of a table into cells: at blanks, commas and semicolons, but not within quotes (" or '), which
+/// are taken off. Two commas with nothing between them enclose an empty cell.
+void split_row(std::string_view line, std::vector<std::string_view>& cells);
 
 /// Cuts a line at blanks; also at commas and semicolons when `commas` is set. Empty cells vanish.
 void split_at_blanks(std::string_view line, std::vector<std::string_view>& cells, bool commas = false);

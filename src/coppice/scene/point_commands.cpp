@@ -191,7 +191,7 @@ SceneCommand load_command() {
         std::error_code error;
         const auto size = std::filesystem::file_size(path, error);
         if (!error) call.reserve(4.0 * static_cast<double>(size));
-        return makes_points(call.text("name"), read_points(path));
+        return makes_points(call.text("name"), read_points(path, call.context()));
     };
     return c;
 }

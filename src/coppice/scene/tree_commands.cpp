@@ -141,8 +141,9 @@ SceneCommand loadtree_command() {
         std::error_code error;
         const auto size = std::filesystem::file_size(path, error);
         if (!error) call.reserve(8.0 * static_cast<double>(size));
-        return makes_tree(call.text("tree"),
-                          read_skeleton(path, call.options<ReadSkeletonOptions>("read")).skeleton);
+        return makes_tree(
+            call.text("tree"),
+            read_skeleton(path, call.options<ReadSkeletonOptions>("read"), call.context()).skeleton);
     };
     return c;
 }

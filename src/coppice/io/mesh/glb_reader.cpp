@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "coppice/io/file_progress.h"
 #include "coppice/io/mesh/read_internal.h"
 
 namespace coppice::io_internal {
@@ -110,8 +111,8 @@ struct Elements {
 
 class GlbParser {
   public:
-    GlbParser(std::string_view bytes, const std::string& source)
-        : mesh_(source), allowed_((std::size_t{1} << 25) + 8 * bytes.size()) {
+    GlbParser(std::string_view bytes, const std::string& source, const Context& ctx)
+        : mesh_(source), stop_{.stop = ctx.stop}, allowed_((std::size_t{1} << 25) + 8 * bytes.size()) {
         split(bytes);
         refuse_compression();
     }
@@ -289,7 +290,9 @@ class GlbParser {
 
     void add_positions(const Elements& positions, const Affine& transform) {
         take_from_allowed(positions.count);
+        FileProgress progress(stop_, positions.count);
         for (std::size_t i = 0; i < positions.count; ++i) {
+            progress.at(i);
             const Vec3d p =
                 transform.point({positions.number(i, 0), positions.number(i, 1), positions.number(i, 2)});
             mesh_.add_numbered_vertex({p.x, -p.z, p.y});
@@ -305,7 +308,9 @@ class GlbParser {
         if (corners % 3 != 0)
             fail(fmt::format("mesh {} has {} corners, which is no multiple of 3", mesh, corners));
         take_from_allowed(corners);
+        FileProgress progress(stop_, corners);
         for (std::size_t i = 0; i < corners; i += 3) {
+            progress.at(i);
             Triangle t{};
             for (std::size_t k = 0; k < 3; ++k) {
                 const double v = accessor ? listed.number(i + k, 0) : static_cast<double>(i + k);
@@ -376,6 +381,7 @@ class GlbParser {
     }
 
     MeshBuilder mesh_;
+    Context stop_;  ///< without progress: how many triangles there are shows only at the end
     json document_;
     std::string_view buffer_;
     std::vector<bool> visited_;
@@ -384,8 +390,8 @@ class GlbParser {
 
 }  // namespace
 
-PolygonMesh parse_glb(std::string_view bytes, const std::string& source) {
-    return GlbParser(bytes, source).parse();
+PolygonMesh parse_glb(std::string_view bytes, const std::string& source, const Context& ctx) {
+    return GlbParser(bytes, source, ctx).parse();
 }
 
 }  // namespace coppice::io_internal

@@ -19,7 +19,8 @@ std::string_view next_word(std::string_view& line) {
 
 class ObjParser {
   public:
-    ObjParser(std::string_view text, const std::string& source) : lines_(text), mesh_(source) {}
+    ObjParser(std::string_view text, const std::string& source, const Context& ctx)
+        : lines_(text, ctx), mesh_(source) {}
 
     PolygonMesh parse() {
         while (lines_.next()) {
@@ -129,8 +130,8 @@ class ObjParser {
 
 }  // namespace
 
-PolygonMesh parse_obj(std::string_view text, const std::string& source) {
-    return ObjParser(text, source).parse();
+PolygonMesh parse_obj(std::string_view text, const std::string& source, const Context& ctx) {
+    return ObjParser(text, source, ctx).parse();
 }
 
 }  // namespace coppice::io_internal

@@ -1,4 +1,4 @@
-// PLY, OFF and STL.
+// PLY and STL.
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@ namespace {
 
 class PlyMeshParser {
   public:
-    PlyMeshParser(std::string_view bytes, const std::string& source)
-        : header_(parse_ply_header(bytes, source)), rows_(bytes, header_, source), mesh_(source) {}
+    PlyMeshParser(std::string_view bytes, const std::string& source, const Context& ctx)
+        : header_(parse_ply_header(bytes, source)), rows_(bytes, header_, source, ctx), mesh_(source) {}
 
     PolygonMesh parse() {
         for (const PlyElement& element : header_.elements) {
@@ -78,95 +78,6 @@ class PlyMeshParser {
     MeshBuilder mesh_;
 };
 
-class OffParser {
-  public:
-    OffParser(std::string_view text, const std::string& source) : lines_(text), mesh_(source) {}
-
-    PolygonMesh parse() {
-        parse_head();
-        const std::size_t vertices = count(0, "vertices");
-        const std::size_t faces = count(1, "faces");
-        // The shortest vertex is "0 0 0" and a line end, the shortest face "3 0 0 0".
-        mesh_.reserve_vertices(std::min(vertices, lines_.remaining() / 6 + 1));
-        mesh_.reserve_faces(std::min(faces, lines_.remaining() / 8 + 1));
-        for (std::size_t i = 0; i < vertices; ++i) parse_vertex(i, vertices);
-        for (std::size_t i = 0; i < faces; ++i) parse_face(i, faces);
-        return mesh_.take();
-    }
-
-  private:
-    /// Leaves the line with the counts in `words_`. The keyword may be missing, or share the line of the
-    /// counts. What it announces (colours, normals, texture) follows the coordinates and is passed over.
-    void parse_head() {
-        if (!next_line()) fail("it holds no OFF data");
-        std::string_view keyword = words_[0];
-        if (!keyword.ends_with("OFF")) return;
-        keyword.remove_suffix(3);
-        if (keyword.find_first_of("4n") != keyword.npos) unsupported("OFF in other than three dimensions");
-        words_.erase(words_.begin());
-        if (!words_.empty() && words_[0] == "BINARY") unsupported("binary OFF");
-        if (words_.empty() && !next_line()) fail("the numbers of vertices and faces are missing");
-    }
-
-    std::size_t count(std::size_t place, std::string_view what) const {
-        const auto number = place < words_.size() ? parse_integer(words_[place]) : std::nullopt;
-        if (!number || *number < 0 || *number > 0xfffffffe)
-            fail(fmt::format("expected the number of {}", what));
-        return static_cast<std::size_t>(*number);
-    }
-
-    void parse_vertex(std::size_t i, std::size_t count) {
-        if (!next_line()) fail(fmt::format("the file ends after {} of {} vertices; it is cut", i, count));
-        if (words_.size() < 3) fail("a vertex needs three coordinates");
-        if (!mesh_.add_vertex({number(0), number(1), number(2)}))
-            fail("a coordinate is not finite or beyond 1e30");
-    }
-
-    void parse_face(std::size_t i, std::size_t count) {
-        if (!next_line()) fail(fmt::format("the file ends after {} of {} faces; it is cut", i, count));
-        const auto size = parse_integer(words_[0]);
-        if (!size || *size < 3) fail("a face starts with the number of its corners, at least 3");
-        if (static_cast<std::uint64_t>(*size) >= words_.size())
-            fail(fmt::format("the face has fewer than {} corners", *size));
-        corners_.clear();
-        for (std::size_t k = 1; k <= static_cast<std::size_t>(*size); ++k) {
-            const auto v = parse_integer(words_[k]);
-            if (!v || *v < 0 || static_cast<std::uint64_t>(*v) >= mesh_.vertex_count()) {
-                fail(fmt::format("face {} refers to vertex {}, but the vertices are 0 to {}", i,
-                                 in_quotes(words_[k]), static_cast<std::int64_t>(mesh_.vertex_count()) - 1));
-            }
-            corners_.push_back(static_cast<std::uint32_t>(*v));
-        }
-        mesh_.add_face(corners_);
-    }
-
-    double number(std::size_t place) const {
-        const auto value = parse_number(words_[place]);
-        if (!value) fail(fmt::format("{} is not a number", in_quotes(words_[place])));
-        return *value;
-    }
-
-    bool next_line() {
-        while (lines_.next()) {
-            const std::string_view line = lines_.line();
-            split_at_blanks(line.substr(0, line.find('#')), words_);
-            if (!words_.empty()) return true;
-        }
-        return false;
-    }
-
-    [[noreturn]] void fail(const std::string& text) const { fail_at(mesh_.source(), lines_.number(), text); }
-    [[noreturn]] void unsupported(std::string_view what) const {
-        throw Unsupported(
-            fmt::format("{}: {} is not read; save it as text OFF, PLY or OBJ", mesh_.source(), what));
-    }
-
-    LineReader lines_;
-    MeshBuilder mesh_;
-    std::vector<std::string_view> words_;
-    std::vector<std::uint32_t> corners_;
-};
-
 constexpr std::size_t kStlHead = 84;
 constexpr std::size_t kStlFacet = 50;
 
@@ -175,7 +86,7 @@ void add_triangle(MeshBuilder& mesh) {
     mesh.add_face(std::array{end - 3, end - 2, end - 1});
 }
 
-PolygonMesh parse_binary_stl(std::string_view bytes, const std::string& source) {
+PolygonMesh parse_binary_stl(std::string_view bytes, const std::string& source, const Context& ctx) {
     std::uint32_t count = 0;
     if (bytes.size() >= kStlHead) std::memcpy(&count, bytes.data() + 80, sizeof count);
     if (bytes.size() < kStlHead || (bytes.size() - kStlHead) / kStlFacet < count) {
@@ -185,7 +96,9 @@ PolygonMesh parse_binary_stl(std::string_view bytes, const std::string& source) 
     MeshBuilder mesh(source);
     mesh.reserve_vertices(std::size_t{3} * count);
     mesh.reserve_faces(count);
+    FileProgress progress(ctx, count);
     for (std::size_t i = 0; i < count; ++i) {
+        progress.at(i);
         std::array<Vec3, 3> corner;
         std::memcpy(&corner, bytes.data() + kStlHead + kStlFacet * i + sizeof(Vec3), sizeof corner);
         for (const Vec3 p : corner) mesh.add_numbered_vertex(Vec3d(p));
@@ -195,9 +108,9 @@ PolygonMesh parse_binary_stl(std::string_view bytes, const std::string& source) 
     return mesh.take();
 }
 
-PolygonMesh parse_ascii_stl(std::string_view text, const std::string& source) {
+PolygonMesh parse_ascii_stl(std::string_view text, const std::string& source, const Context& ctx) {
     MeshBuilder mesh(source);
-    LineReader lines(text);
+    LineReader lines(text, ctx);
     std::vector<std::string_view> words;
     int corners = 0;
     bool ended = true;
@@ -236,16 +149,12 @@ bool is_ascii_stl(std::string_view bytes) {
 
 }  // namespace
 
-PolygonMesh parse_ply(std::string_view bytes, const std::string& source) {
-    return PlyMeshParser(bytes, source).parse();
+PolygonMesh parse_ply(std::string_view bytes, const std::string& source, const Context& ctx) {
+    return PlyMeshParser(bytes, source, ctx).parse();
 }
 
-PolygonMesh parse_off(std::string_view text, const std::string& source) {
-    return OffParser(text, source).parse();
-}
-
-PolygonMesh parse_stl(std::string_view bytes, const std::string& source) {
-    return is_ascii_stl(bytes) ? parse_ascii_stl(bytes, source) : parse_binary_stl(bytes, source);
+PolygonMesh parse_stl(std::string_view bytes, const std::string& source, const Context& ctx) {
+    return is_ascii_stl(bytes) ? parse_ascii_stl(bytes, source, ctx) : parse_binary_stl(bytes, source, ctx);
 }
 
 }  // namespace coppice::io_internal

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/context.h"
 #include "coppice/base/error.h"
 #include "coppice/base/vec.h"
 #include "coppice/mesh/mesh.h"
@@ -45,6 +46,7 @@ class MeshBuilder {
 
     /// Chooses the origin and rounds. Throws `InvalidInput` when there is no face.
     PolygonMesh take();
+    std::vector<Vec3d> take_vertices() { return std::move(vertices_); }
 
   private:
     std::string source_;
@@ -55,10 +57,12 @@ class MeshBuilder {
     std::map<std::string, std::uint32_t> group_of_name_;
 };
 
-PolygonMesh parse_obj(std::string_view text, const std::string& source);
-PolygonMesh parse_ply(std::string_view bytes, const std::string& source);
-PolygonMesh parse_off(std::string_view text, const std::string& source);
-PolygonMesh parse_stl(std::string_view bytes, const std::string& source);
-PolygonMesh parse_glb(std::string_view bytes, const std::string& source);
+PolygonMesh parse_obj(std::string_view text, const std::string& source, const Context& ctx);
+PolygonMesh parse_ply(std::string_view bytes, const std::string& source, const Context& ctx);
+PolygonMesh parse_off(std::string_view text, const std::string& source, const Context& ctx);
+/// The vertices of a file without faces; `InvalidInput` for others.
+std::vector<Vec3d> parse_off_points(std::string_view text, const std::string& source, const Context& ctx);
+PolygonMesh parse_stl(std::string_view bytes, const std::string& source, const Context& ctx);
+PolygonMesh parse_glb(std::string_view bytes, const std::string& source, const Context& ctx);
 
 }  // namespace coppice::io_internal

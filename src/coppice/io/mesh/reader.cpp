@@ -140,18 +140,19 @@ void refuse_other_kinds(std::string_view bytes, const std::string& source) {
 }  // namespace
 }  // namespace io_internal
 
-PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source) {
+PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source,
+                       const Context& ctx) {
     switch (format) {
         case MeshFormat::obj:
-            return io_internal::parse_obj(bytes, source);
+            return io_internal::parse_obj(bytes, source, ctx);
         case MeshFormat::ply:
-            return io_internal::parse_ply(bytes, source);
+            return io_internal::parse_ply(bytes, source, ctx);
         case MeshFormat::off:
-            return io_internal::parse_off(bytes, source);
+            return io_internal::parse_off(bytes, source, ctx);
         case MeshFormat::stl:
-            return io_internal::parse_stl(bytes, source);
+            return io_internal::parse_stl(bytes, source, ctx);
         case MeshFormat::glb:
-            return io_internal::parse_glb(bytes, source);
+            return io_internal::parse_glb(bytes, source, ctx);
         case MeshFormat::usda:
             break;
     }
@@ -159,16 +160,15 @@ PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::str
 }
 
 PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx) {
-    const std::string bytes = read_file(path);
+    const std::string bytes = read_file(path, kLargestFile, ctx);
     const std::string source = path.string();
     if (bytes.empty()) throw InvalidInput(fmt::format("{}: the file is empty", source));
-    ctx.throw_if_cancelled();
     auto format = mesh_format_of_content(bytes);
     if (!format) {
         io_internal::refuse_other_kinds(bytes, source);
         format = mesh_format_of_name(path);
     }
-    PolygonMesh mesh = parse_mesh(bytes, format.value_or(MeshFormat::obj), source);
+    PolygonMesh mesh = parse_mesh(bytes, format.value_or(MeshFormat::obj), source, ctx);
     ctx.throw_if_cancelled();
     ctx.report(1);
     return mesh;

@@ -25,11 +25,12 @@ namespace coppice {
 ///
 /// Throws, each with one sentence that names the file and the line or face: `IoError` (see `read_file`),
 /// `InvalidInput` for damaged or cut files, `Unsupported` for what is not handled (compressed or external
-/// glTF buffers, binary OFF, other kinds of files). Cost: linear (STL: n log n); memory is bounded by a small
-/// multiple of the file.
+/// glTF buffers, binary OFF, other kinds of files); `Cancelled`. Cost: linear (STL: n log n); memory is
+/// bounded by a small multiple of the file.
 PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx = {});
 
 /// The same from memory; `source` names it in messages. USDA is `Unsupported`.
-PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source);
+PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source,
+                       const Context& ctx = {});
 
 }  // namespace coppice

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/context.h"
 #include "coppice/base/vec.h"
 
 namespace coppice::io_internal {
@@ -50,6 +51,7 @@ void add_las_point(std::vector<Vec3d>& points, const LasHeader& h, Vec3d raw, co
                    std::uint64_t i);
 
 /// The points of a LAZ file; `Unsupported` where the build found no LASzip library.
-std::vector<Vec3d> read_laz(std::string_view bytes, const LasHeader& h, const std::string& source);
+std::vector<Vec3d> read_laz(std::string_view bytes, const LasHeader& h, const std::string& source,
+                            const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "coppice/base/error.h"
+#include "coppice/io/file_progress.h"
 #include "coppice/io/points/las_header_internal.h"
 #include "coppice/io/points/read_internal.h"
 
@@ -59,7 +60,8 @@ bool withheld(std::string_view record, bool recent) {
     return (static_cast<std::uint8_t>(record[15]) & (recent ? 0x04 : 0x80)) != 0;
 }
 
-std::vector<Vec3d> read_plain(std::string_view bytes, const LasHeader& h, const std::string& source) {
+std::vector<Vec3d> read_plain(std::string_view bytes, const LasHeader& h, const std::string& source,
+                              const Context& ctx) {
     if (h.data < kOldLasHeader || h.data > bytes.size() || h.count > (bytes.size() - h.data) / h.record) {
         const std::uint64_t held =
             h.data < bytes.size() ? (bytes.size() - h.data) / h.record : std::uint64_t{0};
@@ -69,7 +71,9 @@ std::vector<Vec3d> read_plain(std::string_view bytes, const LasHeader& h, const 
     }
     std::vector<Vec3d> points;
     points.reserve(h.count);
+    FileProgress progress(ctx, h.count);
     for (std::uint64_t i = 0; i < h.count; ++i) {
+        progress.at(i);
         const std::string_view record = bytes.substr(h.data + i * h.record, h.record);
         if (withheld(record, h.recent())) continue;
         const Vec3d raw(number_at<std::int32_t>(record, 0), number_at<std::int32_t>(record, 4),
@@ -95,10 +99,11 @@ void add_las_point(std::vector<Vec3d>& points, const LasHeader& h, Vec3d raw, co
     points.push_back(p);
 }
 
-PointSet parse_las(std::string_view bytes, const std::string& source) {
+PointSet parse_las(std::string_view bytes, const std::string& source, const Context& ctx) {
     const LasHeader header = parse_header(bytes, source);
     return to_point_set(
-        header.compressed ? read_laz(bytes, header, source) : read_plain(bytes, header, source), source);
+        header.compressed ? read_laz(bytes, header, source, ctx) : read_plain(bytes, header, source, ctx),
+        source);
 }
 
 }  // namespace coppice::io_internal

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/io/file_progress.h"
 #include "coppice/io/points/las_header_internal.h"
 
 #ifdef COPPICE_HAVE_LASZIP
@@ -305,14 +306,17 @@ bool withheld(const laszip_point_struct& p, bool recent) {
 
 }  // namespace
 
-std::vector<Vec3d> read_laz(std::string_view bytes, const LasHeader& h, const std::string& source) {
+std::vector<Vec3d> read_laz(std::string_view bytes, const LasHeader& h, const std::string& source,
+                            const Context& ctx) {
     if (h.count / kMostPointsPerByte > bytes.size() ||
         (!h.recent() && h.count > std::numeric_limits<std::uint32_t>::max()))
         damaged(source, "the header names more of them than the file can hold");
     std::vector<Vec3d> points;
     if (h.count == 0) return points;
     Unzipper unzipper(plain_laz(bytes, h, source), source);
+    FileProgress progress(ctx, h.count);
     for (std::uint64_t i = 0; i < h.count; ++i) {
+        progress.at(i);
         const laszip_point_struct& p = unzipper.next();
         if (!withheld(p, h.recent())) add_las_point(points, h, Vec3d(p.X, p.Y, p.Z), source, i);
     }
@@ -321,7 +325,7 @@ std::vector<Vec3d> read_laz(std::string_view bytes, const LasHeader& h, const st
 
 #else
 
-std::vector<Vec3d> read_laz(std::string_view, const LasHeader&, const std::string& source) {
+std::vector<Vec3d> read_laz(std::string_view, const LasHeader&, const std::string& source, const Context&) {
     throw Unsupported(
         fmt::format("{}: it is compressed (LAZ), which this build cannot read, as no LASzip library was "
                     "found; convert it to LAS",

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "coppice/base/error.h"
+#include "coppice/io/file_progress.h"
 #include "coppice/io/points/read_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -176,9 +177,10 @@ void add_point(std::vector<Vec3d>& points, Vec3d p, const std::string& source, s
     points.push_back(p);
 }
 
-std::vector<Vec3d> read_ascii(std::string_view bytes, const PcdHeader& h, const std::string& source) {
+std::vector<Vec3d> read_ascii(std::string_view bytes, const PcdHeader& h, const std::string& source,
+                              const Context& ctx) {
     std::vector<Vec3d> points;
-    LineReader lines(bytes.substr(h.begin));
+    LineReader lines(bytes.substr(h.begin), ctx);
     std::vector<std::string_view> cells;
     for (std::uint64_t i = 0; i < h.points;) {
         if (!lines.next()) {
@@ -205,10 +207,12 @@ std::vector<Vec3d> read_ascii(std::string_view bytes, const PcdHeader& h, const 
 
 /// `stride` [bytes] between values of a field, each field's values starting at its `start`.
 std::vector<Vec3d> read_rows(std::string_view data, const PcdHeader& h, bool by_field,
-                             const std::string& source) {
+                             const std::string& source, const Context& ctx) {
     std::vector<Vec3d> points;
     points.reserve(h.points);
+    FileProgress progress(ctx, h.points);
     for (std::uint64_t i = 0; i < h.points; ++i) {
+        progress.at(i);
         Vec3d p;
         for (int axis = 0; axis < 3; ++axis) {
             const PcdField& field = h.fields[h.axis[static_cast<std::size_t>(axis)]];
@@ -250,7 +254,8 @@ std::string expand(std::string_view packed, std::size_t size) {
     return out.size() == size ? out : std::string();
 }
 
-std::vector<Vec3d> read_compressed(std::string_view data, const PcdHeader& h, const std::string& source) {
+std::vector<Vec3d> read_compressed(std::string_view data, const PcdHeader& h, const std::string& source,
+                                   const Context& ctx) {
     const auto size_at = [&](std::size_t at) {
         std::uint32_t size = 0;
         for (std::size_t i = 0; i < 4; ++i)
@@ -265,15 +270,16 @@ std::vector<Vec3d> read_compressed(std::string_view data, const PcdHeader& h, co
         throw InvalidInput(damaged);
     const std::string rows = expand(data.substr(8, packed), whole);
     if (rows.size() < h.points * h.row) throw InvalidInput(damaged);
-    return read_rows(rows, h, true, source);
+    return read_rows(rows, h, true, source, ctx);
 }
 
-std::vector<Vec3d> read_binary(std::string_view data, const PcdHeader& h, const std::string& source) {
+std::vector<Vec3d> read_binary(std::string_view data, const PcdHeader& h, const std::string& source,
+                               const Context& ctx) {
     if (h.row == 0 || h.points > data.size() / h.row) {
         throw InvalidInput(fmt::format("{}: the file is cut off: its header names {} points, but it holds {}",
                                        source, h.points, h.row == 0 ? 0 : data.size() / h.row));
     }
-    return read_rows(data, h, false, source);
+    return read_rows(data, h, false, source, ctx);
 }
 
 }  // namespace
@@ -282,12 +288,12 @@ bool is_pcd(std::string_view bytes) {
     return bytes.starts_with("# .PCD") || bytes.starts_with("VERSION .") || bytes.starts_with("VERSION 0.");
 }
 
-PointSet parse_pcd(std::string_view bytes, const std::string& source) {
+PointSet parse_pcd(std::string_view bytes, const std::string& source, const Context& ctx) {
     const PcdHeader header = HeaderReader(bytes, source).read();
     const std::string_view data = bytes.substr(header.begin);
-    return to_point_set(header.data == PcdData::ascii    ? read_ascii(bytes, header, source)
-                        : header.data == PcdData::binary ? read_binary(data, header, source)
-                                                         : read_compressed(data, header, source),
+    return to_point_set(header.data == PcdData::ascii    ? read_ascii(bytes, header, source, ctx)
+                        : header.data == PcdData::binary ? read_binary(data, header, source, ctx)
+                                                         : read_compressed(data, header, source, ctx),
                         source);
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/context.h"
 #include "coppice/points/point_set.h"
 
 namespace coppice::io_internal {
@@ -19,9 +20,12 @@ bool is_pcd(std::string_view bytes);  ///< starts with the comment or the versio
 
 /// LAS 1.0 to 1.4, all point formats from 0 to 10; points marked as withheld are passed over. LAZ where the
 /// build found a LASzip library, else `Unsupported`.
-PointSet parse_las(std::string_view bytes, const std::string& source);
+PointSet parse_las(std::string_view bytes, const std::string& source, const Context& ctx);
 
 /// PCD 0.5 to 0.7, data ascii, binary and binary_compressed; points without numbers (NaN) are passed over.
-PointSet parse_pcd(std::string_view bytes, const std::string& source);
+PointSet parse_pcd(std::string_view bytes, const std::string& source, const Context& ctx);
+
+/// Text, see `read_points`.
+std::vector<Vec3d> parse_xyz(std::string_view text, const std::string& source, const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -8,10 +8,10 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
+#include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/read_internal.h"
 #include "coppice/io/ply_header.h"
 #include "coppice/io/points/read_internal.h"
-#include "coppice/io/text_internal.h"
 
 namespace coppice {
 namespace {
@@ -20,40 +20,6 @@ constexpr double kLargestCoordinate = 1e30;
 
 using io_internal::fits_points;
 using io_internal::to_point_set;
-
-std::string_view without_comment(std::string_view line) {
-    return line.substr(0, std::min(line.find('#'), line.find("//")));
-}
-
-PointSet parse_xyz(std::string_view text, const std::string& source) {
-    std::vector<Vec3d> points;
-    LineReader lines(text);
-    std::vector<std::string_view> cells;
-    bool first = true;
-    while (lines.next()) {
-        split_at_blanks(without_comment(lines.line()), cells, true);
-        if (cells.empty()) continue;
-        const bool names = first && !parse_number(cells[0]);
-        first = false;
-        if (names) {
-            // Only words are names of columns: a damaged number is not.
-            const char c = plain_name(cells[0]).empty() ? '0' : plain_name(cells[0])[0];
-            if (cells.size() >= 3 && c >= 'a' && c <= 'z') continue;
-            fail_at(source, lines.number(), fmt::format("{} is not a number", in_quotes(cells[0])));
-        }
-        if (cells.size() < 3) fail_at(source, lines.number(), "a point needs three coordinates");
-        Vec3d p;
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::string_view cell = cells[static_cast<std::size_t>(axis)];
-            const auto number = parse_number(cell);
-            if (!number) fail_at(source, lines.number(), fmt::format("{} is not a number", in_quotes(cell)));
-            p[axis] = *number;
-        }
-        if (!fits_points(p)) fail_at(source, lines.number(), "a coordinate is not finite or beyond 1e30");
-        points.push_back(p);
-    }
-    return to_point_set(points, source);
-}
 
 std::vector<Vec3d> read_vertices(PlyRows& rows, const PlyElement& element, const std::string& source) {
     const auto x = element.find({"x"}), y = element.find({"y"}), z = element.find({"z"});
@@ -76,9 +42,9 @@ std::vector<Vec3d> read_vertices(PlyRows& rows, const PlyElement& element, const
     return points;
 }
 
-PointSet parse_ply_points(std::string_view bytes, const std::string& source) {
+PointSet parse_ply_points(std::string_view bytes, const std::string& source, const Context& ctx) {
     const PlyHeader header = parse_ply_header(bytes, source);
-    PlyRows rows(bytes, header, source);
+    PlyRows rows(bytes, header, source, ctx);
     for (const PlyElement& element : header.elements) {
         rows.begin_element(element);
         if (element.name == "vertex") return to_point_set(read_vertices(rows, element, source), source);
@@ -115,15 +81,17 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
     return {};
 }
 
-PointSet parse_points(std::string_view bytes, const std::string& source) {
-    if (is_ply(bytes)) return parse_ply_points(bytes, source);
-    if (io_internal::is_las(bytes)) return io_internal::parse_las(bytes, source);
-    if (io_internal::is_pcd(bytes)) return io_internal::parse_pcd(bytes, source);
-    return parse_xyz(bytes, source);
+PointSet parse_points(std::string_view bytes, const std::string& source, const Context& ctx) {
+    if (is_ply(bytes)) return parse_ply_points(bytes, source, ctx);
+    if (io_internal::is_las(bytes)) return io_internal::parse_las(bytes, source, ctx);
+    if (io_internal::is_pcd(bytes)) return io_internal::parse_pcd(bytes, source, ctx);
+    if (mesh_format_of_content(bytes) == MeshFormat::off)
+        return to_point_set(io_internal::parse_off_points(bytes, source, ctx), source);
+    return to_point_set(io_internal::parse_xyz(bytes, source, ctx), source);
 }
 
-PointSet read_points(const std::filesystem::path& path) {
-    return parse_points(read_file(path), path.string());
+PointSet read_points(const std::filesystem::path& path, const Context& ctx) {
+    return parse_points(read_file(path, kLargestFile, ctx), path.string(), ctx);
 }
 
 }  // namespace coppice

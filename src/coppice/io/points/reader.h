@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "coppice/base/context.h"
 #include "coppice/points/point_set.h"
 
 namespace coppice {
@@ -18,26 +19,31 @@ enum class PointFormat {
 /// By the last extension of the name, upper or lower case; nothing when it belongs to no format of points.
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path);
 
-/// Reads points from an XYZ, PLY, LAS, LAZ or PCD file. A file that starts as one of the last four is one,
-/// whatever its name; anything else is taken for XYZ.
+/// Reads points from an XYZ, PLY, LAS, LAZ, PCD or OFF file. A file that starts as one of the last five is
+/// one, whatever its name; anything else is taken for XYZ.
 ///
-/// XYZ: lines of three numbers or more, separated by blanks, commas or semicolons; what follows the third is
-/// passed over, as are empty lines, what stands behind `#` or `//`, and one line of column names at the top.
+/// XYZ: lines of numbers, separated by blanks, commas or semicolons. The first line, or a comment before the
+/// first point, may name the columns, in quotes or not: x, y and z are taken by their names then, in upper or
+/// lower case, also as x_coord, coord_x, pos_x, Points:0 or easting, northing and elevation. Without names
+/// they are the first three numbers. Other columns are passed over, as are empty lines and what stands behind
+/// `#` or `//`.
 /// PLY: x, y and z of the element `vertex`; everything else is passed over.
 /// LAS: 1.0 to 1.4, point formats 0 to 10; what is marked as withheld is passed over. LAZ needs a build with
 /// LASzip.
 /// PCD: x, y and z, in ascii, binary or binary_compressed; points that are not a number are passed over.
+/// OFF: the vertices of a text without faces.
 ///
 /// Where coordinates are large against the size of the set, `origin` takes the offset in double precision;
 /// else it is zero.
 ///
 /// Throws, each with one sentence that names the file and the line or point: `IoError` (see `read_file`),
-/// `InvalidInput` for damaged files, files without points and coordinates that are not finite or beyond 1e30,
-/// `Unsupported` for LAS of a kind that is not known, and for LAZ without LASzip.
+/// `InvalidInput` for damaged files, files without points, names of columns that lack x, y or z, and
+/// coordinates that are not finite or beyond 1e30, `Unsupported` for LAS of a kind that is not known, and for
+/// LAZ without LASzip; `Cancelled`.
 /// Linear; memory is bounded by a small multiple of the file.
-PointSet read_points(const std::filesystem::path& path);
+PointSet read_points(const std::filesystem::path& path, const Context& ctx = {});
 
 /// The same from memory; `source` names it in messages.
-PointSet parse_points(std::string_view bytes, const std::string& source);
+PointSet parse_points(std::string_view bytes, const std::string& source, const Context& ctx = {});
 
 }  // namespace coppice

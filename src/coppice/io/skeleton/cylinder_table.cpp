@@ -109,7 +109,8 @@ bool is_name(std::string_view cell) { return !cell.empty() && cell != "NA" && !p
 
 class TableParser {
   public:
-    TableParser(std::string_view text, const std::string& source) : lines_(text), source_(source) {}
+    TableParser(std::string_view text, const std::string& source, const Context& ctx)
+        : lines_(text, ctx), source_(source) {}
 
     std::vector<RawCylinder> parse() {
         if (next()) {
@@ -255,8 +256,9 @@ class TableParser {
 
 }  // namespace
 
-std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source) {
-    return TableParser(text, source).parse();
+std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source,
+                                         const Context& ctx) {
+    return TableParser(text, source, ctx).parse();
 }
 
 bool is_cylinder_header(std::string_view line) {

@@ -13,8 +13,8 @@ namespace {
 
 class EdgePlyParser {
   public:
-    EdgePlyParser(std::string_view file, const std::string& source)
-        : source_(source), header_(parse_ply_header(file, source)), rows_(file, header_, source) {}
+    EdgePlyParser(std::string_view file, const std::string& source, const Context& ctx)
+        : source_(source), header_(parse_ply_header(file, source)), rows_(file, header_, source, ctx) {}
 
     EdgeGraph parse() {
         bool has_edges = false;
@@ -127,8 +127,8 @@ class EdgePlyParser {
 
 }  // namespace
 
-EdgeGraph parse_edge_ply(std::string_view file, const std::string& source) {
-    return EdgePlyParser(file, source).parse();
+EdgeGraph parse_edge_ply(std::string_view file, const std::string& source, const Context& ctx) {
+    return EdgePlyParser(file, source, ctx).parse();
 }
 
 }  // namespace coppice

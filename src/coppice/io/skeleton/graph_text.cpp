@@ -50,7 +50,8 @@ void resolve(const std::vector<PendingEdge>& pending, EdgeGraph& graph, const st
 
 class ObjLinesParser {
   public:
-    ObjLinesParser(std::string_view text, const std::string& source) : lines_(text), source_(source) {}
+    ObjLinesParser(std::string_view text, const std::string& source, const Context& ctx)
+        : lines_(text, ctx), source_(source) {}
 
     EdgeGraph parse() {
         while (lines_.next()) {
@@ -125,15 +126,15 @@ class ObjLinesParser {
 
 }  // namespace
 
-EdgeGraph parse_obj_lines(std::string_view text, const std::string& source) {
-    return ObjLinesParser(text, source).parse();
+EdgeGraph parse_obj_lines(std::string_view text, const std::string& source, const Context& ctx) {
+    return ObjLinesParser(text, source, ctx).parse();
 }
 
-EdgeGraph parse_gel(std::string_view text, const std::string& source) {
+EdgeGraph parse_gel(std::string_view text, const std::string& source, const Context& ctx) {
     EdgeGraph graph;
     std::vector<PendingEdge> pending;
     std::vector<std::string_view> cells;
-    LineReader lines(text);
+    LineReader lines(text, ctx);
     while (lines.next()) {
         split_at_blanks(lines.line(), cells);
         if (cells.empty() || cells[0][0] == '#') continue;

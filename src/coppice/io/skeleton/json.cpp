@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coppice/base/error.h"
+#include "coppice/io/file_progress.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -24,7 +25,8 @@ class Columns {
     using string_t = nlohmann::json::string_t;
     using binary_t = nlohmann::json::binary_t;
 
-    Columns(std::string_view text, const std::string& source) : text_(text), source_(source) {}
+    Columns(std::string_view text, const std::string& source, const Context& ctx)
+        : text_(text), source_(source), progress_({.stop = ctx.stop}, 0) {}
 
     bool null() {
         if (column_ == Column::radius && depth_ == 2)
@@ -97,6 +99,7 @@ class Columns {
     enum class Column { other, format, version, origin, parent, position, radius };
 
     bool number(double value) {
+        progress_.at(++numbers_);
         if (column_ == Column::version && depth_ == 1) version_ = value;
         if (column_ == Column::origin && depth_ == 2) origin_.push_back(value);
         if (column_ == Column::position && depth_ == 3) position_.push_back(value);
@@ -126,6 +129,8 @@ class Columns {
 
     std::string_view text_;
     const std::string& source_;
+    FileProgress progress_;
+    std::uint64_t numbers_ = 0;
     std::size_t depth_ = 0;
     Column column_ = Column::other;
     bool is_skeleton_ = false;
@@ -137,9 +142,10 @@ class Columns {
 
 }  // namespace
 
-std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source) {
+std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source,
+                                         const Context& ctx) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    Columns columns(text, source);
+    Columns columns(text, source, ctx);
     nlohmann::json::sax_parse(text.begin(), text.end(), &columns);
     return columns.nodes();
 }

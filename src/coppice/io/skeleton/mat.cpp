@@ -112,8 +112,9 @@ class CylinderReader {
 
 }  // namespace
 
-std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model) {
-    const MatFile file(bytes, source);
+std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model,
+                                   const Context& ctx) {
+    const MatFile file(bytes, source, ctx);
     std::vector<Table> models;
     if (const Table loose = table_of(file.variables()); is_complete(loose)) models.push_back(loose);
     for (const MatArray& variable : file.variables()) collect(variable, models);

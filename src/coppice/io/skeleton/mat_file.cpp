@@ -101,8 +101,10 @@ struct Element {
 
 class Parser {
   public:
-    Parser(std::string_view file, const std::string& source, std::deque<std::string>& unpacked)
-        : file_(file),
+    Parser(std::string_view file, const std::string& source, std::deque<std::string>& unpacked,
+           const Context& ctx)
+        : ctx_(ctx),
+          file_(file),
           source_(source),
           unpacked_(unpacked),
           bytes_left_((std::size_t{64} << 20) + 20 * file.size()) {}
@@ -163,18 +165,19 @@ class Parser {
         std::string& out = unpacked_.emplace_back();
         z_stream stream{};
         if (inflateInit(&stream) != Z_OK) fail_damaged();
+        const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
         stream.next_in = reinterpret_cast<const Bytef*>(packed.data());
         stream.avail_in = static_cast<uInt>(packed.size());
         int status = Z_OK;
         std::size_t used = 0;
         while (status == Z_OK && used <= bytes_left_) {
+            ctx_.throw_if_cancelled();
             out.resize(used + kStep);
             stream.next_out = reinterpret_cast<Bytef*>(out.data() + used);
             stream.avail_out = static_cast<uInt>(kStep);
             status = inflate(&stream, Z_NO_FLUSH);
             used += kStep - stream.avail_out;
         }
-        inflateEnd(&stream);
         if (used > bytes_left_)
             fail("a variable unfolds to more data than is plausible for the size of the file");
         if (status != Z_STREAM_END) fail_damaged();
@@ -185,6 +188,7 @@ class Parser {
 
     MatArray array(std::string_view rest, int depth) {
         if (depth > kDeepest) fail("structures are nested too deep");
+        ctx_.throw_if_cancelled();
         if (items_left_-- == 0) fail("there are more fields than is plausible");
         MatArray result;
         if (rest.empty()) return result;  // how an empty field is written
@@ -253,6 +257,7 @@ class Parser {
     }
     [[noreturn]] void fail_damaged() const { fail("the MATLAB file is cut or damaged"); }
 
+    const Context& ctx_;
     std::string_view file_;
     const std::string& source_;
     std::deque<std::string>& unpacked_;
@@ -278,7 +283,7 @@ std::optional<std::vector<double>> MatArray::numbers() const {
     return values;
 }
 
-MatFile::MatFile(std::string_view bytes, const std::string& source)
-    : variables_(Parser(bytes, source, unpacked_).parse()) {}
+MatFile::MatFile(std::string_view bytes, const std::string& source, const Context& ctx)
+    : variables_(Parser(bytes, source, unpacked_, ctx).parse()) {}
 
 }  // namespace coppice

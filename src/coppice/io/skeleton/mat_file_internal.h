@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/context.h"
+
 namespace coppice {
 
 /// One array of a MATLAB file: numbers, or a struct or cell array of further arrays.
@@ -40,8 +42,8 @@ struct MatArray {
 class MatFile {
   public:
     /// Throws InvalidInput naming `source` when the bytes are no such file, or are cut or damaged;
-    /// Unsupported for "-v7.3". Keeps a view of `bytes`.
-    MatFile(std::string_view bytes, const std::string& source);
+    /// Unsupported for "-v7.3"; Cancelled. Keeps a view of `bytes`.
+    MatFile(std::string_view bytes, const std::string& source, const Context& ctx);
 
     const std::vector<MatArray>& variables() const { return variables_; }
 

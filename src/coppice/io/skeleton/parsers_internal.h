@@ -7,28 +7,32 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/context.h"
 #include "coppice/base/vec.h"
 #include "coppice/skeleton/raw.h"
 
 namespace coppice {
 
 /// One parser per format family: text in, raw nodes or cylinders out, nothing repaired yet. All throw
-/// InvalidInput "source:line: ..." where the text is not of the format, never recurse, and take memory in
-/// proportion to the text.
+/// InvalidInput "source:line: ..." where the text is not of the format, and Cancelled, never recurse, and
+/// take memory in proportion to the text.
 
-std::vector<RawNode> parse_swc(std::string_view text, const std::string& source);
+std::vector<RawNode> parse_swc(std::string_view text, const std::string& source, const Context& ctx = {});
 
 /// A table with a header naming its columns, or without one in TreeQSM's order.
-std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source);
+std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source,
+                                         const Context& ctx = {});
 bool is_cylinder_header(std::string_view line);
 
 /// A table without a header needs radius, length, start, axis, parent and extension.
 inline constexpr std::size_t kLeastHeaderlessColumns = 10;
 
-std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& source);
+std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& source,
+                                    const Context& ctx = {});
 bool is_raycloud_header(std::string_view line);
 
-std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source);
+std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source,
+                                         const Context& ctx = {});
 
 /// Vertices joined by edges, as graph formats have them.
 struct EdgeGraph {
@@ -40,9 +44,9 @@ struct EdgeGraph {
     bool drop_isolated = false;  ///< vertices that no edge names do not count; an edge to itself names one
 };
 
-EdgeGraph parse_gel(std::string_view text, const std::string& source);
-EdgeGraph parse_obj_lines(std::string_view text, const std::string& source);
-EdgeGraph parse_edge_ply(std::string_view file, const std::string& source);
+EdgeGraph parse_gel(std::string_view text, const std::string& source, const Context& ctx = {});
+EdgeGraph parse_obj_lines(std::string_view text, const std::string& source, const Context& ctx = {});
+EdgeGraph parse_edge_ply(std::string_view file, const std::string& source, const Context& ctx = {});
 
 /// Comment by which the writers of graph formats say that edges run from parent to child.
 inline constexpr std::string_view kDirectedMark = "coppice skeleton: edges run from parent to child";
@@ -59,6 +63,7 @@ Forest forest_of(const EdgeGraph& graph, const std::string& source);
 
 /// Model number `model`, from 1, of a TreeQSM .mat file; 0 takes the only one. Throws InvalidInput saying how
 /// many models there are when `model` names none of them.
-std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model);
+std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model,
+                                   const Context& ctx = {});
 
 }  // namespace coppice

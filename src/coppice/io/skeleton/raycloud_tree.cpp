@@ -111,11 +111,11 @@ class TreeLine {
 
 bool is_raycloud_header(std::string_view line) { return read_layout(line).has_value(); }
 
-std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& source) {
+std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& source, const Context& ctx) {
     std::vector<RawNode> nodes;
     std::vector<std::string_view> cells;
     std::optional<Layout> layout;
-    LineReader lines(text);
+    LineReader lines(text, ctx);
     while (lines.next()) {
         const std::string_view line = trimmed(lines.line());
         if (line.empty() || line[0] == '#') continue;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
 #include "coppice/io/skeleton/parsers_internal.h"
@@ -30,46 +31,37 @@ SkeletonFormat detect(std::string_view text, const std::string& source) {
         source));
 }
 
-void check(const ReadSkeletonOptions& options) {
-    if (!(options.scale > 0) || !std::isfinite(options.scale)) {
-        throw InvalidInput(fmt::format("scale is {}; it must be greater than 0", options.scale));
-    }
-    if (!(options.default_radius >= 0) || !std::isfinite(options.default_radius)) {
-        throw InvalidInput(
-            fmt::format("default_radius is {}; it must not be negative", options.default_radius));
-    }
-    if (options.model < 0) {
-        throw InvalidInput(
-            fmt::format("model is {}; it must be 1 or more, or 0 for the only one", options.model));
-    }
-}
-
 /// The decimal number that was meant: 0.001f is not 0.001, and positions have the digits to show it.
 double exact_scale(float scale) { return parse_number(fmt::format("{}", scale)).value_or(scale); }
 
 class Reading {
   public:
-    Reading(SkeletonFormat format, const std::string& source, const ReadSkeletonOptions& options)
-        : format_(format), source_(source), options_(options), scale_(exact_scale(options.scale)) {}
+    Reading(SkeletonFormat format, const std::string& source, const ReadSkeletonOptions& options,
+            const Context& ctx)
+        : format_(format),
+          source_(source),
+          options_(options),
+          ctx_(ctx),
+          scale_(exact_scale(options.scale)) {}
 
     SkeletonFile from_text(std::string_view text) {
         switch (format_) {
             case SkeletonFormat::swc:
-                return finish(parse_swc(text, source_));
+                return finish(parse_swc(text, source_, ctx_));
             case SkeletonFormat::cylinders:
-                return finish(parse_cylinders(text, source_));
+                return finish(parse_cylinders(text, source_, ctx_));
             case SkeletonFormat::raycloud:
-                return finish(parse_raycloud(text, source_));
+                return finish(parse_raycloud(text, source_, ctx_));
             case SkeletonFormat::ply:
-                return finish(parse_edge_ply(text, source_));
+                return finish(parse_edge_ply(text, source_, ctx_));
             case SkeletonFormat::gel:
-                return finish(parse_gel(text, source_));
+                return finish(parse_gel(text, source_, ctx_));
             case SkeletonFormat::obj:
-                return finish(parse_obj_lines(text, source_));
+                return finish(parse_obj_lines(text, source_, ctx_));
             case SkeletonFormat::json:
-                return finish(parse_skeleton_json(text, source_));
+                return finish(parse_skeleton_json(text, source_, ctx_));
             case SkeletonFormat::mat:
-                return finish(parse_mat(text, source_, options_.model));
+                return finish(parse_mat(text, source_, options_.model, ctx_));
             case SkeletonFormat::automatic:
                 break;
         }
@@ -121,6 +113,7 @@ class Reading {
             throw InvalidInput(
                 fmt::format("{}: there is no model {}; the file holds 1", source_, options_.model));
         }
+        ctx_.throw_if_cancelled();
         RepairResult result = repair(items, source_);
         return {std::move(result.skeleton), result.report, std::string(name_of(format_)), std::move(notes_)};
     }
@@ -128,22 +121,24 @@ class Reading {
     SkeletonFormat format_;
     const std::string& source_;
     const ReadSkeletonOptions& options_;
+    const Context& ctx_;
     double scale_;
     std::vector<std::string> notes_;
 };
 
 }  // namespace
 
-SkeletonFile read_skeleton(const std::filesystem::path& path, const ReadSkeletonOptions& options) {
-    return parse_skeleton(read_file(path), path.string(), options);
+SkeletonFile read_skeleton(const std::filesystem::path& path, const ReadSkeletonOptions& options,
+                           const Context& ctx) {
+    return parse_skeleton(read_file(path, kLargestFile, ctx), path.string(), options, ctx);
 }
 
 SkeletonFile parse_skeleton(std::string_view text, const std::string& source,
-                            const ReadSkeletonOptions& options) {
-    check(options);
+                            const ReadSkeletonOptions& options, const Context& ctx) {
+    check_fields(options, "read");
     const SkeletonFormat format =
         options.format == SkeletonFormat::automatic ? detect(text, source) : options.format;
-    return Reading(format, source, options).from_text(text);
+    return Reading(format, source, options, ctx).from_text(text);
 }
 
 }  // namespace coppice

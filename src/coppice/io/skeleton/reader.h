@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/skeleton/raw.h"
@@ -46,12 +47,13 @@ struct SkeletonFile {
 /// Reads a skeleton of any SkeletonFormat and repairs it; cylinders become segments (see raw.h). The format
 /// follows from what the file says of itself, then from the ending of its name, then from its first line.
 /// Throws IoError when the file cannot be read, InvalidInput naming file and line when it is wrong,
-/// Unsupported when its kind is unknown. O(n log n).
-SkeletonFile read_skeleton(const std::filesystem::path& path, const ReadSkeletonOptions& options = {});
+/// Unsupported when its kind is unknown; Cancelled. O(n log n).
+SkeletonFile read_skeleton(const std::filesystem::path& path, const ReadSkeletonOptions& options = {},
+                           const Context& ctx = {});
 
 /// The same for the bytes of a file in memory, `source` being what messages call it and whose ending helps to
 /// tell the format.
 SkeletonFile parse_skeleton(std::string_view text, const std::string& source,
-                            const ReadSkeletonOptions& options = {});
+                            const ReadSkeletonOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -53,10 +53,10 @@ void make_roots_of_zero(std::vector<RawNode>& nodes) {
 
 }  // namespace
 
-std::vector<RawNode> parse_swc(std::string_view text, const std::string& source) {
+std::vector<RawNode> parse_swc(std::string_view text, const std::string& source, const Context& ctx) {
     std::vector<RawNode> nodes;
     std::vector<std::string_view> cells;
-    LineReader lines(text);
+    LineReader lines(text, ctx);
     while (lines.next()) {
         const std::string_view line = lines.line();
         split_at_blanks(line.substr(0, line.find('#')), cells, true);

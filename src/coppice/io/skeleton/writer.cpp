@@ -12,6 +12,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
+#include "coppice/io/file_progress.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 
 namespace coppice {
@@ -21,11 +22,12 @@ namespace {
 /// Text of a skeleton: numbers in world space.
 class Encoder {
   public:
-    explicit Encoder(const Skeleton& skeleton)
-        : skeleton_(skeleton), is_local_(skeleton.origin() == Vec3d{}) {}
+    Encoder(const Skeleton& skeleton, const Context& ctx)
+        : skeleton_(skeleton), progress_({.stop = ctx.stop}, 0), is_local_(skeleton.origin() == Vec3d{}) {}
 
     template <class Format, class... Args>
     void add(const Format& format, const Args&... args) {
+        progress_.at(text_.size());
         fmt::format_to(std::back_inserter(text_), format, args...);
     }
 
@@ -43,6 +45,7 @@ class Encoder {
     template <class T>
     void add_bytes(T value) {
         static_assert(std::endian::native == std::endian::little, "binary PLY is written little-endian");
+        progress_.at(text_.size());
         char bytes[sizeof(T)];
         std::memcpy(bytes, &value, sizeof(T));
         text_.append(bytes, bytes + sizeof(T));
@@ -53,12 +56,13 @@ class Encoder {
 
   private:
     const Skeleton& skeleton_;
+    FileProgress progress_;
     bool is_local_;
     fmt::memory_buffer text_;
 };
 
-std::string encode_swc(const Skeleton& s) {
-    Encoder out(s);
+std::string encode_swc(const Skeleton& s, const Context& ctx) {
+    Encoder out(s, ctx);
     out.add(FMT_COMPILE("# SWC written by Coppice; units: metre\n# id type x y z radius parent\n"));
     for (const NodeId n : nodes(s)) {
         out.add(FMT_COMPILE("{} 0 "), n.index() + 1);
@@ -72,8 +76,8 @@ std::string encode_swc(const Skeleton& s) {
     return out.text();
 }
 
-std::string encode_obj(const Skeleton& s) {
-    Encoder out(s);
+std::string encode_obj(const Skeleton& s, const Context& ctx) {
+    Encoder out(s, ctx);
     out.add(FMT_COMPILE("# {}\n"), kDirectedMark);
     for (const NodeId n : nodes(s)) {
         out.add(FMT_COMPILE("v "));
@@ -90,8 +94,8 @@ std::string encode_obj(const Skeleton& s) {
     return out.text();
 }
 
-std::string encode_json(const Skeleton& s, std::span<const NodeAttribute> attributes) {
-    Encoder out(s);
+std::string encode_json(const Skeleton& s, std::span<const NodeAttribute> attributes, const Context& ctx) {
+    Encoder out(s, ctx);
     const Vec3d origin = s.origin();
     out.add(FMT_COMPILE("{{\n\"format\": \"coppice-skeleton\",\n\"version\": 1,\n\"origin\": [{}, {}, "
                         "{}],\n\"parent\": ["),
@@ -139,8 +143,9 @@ void add_ply_vertices(Encoder& out, const Skeleton& s, bool binary,
     }
 }
 
-std::string encode_ply(const Skeleton& s, bool binary, std::span<const NodeAttribute> attributes) {
-    Encoder out(s);
+std::string encode_ply(const Skeleton& s, bool binary, std::span<const NodeAttribute> attributes,
+                       const Context& ctx) {
+    Encoder out(s, ctx);
     out.add(FMT_COMPILE("ply\nformat {} 1.0\ncomment {}\n"), binary ? "binary_little_endian" : "ascii",
             kDirectedMark);
     const std::string_view type = out.is_local() ? "float" : "double";
@@ -187,13 +192,13 @@ std::vector<CylinderPlace> cylinder_places(const Skeleton& s) {
     return place;
 }
 
-std::string encode_cylinders(const Skeleton& s) {
+std::string encode_cylinders(const Skeleton& s, const Context& ctx) {
     if (s.size() == s.tree_count()) {
         throw Unsupported(
             "the skeleton has no segments, so there are no cylinders to write; choose another format");
     }
     const std::vector<CylinderPlace> place = cylinder_places(s);
-    Encoder out(s);
+    Encoder out(s, ctx);
     out.add(FMT_COMPILE(
         "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,length,branchOrder,branchID,segmentID,"
         "parentSegmentID\n"));
@@ -216,19 +221,19 @@ std::string encode_cylinders(const Skeleton& s) {
 }  // namespace
 
 std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
-                            std::span<const NodeAttribute> attributes) {
+                            std::span<const NodeAttribute> attributes, const Context& ctx) {
     for (const NodeAttribute& a : attributes) COPPICE_ASSERT(a.values.size() == skeleton.size());
     switch (options.format) {
         case SkeletonFormat::swc:
-            return encode_swc(skeleton);
+            return encode_swc(skeleton, ctx);
         case SkeletonFormat::cylinders:
-            return encode_cylinders(skeleton);
+            return encode_cylinders(skeleton, ctx);
         case SkeletonFormat::ply:
-            return encode_ply(skeleton, options.binary, attributes);
+            return encode_ply(skeleton, options.binary, attributes, ctx);
         case SkeletonFormat::obj:
-            return encode_obj(skeleton);
+            return encode_obj(skeleton, ctx);
         case SkeletonFormat::json:
-            return encode_json(skeleton, attributes);
+            return encode_json(skeleton, attributes, ctx);
         case SkeletonFormat::automatic:
         case SkeletonFormat::mat:
         case SkeletonFormat::raycloud:
@@ -240,7 +245,8 @@ std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions
 }
 
 void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                    const WriteSkeletonOptions& options, std::span<const NodeAttribute> attributes) {
+                    const WriteSkeletonOptions& options, std::span<const NodeAttribute> attributes,
+                    const Context& ctx) {
     WriteSkeletonOptions chosen = options;
     if (chosen.format == SkeletonFormat::automatic) {
         const auto format = format_of_extension(path);
@@ -251,7 +257,7 @@ void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
         }
         chosen.format = *format;
     }
-    const std::string bytes = encode_skeleton(skeleton, chosen, attributes);
+    const std::string bytes = encode_skeleton(skeleton, chosen, attributes, ctx);
     AtomicFile file(path);
     file.write(bytes);
     file.commit();

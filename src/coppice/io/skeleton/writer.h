@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/skeleton/skeleton.h"
@@ -42,12 +43,13 @@ struct NodeAttribute {
 /// formats have no place for them. Readers pass over them.
 ///
 /// Throws IoError when the file cannot be written, Unsupported when the format cannot be: one that is read
-/// only, a name without a known ending, a list of cylinders of a skeleton without segments. O(n).
+/// only, a name without a known ending, a list of cylinders of a skeleton without segments; Cancelled. O(n).
 void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                    const WriteSkeletonOptions& options = {}, std::span<const NodeAttribute> attributes = {});
+                    const WriteSkeletonOptions& options = {}, std::span<const NodeAttribute> attributes = {},
+                    const Context& ctx = {});
 
 /// The bytes that `write_skeleton` writes; the format must not be automatic.
 std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
-                            std::span<const NodeAttribute> attributes = {});
+                            std::span<const NodeAttribute> attributes = {}, const Context& ctx = {});
 
 }  // namespace coppice
