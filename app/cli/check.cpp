@@ -4,6 +4,7 @@
 #include "coppice/measure/surface_report.h"
 #include "figures.h"
 #include "files.h"
+#include "messages.h"
 #include "options.h"
 
 namespace coppice::cli {
@@ -29,7 +30,12 @@ ExitCode check(Run& run, const CheckFlags& flags) {
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            report.sound() ? "sound" : "not sound"));
-    return report.sound() ? kDone : kCheckFailed;
+    if (!report.covers_skeleton()) {
+        say(fmt::format("{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
+                        grouped(report.coverage->missing), grouped(report.coverage->judged),
+                        flags.skeleton.string(), flags.mesh.string()));
+    }
+    return report.sound() && report.covers_skeleton() ? kDone : kCheckFailed;
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "command.h"
 #include "coppice/measure/skeleton_match.h"
 #include "figures.h"
@@ -19,19 +16,15 @@ struct CompareFlags {
     ReadSkeletonOptions read_reference, read_found;
 };
 
-/// Throws InvalidInput for skeletons that hardly match and whose sizes differ by a power of ten from 100 on,
-/// as centimetres and metres do: figures near 0 would not say what the mend is.
+/// Figures near 0 would not say what to do about files in different units.
 void check_units(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found,
                  const CompareFlags& flags) {
-    constexpr double kHardly = 5, kAbout = 0.04;  // per cent, and a tenth in decimal logarithms
-    if (std::min(match.covered_percent, match.true_percent) > kHardly) return;
-    const double ratio = double{found.bounds().diagonal()} / reference.bounds().diagonal();
-    const double power = std::round(std::log10(ratio));
-    if (std::fabs(power) < 2 || std::fabs(std::log10(ratio) - power) > kAbout) return;
+    const double ratio = unit_ratio(match, reference, found);
+    if (ratio == 1) return;
     throw InvalidInput(fmt::format(
         "'{}' is about {:g} times as large as '{}' and hardly matches it; if their units differ, "
         "read it with --b-scale {:g}",
-        flags.found.string(), std::pow(10, power), flags.reference.string(), std::pow(10, -power)));
+        flags.found.string(), ratio, flags.reference.string(), 1 / ratio));
 }
 
 ExitCode compare_files(Run& run, const CompareFlags& flags) {

@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "coppice/io/mesh/writer.h"
+#include "coppice/io/points/reader.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/writer.h"
 #include "files.h"
@@ -18,19 +19,14 @@ struct ConvertFlags {
 
 /// The kind of the output, which must be that of the input.
 FileKind agreed_kind(const ConvertFlags& flags) {
-    const FileKind from = kind_of_input(flags.input);
+    const FileKind from = kind_of_input(flags.input, flags.read.format);
     if (from == FileKind::skeleton && flags.write.format != SkeletonFormat::automatic) return from;
-    if (from == FileKind::points) return from;
-    const FileKind to = kind_of_output(flags.output, from);
-    if (from == to) return from;
-    if (from == FileKind::skeleton) {
-        throw UsageError(fmt::format(
-            "'{}' is a skeleton and '{}' the name of a mesh; use coppice mesh {} -o {}", flags.input.string(),
-            flags.output.string(), flags.input.string(), flags.output.string()));
-    }
-    throw UsageError(
-        fmt::format("'{}' is a mesh, and '{}' the name of a skeleton, which cannot be made of it",
-                    flags.input.string(), flags.output.string()));
+    if (from == FileKind::points && point_format_of_name(flags.output)) return from;
+    const FileKind to = kind_to_write(flags.output, from);
+    if (from == to || (from == FileKind::points && to == FileKind::mesh)) return from;
+    throw UsageError(fmt::format("'{0}' is {1}, and '{2}' the name of {3}; use coppice {4} {0} -o {2}",
+                                 flags.input.string(), with_article(from), flags.output.string(),
+                                 with_article(to), from == FileKind::skeleton ? "mesh" : "extract"));
 }
 
 ExitCode convert(Run& run, const ConvertFlags& flags) {

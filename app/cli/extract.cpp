@@ -33,7 +33,7 @@ void check_flags(ExtractFlags& flags) {
     if (flags.input.empty() || flags.output.empty())
         throw UsageError("name both files: coppice extract FILE -o SKELETON");
     if (flags.write.format == SkeletonFormat::automatic &&
-        kind_of_output(flags.output, FileKind::skeleton) != FileKind::skeleton) {
+        kind_to_write(flags.output, FileKind::skeleton) != FileKind::skeleton) {
         throw UsageError(
             fmt::format("'{}' is the name of a mesh; name the skeleton, and the mesh with --then-mesh",
                         flags.output.string()));
@@ -44,29 +44,13 @@ void check_flags(ExtractFlags& flags) {
     flags.from_cloud.root = flags.from_mesh.root;
 }
 
-/// Length and number of branches by order: a root's axis has order 0; where a branch forks, its thickest
-/// child goes on with it and the others are one order higher.
-Figure::List branch_orders(const Skeleton& s) {
-    std::vector<std::uint32_t> order(s.size(), 0);
-    std::vector<double> length;
-    std::vector<std::uint64_t> branches;
-    for (const NodeId n : nodes(s)) {
-        const bool begins = s.is_root(n) || s.leader(s.parent(n)) != n;
-        if (!s.is_root(n)) order[n.index()] = order[s.parent(n).index()] + (begins ? 1 : 0);
-        const std::uint32_t o = order[n.index()];
-        if (o >= length.size()) {
-            length.resize(o + 1, 0);
-            branches.resize(o + 1, 0);
-        }
-        branches[o] += begins ? 1 : 0;
-        if (!s.is_root(n)) length[o] += distance(Vec3d(s.position(n)), Vec3d(s.position(s.parent(n))));
-    }
+Figure::List figures_of_orders(const std::vector<BranchOrder>& orders) {
     Figure::List out;
-    for (std::size_t o = 0; o < length.size(); ++o) {
+    for (std::size_t o = 0; o < orders.size(); ++o) {
         Figures figures;
         figures["order"] = o;
-        figures["branches"] = branches[o];
-        figures["length_m"] = length[o];
+        figures["branches"] = orders[o].branches;
+        figures["length_m"] = orders[o].length;
         out.emplace_back(figures);
     }
     return out;
@@ -82,7 +66,7 @@ void fill_report(Run& run, const ExtractResult& result) {
     counts["branch_nodes"] = m.branch_nodes;
     counts["length_m"] = m.length;
     counts["volume_m3"] = m.volume;
-    counts["orders"] = branch_orders(result.skeleton);
+    counts["orders"] = figures_of_orders(branch_orders(result.skeleton));
 }
 
 /// Runs extract(context); what it refuses is told with the name of the file.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "coppice/io/file_kind.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
@@ -10,15 +11,16 @@
 
 namespace coppice::cli {
 
-enum class FileKind { skeleton, mesh, points };
+/// What a file holds: all commands agree on it. A format that was asked for makes it a skeleton. Throws
+/// UsageError when it is unknown.
+FileKind kind_of_input(const std::filesystem::path& path,
+                       SkeletonFormat format = SkeletonFormat::automatic);
 
-/// What a file holds, by its name, and by its content where the name leaves it open (OBJ, PLY, TXT, CSV,
-/// unknown endings): all commands agree on it.
-FileKind kind_of_input(const std::filesystem::path& path);
+/// What a file of this name is to hold, as in `kind_of_output`. Throws UsageError when the ending is unknown.
+FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred);
 
-/// What a file of this name is to hold. Throws UsageError when the ending is unknown; a name that fits both
-/// (OBJ, PLY) is of the kind `preferred`.
-FileKind kind_of_output(const std::filesystem::path& path, FileKind preferred);
+/// "a skeleton", "a mesh", "a cloud of points"
+std::string_view with_article(FileKind kind);
 
 /// Throws what writing would throw in the end, before hours of work: IoError when the folder does not exist.
 void check_output_folder(const std::filesystem::path& path);
@@ -27,11 +29,14 @@ void check_mesh_output(const std::filesystem::path& path);
 /// The same for points.
 void check_points_output(const std::filesystem::path& path);
 
-/// Reads as a stage of the run; fills its counts and repairs.
+/// Reads as a stage of the run; fills its counts and repairs, and warns of points that are odd. Throws
+/// UsageError for a file of another kind, with the command that makes a skeleton of it.
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
 PointSet load_points(Run& run, const std::filesystem::path& path);
 
+/// What was wrong with a skeleton, and the gaps and jumps between its cylinders, which are not.
 Figures repairs_of(const RepairReport& report);
+Figures joints_of(const RepairReport& report);
 
 }  // namespace coppice::cli

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "clouds.h"
 #include "command.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/json.h"
+#include "coppice/points/spacing.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 #include "files.h"
@@ -50,6 +50,9 @@ Figures describe(const SkeletonFile& file) {
     const Figures repairs = repairs_of(file.report);
     for (const auto& [name, count] : repairs.entries())
         if (std::get<std::uint64_t>(count.value) != 0) out["repairs_" + name] = count;
+    const Figures joints = joints_of(file.report);
+    for (const auto& [name, count] : joints.entries())
+        if (std::get<std::uint64_t>(count.value) != 0) out[name] = count;
     if (!file.notes.empty()) out["notes"] = Figure::List(file.notes.begin(), file.notes.end());
     return out;
 }
@@ -86,7 +89,7 @@ Figures describe(const PointSet& points, const Context& ctx) {
 ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.file.empty()) throw UsageError("name the file: coppice info FILE");
     Figures figures;
-    const FileKind kind = kind_of_input(flags.file);
+    const FileKind kind = kind_of_input(flags.file, flags.read.format);
     if (kind == FileKind::skeleton) {
         figures = describe(load_skeleton(run, flags.file, flags.read));
     } else if (kind == FileKind::points) {

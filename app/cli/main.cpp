@@ -4,6 +4,7 @@
 #include <new>
 
 #include "command.h"
+#include "messages.h"
 #include "parser.h"
 #include "signals.h"
 
@@ -23,7 +24,7 @@ ExitCode run_command_line(std::span<const char* const> arguments, Signals& signa
 }
 
 ExitCode fail(ExitCode code, const char* message) {
-    fmt::print(stderr, "coppice: {}\n", message);
+    say(message);
     return code;
 }
 

@@ -126,7 +126,7 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
     check_flags(flags);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     PointSet constraints;
-    if (!flags.constraints.empty()) constraints = read_points(flags.constraints);
+    if (!flags.constraints.empty()) constraints = load_points(run, flags.constraints);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original);
     MeshResult result = run.stage("mesh", [&](const Context& ctx) {

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "clouds.h"
 #include "command.h"
-#include "coppice/base/parallel.h"
 #include "coppice/io/file.h"
-#include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/radius.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/points/spacing.h"
+#include "coppice/render/cloud_mesh.h"
 #include "coppice/render/png.h"
 #include "files.h"
 #include "options.h"
@@ -36,7 +36,7 @@ PolygonMesh load_cloud(Run& run, const std::filesystem::path& path, double point
         if (point_size == 0) point_size = median_spacing(points, ctx);
         // Points that lie in one place have no spacing.
         if (point_size == 0) point_size = std::max(1e-3 * double{length(bounds(points).size())}, 1e-3);
-        return drawn_points(points, point_size / 2);
+        return mesh_of_cloud(points, point_size / 2);
     });
 }
 
@@ -44,7 +44,7 @@ Inputs load(Run& run, const RenderFlags& flags) {
     Inputs in;
     for (const auto& path : {flags.input, flags.second}) {
         if (path.empty()) continue;
-        const FileKind kind = kind_of_input(path);
+        const FileKind kind = kind_of_input(path, flags.read.format);
         if (kind == FileKind::skeleton ? in.skeleton.has_value() : in.mesh.has_value()) {
             throw UsageError("give at most one mesh (or cloud of points) and one skeleton to coppice render");
         }
@@ -58,23 +58,6 @@ Inputs load(Run& run, const RenderFlags& flags) {
         }
     }
     return in;
-}
-
-/// Per vertex: the least distance to a segment in radii of that segment, minus one.
-std::vector<float> deviations(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
-    constexpr std::size_t kGrain = 1024;
-    const CapsuleTree capsules(skeleton, mesh.origin, ctx);
-    std::vector<float> out(mesh.positions.size());
-    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
-        std::uint32_t hint = CapsuleTree::kNone;
-        for (std::size_t v = range.begin; v < range.end; ++v) {
-            const auto nearest = capsules.nearest(Vec3d(mesh.positions[v]), hint);
-            const bool found = nearest.capsule != CapsuleTree::kNone;
-            hint = nearest.capsule;
-            out[v] = found ? static_cast<float>(nearest.rho - 1) : std::numeric_limits<float>::quiet_NaN();
-        }
-    });
-    return out;
 }
 
 void check_flags(const RenderFlags& flags) {
@@ -118,7 +101,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     std::vector<float> deviation;
     if (by_deviation) {
         deviation = run.stage(
-            "measure", [&](const Context& ctx) { return deviations(*in.mesh, in.skeleton->skeleton, ctx); });
+            "measure", [&](const Context& ctx) { return vertex_deviations(*in.mesh, in.skeleton->skeleton, ctx); });
     }
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
                             .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,

@@ -12,6 +12,7 @@
 #include "coppice/io/file.h"
 #include "coppice/version.h"
 #include "files.h"
+#include "messages.h"
 
 namespace coppice::cli {
 namespace {
@@ -99,8 +100,16 @@ Figures Run::report(double seconds) const {
     out["stages"] = stages;
     out["counts"] = counts_;
     out["repairs"] = repairs_;
+    out["warnings"] = warnings_;
     out["peak_memory_bytes"] = peak_memory_bytes();
     return out;
+}
+
+void Run::warn(const std::string& text) {
+    warnings_.emplace_back(text);
+    if (flags_.quiet) return;
+    clear_progress();
+    say("warning: " + text);
 }
 
 void Run::finish(const std::string& summary) {
@@ -113,7 +122,7 @@ void Run::finish(const std::string& summary) {
     if (!terminal_) return;
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
-    fmt::print(stderr, "{}\n{:.2f} s ({}), {} MB at most\n", summary, total, fmt::join(parts, ", "),
+    fmt::print(stderr, "{}\n{:.2f} s ({}), {} MB at most\n", printable(summary), total, fmt::join(parts, ", "),
                peak_memory_bytes() / 1'000'000);
 }
 

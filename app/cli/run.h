@@ -43,6 +43,9 @@ class Run {
     Figures& counts() { return counts_; }
     Figures& repairs() { return repairs_; }
 
+    /// Says on stderr, unless --quiet, and in the report what looks wrong but may be meant.
+    void warn(const std::string& text);
+
     /// Writes the report, if one was asked for, and two lines for people: what came out, and how long it
     /// took.
     void finish(const std::string& summary);
@@ -75,6 +78,7 @@ class Run {
     std::vector<std::pair<std::string, double>> stages_;
     Figures counts_;
     Figures repairs_;
+    Figure::List warnings_;
 };
 
 }  // namespace coppice::cli

@@ -48,7 +48,7 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     if (flags.scene.empty() || flags.outputs.empty())
         throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
     for (const auto& output : flags.outputs) {
-        if (kind_of_output(output, FileKind::skeleton) != FileKind::skeleton)
+        if (kind_to_write(output, FileKind::skeleton) != FileKind::skeleton)
             throw UsageError(fmt::format("'{}' is no name of a skeleton; use .swc, .json, .csv, .ply or .obj",
                                          output.string()));
         check_output_folder(output);

@@ -6,6 +6,7 @@
 #include "coppice/scene/reference.h"
 #include "coppice/scene/scene.h"
 #include "line_editor.h"
+#include "messages.h"
 #include "options.h"
 #include "scene_files.h"
 
@@ -27,13 +28,13 @@ ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
         std::fflush(stdout);
         return kDone;
     } catch (const Cancelled& error) {
-        fmt::print(stderr, "{}\n", error.what());
+        fmt::print(stderr, "{}\n", printable(error.what()));
         return kInterrupted;
     } catch (const IoError& error) {
-        fmt::print(stderr, "{}\n", error.what());
+        fmt::print(stderr, "{}\n", printable(error.what()));
         return kFileTrouble;
     } catch (const Error& error) {
-        fmt::print(stderr, "{}\n", error.what());
+        fmt::print(stderr, "{}\n", printable(error.what()));
         return kBadInput;
     }
 }

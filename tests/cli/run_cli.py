@@ -48,6 +48,8 @@ def make_inputs():
     stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
             for k in range(51) for i in range(16)]
     rows = ["%.4f %.4f %.4f" % p for p in stem]
+    write("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1]) / 10, int(v[2]) / 10, int(v[3]) + 1),
+                             CUBE) + "".join(CUBE_FACES))
     write("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # what these points were laid around
     write("stem.xyz", "\n".join(rows))
     # Three balls of leaves beside the stem's top, of 150 points each, along a spiral that fills them evenly.
@@ -62,6 +64,14 @@ def make_inputs():
     write("tree.txt", TREE)
     write("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
           "end_header\n" % len(rows) + "\n".join(rows) + "\n")
+    write("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF\0\1\1\0\0\1\0\1\0\0\xff\xd9")
+    write("notes.md", "# Notes\n\nThe oak was scanned in May.\n")
+    write("named.txt", '"id" "X" "Y" "Z"\n1001 0 0 0\n1002 1 0 0\n1003 1 2 3\n')
+    write("unnamed.txt", "id,height,girth\n1,2,3\n")
+    write("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n1 2 3\n")
+    write("long.xyz", "0 0 0\n500 1 2\n")
+    write("gap.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
+          "1,0,0,0,0,0,0,1,0.1\n2,1,0,0,1.5,0,0,2,0.1\n")
     write("two.xyz", "0 0 0\n0 0 1\n")
     las = bytearray(227)
     las[0:4], las[24:26], las[94:96], las[96:100] = b"LASF", b"\x01\x02", b"\xe3\x00", b"\xe3\x00\x00\x00"

@@ -97,6 +97,23 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton,
     return report;
 }
 
+std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton,
+                                     const Context& ctx) {
+    constexpr std::size_t kGrain = 1024;
+    const CapsuleTree capsules(skeleton, mesh.origin, ctx);
+    std::vector<float> out(mesh.positions.size());
+    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
+        std::uint32_t hint = CapsuleTree::kNone;
+        for (std::size_t v = range.begin; v < range.end; ++v) {
+            const auto nearest = capsules.nearest(Vec3d(mesh.positions[v]), hint);
+            const bool found = nearest.capsule != CapsuleTree::kNone;
+            hint = nearest.capsule;
+            out[v] = found ? static_cast<float>(nearest.rho - 1) : std::numeric_limits<float>::quiet_NaN();
+        }
+    });
+    return out;
+}
+
 CoverageReport coverage(const SurfaceTree& surface, const CapsuleTree& capsules, const Context& ctx) {
     constexpr double kNotFree = -1;
     std::vector<double> gap(capsules.size());
@@ -111,6 +128,7 @@ CoverageReport coverage(const SurfaceTree& surface, const CapsuleTree& capsules,
         return static_cast<std::uint64_t>(std::count_if(gap.begin(), gap.end(), is));
     };
     CoverageReport report;
+    report.judged = gap.size();
     report.missing = count([](double g) { return g > kMissing; });
     report.pinched = count([](double g) { return g < kPinched; });
     std::erase_if(gap, [](double g) { return std::isinf(g); });

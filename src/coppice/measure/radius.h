@@ -29,11 +29,17 @@ struct RadiusReport {
 RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton, const CapsuleTree& capsules,
                               const Context& ctx = {});
 
+/// Per vertex the distance to the nearest segment over its radius there, minus one: negative inside. NaN where
+/// the skeleton has no segment. The skeleton may have another origin. O(n log m).
+std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton,
+                                     const Context& ctx = {});
+
 /// Whether a surface covers all of its skeleton. Looks at the middle of each free segment: one that no other
 /// segment comes nearer to than 1.3 radii.
 struct CoverageReport {
     Statistics middle_to_surface;  ///< distance from the middle to the surface over the segment's mean
                                    ///< radius, minus 1
+    std::uint64_t judged = 0;      ///< free segments
     std::uint64_t missing = 0;     ///< free segments with a distance above 1.8 radii
     std::uint64_t pinched = 0;     ///< free segments with a distance below 0.3 radii
     friend bool operator==(const CoverageReport&, const CoverageReport&) = default;  ///< member by member

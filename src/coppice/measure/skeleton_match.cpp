@@ -267,4 +267,12 @@ SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const Co
     return out;
 }
 
+double unit_ratio(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found) {
+    constexpr double kHardly = 5, kAbout = 0.04;  // per cent, and a tenth in decimal logarithms
+    if (std::min(match.covered_percent, match.true_percent) > kHardly) return 1;
+    const double ratio = double{found.bounds().diagonal()} / reference.bounds().diagonal();
+    const double power = std::round(std::log10(ratio));
+    return std::fabs(power) < 2 || std::fabs(std::log10(ratio) - power) > kAbout ? 1 : std::pow(10, power);
+}
+
 }  // namespace coppice

@@ -83,7 +83,10 @@ struct SkeletonMatch {
 SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const CompareOptions& options = {},
                       const Context& ctx = {});
 
-/// Calls visit(name, value) for each figure of a pair.
+/// The power of ten, from 100 on or up to 1/100, by which `found` is larger than `reference` where both hardly
+/// match, as centimetres and metres differ; 1 where the units seem to agree. `match` is that of the two.
+double unit_ratio(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found);
+
 /// Calls visit(name, number) for every figure, in order.
 template <class Visitor>
 void visit_figures(const Quantity& q, Visitor&& visit) {

@@ -36,6 +36,8 @@ struct SurfaceReport {
     std::optional<CoverageReport> coverage;           ///< none without a skeleton
 
     bool sound() const { return topology.sound(); }  ///< closed, manifold and oriented
+    /// Most free segments of the skeleton lie within the surface; true without a skeleton.
+    bool covers_skeleton() const { return !coverage || 2 * coverage->missing <= coverage->judged; }
     friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;  ///< member by member
 };
 

@@ -51,4 +51,18 @@ SkeletonMeasures measure(const Skeleton& skeleton) {
     return m;
 }
 
+std::vector<BranchOrder> branch_orders(const Skeleton& s) {
+    std::vector<std::uint32_t> order(s.size(), 0);
+    std::vector<BranchOrder> out;
+    for (const NodeId n : nodes(s)) {
+        const bool begins = s.is_root(n) || s.leader(s.parent(n)) != n;
+        if (!s.is_root(n)) order[n.index()] = order[s.parent(n).index()] + (begins ? 1 : 0);
+        const std::uint32_t o = order[n.index()];
+        if (o >= out.size()) out.resize(o + 1);
+        out[o].branches += begins ? 1 : 0;
+        if (!s.is_root(n)) out[o].length += distance(Vec3d(s.position(n)), Vec3d(s.position(s.parent(n))));
+    }
+    return out;
+}
+
 }  // namespace coppice

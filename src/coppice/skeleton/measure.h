@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "coppice/base/box.h"
 #include "coppice/skeleton/skeleton.h"
@@ -29,5 +30,15 @@ struct SkeletonMeasures {
 
 /// O(n).
 SkeletonMeasures measure(const Skeleton& skeleton);
+
+/// The branches of one order.
+struct BranchOrder {
+    std::uint64_t branches = 0;  ///< how many
+    double length = 0;           ///< [m] of all of them
+};
+
+/// Branches by order: a root's axis has order 0; where a branch forks, its thickest child goes on with it and
+/// the others are one order higher. O(n).
+std::vector<BranchOrder> branch_orders(const Skeleton& skeleton);
 
 }  // namespace coppice

@@ -65,11 +65,12 @@ std::optional<Columns> columns_of(const Cells& names) {
 
 /// Words, none of which is a number; a damaged number is no word.
 bool are_names(const Cells& cells) {
-    if (cells.size() < 3 ||
-        std::ranges::any_of(cells, [](auto cell) { return parse_number(cell).has_value(); }))
-        return false;
-    const std::string first = plain_name(cells[0]);
-    return !first.empty() && first[0] >= 'a' && first[0] <= 'z';
+    const auto is_number = [](std::string_view cell) { return parse_number(cell).has_value(); };
+    const auto is_word = [](std::string_view cell) {
+        const std::string name = plain_name(cell);
+        return !name.empty() && name[0] >= 'a' && name[0] <= 'z';
+    };
+    return cells.size() >= 3 && std::ranges::none_of(cells, is_number) && std::ranges::any_of(cells, is_word);
 }
 
 std::string names_in_quotes(const Cells& names) {

@@ -1,4 +1,6 @@
-#include "clouds.h"
+#include "coppice/points/spacing.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -8,11 +10,11 @@
 
 #include "coppice/spatial/box_tree.h"
 
-namespace coppice::cli {
+namespace coppice {
 namespace {
 
 constexpr std::size_t kSpacingSample = 2000;
-constexpr std::size_t kMostDrawn = 500'000;
+constexpr double kMostElongated = 50;
 
 double distance_to_nearest_other(const BoxTree& tree, const Buffer<Vec3>& points, std::size_t i) {
     double nearest = std::numeric_limits<double>::infinity();
@@ -43,23 +45,15 @@ double median_spacing(const PointSet& points, const Context& ctx) {
     return *middle;
 }
 
-PolygonMesh drawn_points(const PointSet& points, double radius) {
-    constexpr std::array<Triangle, 8> kFaces{
-        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
-    const float r = static_cast<float>(radius);
-    const std::array<Vec3, 6> corners{{{r, 0, 0}, {-r, 0, 0}, {0, r, 0}, {0, -r, 0}, {0, 0, r}, {0, 0, -r}}};
-    PolygonMesh mesh;
-    mesh.origin = points.origin;
-    const std::size_t count = std::min(points.size(), kMostDrawn);
-    mesh.positions.reserve(count * corners.size());
-    for (std::size_t k = 0; k < count; ++k) {
-        const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-        const Vec3 p = points.positions[k * points.size() / count];
-        for (const Vec3 corner : corners) mesh.positions.push_back(p + corner);
-        for (const Triangle& face : kFaces)
-            mesh.add_face(std::array{base + face[0], base + face[1], base + face[2]});
-    }
-    return mesh;
+std::optional<std::string> warning_of_extent(const PointSet& points) {
+    const Vec3 size = bounds(points).size();
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const char name = "xyz"[axis];
+    const double others = std::max(double{size[(axis + 1) % 3]}, double{size[(axis + 2) % 3]});
+    if (points.empty() || double{size[axis]} <= kMostElongated * others) return {};
+    return fmt::format(
+        "the points extend {:.4g} m along {} but {:.4g} m at most along the other axes; is {} the right column?",
+        size[axis], name, others, name);
 }
 
-}  // namespace coppice::cli
+}  // namespace coppice
