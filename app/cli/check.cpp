@@ -31,9 +31,10 @@ ExitCode check(Run& run, const CheckFlags& flags) {
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            report.sound() ? "sound" : "not sound"));
     if (!report.covers_skeleton()) {
-        say(fmt::format("{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
-                        grouped(report.coverage->missing), grouped(report.coverage->judged),
-                        flags.skeleton.string(), flags.mesh.string()));
+        say(fmt::format(
+            "{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
+            grouped(report.coverage->missing), grouped(report.coverage->judged), flags.skeleton.string(),
+            flags.mesh.string()));
     }
     return report.sound() && report.covers_skeleton() ? kDone : kCheckFailed;
 }

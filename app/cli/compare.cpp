@@ -21,10 +21,10 @@ void check_units(const SkeletonMatch& match, const Skeleton& reference, const Sk
                  const CompareFlags& flags) {
     const double ratio = unit_ratio(match, reference, found);
     if (ratio == 1) return;
-    throw InvalidInput(fmt::format(
-        "'{}' is about {:g} times as large as '{}' and hardly matches it; if their units differ, "
-        "read it with --b-scale {:g}",
-        flags.found.string(), ratio, flags.reference.string(), 1 / ratio));
+    throw InvalidInput(
+        fmt::format("'{}' is about {:g} times as large as '{}' and hardly matches it; if their units differ, "
+                    "read it with --b-scale {:g}",
+                    flags.found.string(), ratio, flags.reference.string(), 1 / ratio));
 }
 
 ExitCode compare_files(Run& run, const CompareFlags& flags) {

@@ -104,7 +104,8 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path) {
 PointSet load_points(Run& run, const std::filesystem::path& path) {
     PointSet points = run.stage("read", [&](const Context& ctx) { return read_points(path, ctx); });
     run.counts()["points"] = points.size();
-    if (const auto warning = warning_of_extent(points)) run.warn(fmt::format("{}: {}", path.string(), *warning));
+    if (const auto warning = warning_of_extent(points))
+        run.warn(fmt::format("{}: {}", path.string(), *warning));
     return points;
 }
 

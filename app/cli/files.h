@@ -13,8 +13,7 @@ namespace coppice::cli {
 
 /// What a file holds: all commands agree on it. A format that was asked for makes it a skeleton. Throws
 /// UsageError when it is unknown.
-FileKind kind_of_input(const std::filesystem::path& path,
-                       SkeletonFormat format = SkeletonFormat::automatic);
+FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format = SkeletonFormat::automatic);
 
 /// What a file of this name is to hold, as in `kind_of_output`. Throws UsageError when the ending is unknown.
 FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred);

@@ -100,8 +100,9 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     }
     std::vector<float> deviation;
     if (by_deviation) {
-        deviation = run.stage(
-            "measure", [&](const Context& ctx) { return vertex_deviations(*in.mesh, in.skeleton->skeleton, ctx); });
+        deviation = run.stage("measure", [&](const Context& ctx) {
+            return vertex_deviations(*in.mesh, in.skeleton->skeleton, ctx);
+        });
     }
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
                             .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,

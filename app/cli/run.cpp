@@ -122,8 +122,8 @@ void Run::finish(const std::string& summary) {
     if (!terminal_) return;
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
-    fmt::print(stderr, "{}\n{:.2f} s ({}), {} MB at most\n", printable(summary), total, fmt::join(parts, ", "),
-               peak_memory_bytes() / 1'000'000);
+    fmt::print(stderr, "{}\n{:.2f} s ({}), {} MB at most\n", printable(summary), total,
+               fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000);
 }
 
 }  // namespace coppice::cli

@@ -21,8 +21,9 @@ TEST(WarningOfExtent, NamesAnAxisMoreThanFiftyTimesAsLong) {
     points.positions = {{0, 0, 0}, {1, 50, 0.5f}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);
     points.positions = {{0, 0, 0}, {2369, 4, 3}};
-    EXPECT_EQ(warning_of_extent(points),
-              "the points extend 2369 m along x but 4 m at most along the other axes; is x the right column?");
+    EXPECT_EQ(
+        warning_of_extent(points),
+        "the points extend 2369 m along x but 4 m at most along the other axes; is x the right column?");
     // A plate is nothing odd; a single point has no extent.
     points.positions = {{0, 0, 0}, {0, 100, 100}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);

@@ -97,8 +97,7 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton,
     return report;
 }
 
-std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton,
-                                     const Context& ctx) {
+std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
     constexpr std::size_t kGrain = 1024;
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
     std::vector<float> out(mesh.positions.size());

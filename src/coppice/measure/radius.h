@@ -29,8 +29,8 @@ struct RadiusReport {
 RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton, const CapsuleTree& capsules,
                               const Context& ctx = {});
 
-/// Per vertex the distance to the nearest segment over its radius there, minus one: negative inside. NaN where
-/// the skeleton has no segment. The skeleton may have another origin. O(n log m).
+/// Per vertex the distance to the nearest segment over its radius there, minus one: negative inside. NaN
+/// where the skeleton has no segment. The skeleton may have another origin. O(n log m).
 std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton,
                                      const Context& ctx = {});
 

@@ -83,8 +83,9 @@ struct SkeletonMatch {
 SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const CompareOptions& options = {},
                       const Context& ctx = {});
 
-/// The power of ten, from 100 on or up to 1/100, by which `found` is larger than `reference` where both hardly
-/// match, as centimetres and metres differ; 1 where the units seem to agree. `match` is that of the two.
+/// The power of ten, from 100 on or up to 1/100, by which `found` is larger than `reference` where both
+/// hardly match, as centimetres and metres differ; 1 where the units seem to agree. `match` is that of the
+/// two.
 double unit_ratio(const SkeletonMatch& match, const Skeleton& reference, const Skeleton& found);
 
 /// Calls visit(name, number) for every figure, in order.

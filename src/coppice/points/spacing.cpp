@@ -52,7 +52,8 @@ std::optional<std::string> warning_of_extent(const PointSet& points) {
     const double others = std::max(double{size[(axis + 1) % 3]}, double{size[(axis + 2) % 3]});
     if (points.empty() || double{size[axis]} <= kMostElongated * others) return {};
     return fmt::format(
-        "the points extend {:.4g} m along {} but {:.4g} m at most along the other axes; is {} the right column?",
+        "the points extend {:.4g} m along {} but {:.4g} m at most along the other axes; is {} the right "
+        "column?",
         size[axis], name, others, name);
 }
 
