@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <string>
 
@@ -10,11 +11,35 @@
 namespace coppice {
 namespace {
 
+enum class Wood { oak, pear };
+
+struct ChiselOptions {
+    float width = 1;
+    Wood handle = Wood::oak;
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, ChiselOptions>
+constexpr void visit_fields(Self& options, Visitor&& visit) {
+    visit(Field{"width", "how wide", Unit::metre, 0, 2}, options.width);
+    visit(Field{"handle", "what it is made of"}, options.handle);
+}
+
+}  // namespace
+
+template <>
+struct EnumNames<Wood> {
+    static constexpr std::array<std::string_view, 2> names{"oak", "pear"};
+};
+
+namespace {
+
 struct CarveOptions {
     int count = 3;
     float depth = 0.7f;
     float lean = 0;
     bool polish = false;
+    ChiselOptions chisel;
 };
 
 template <class Self, class Visitor>
@@ -24,6 +49,7 @@ constexpr void visit_fields(Self& options, Visitor&& visit) {
     visit(Field{"depth", "how deep", Unit::metre, 0.5, 0.7}, options.depth);
     visit(Field{"lean", "how far to lean; any number"}, options.lean);
     visit(Field{"polish", "whether to polish"}, options.polish);
+    visit(Field{"chisel", "what to carve with"}, options.chisel);
 }
 
 std::string complaint(const CarveOptions& options) {
@@ -46,6 +72,13 @@ TEST(CheckFields, NamesSourceFieldRangeAndValue) {
     EXPECT_EQ(complaint({.count = 0}), "carve: count must lie between 1 and 8, but is 0");
     EXPECT_EQ(complaint({.count = 9}), "carve: count must lie between 1 and 8, but is 9");
     EXPECT_EQ(complaint({.depth = 0.25f}), "carve: depth must lie between 0.5 and 0.7, but is 0.25");
+}
+
+TEST(CheckFields, ReachesStructsWithinAndEnums) {
+    EXPECT_EQ(complaint({.chisel = {.width = 3}}), "carve: chisel.width must lie between 0 and 2, but is 3");
+    EXPECT_EQ(complaint({.chisel = {.handle = static_cast<Wood>(2)}}),
+              "carve: chisel.handle must be one of oak, pear");
+    EXPECT_EQ(complaint({.chisel = {.width = 2, .handle = Wood::pear}}), "no error");
 }
 
 TEST(CheckFields, NamesTheFirstFieldThatIsWrong) {

@@ -1,6 +1,6 @@
 #include "coppice/measure/surface_report.h"
 
-#include "coppice/base/error.h"
+#include "coppice/base/check_fields.h"
 
 namespace coppice {
 namespace {
@@ -23,7 +23,7 @@ void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const Capsule
 
 SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, const CheckOptions& options,
                             const Context& ctx) {
-    if (options.most_intersections < 0) throw InvalidInput("most_intersections must not be below 0");
+    check_fields(options, "check");
     validate(mesh);
     SurfaceReport report;
     report.topology = topology(mesh, ctx);

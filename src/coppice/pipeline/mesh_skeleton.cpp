@@ -90,7 +90,6 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
 MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                          const Context& ctx) {
     check_fields(options, "mesh");
-    check_fields(options.control, "control");
     MeshResult out;
     Stages stages(ctx, out.stages);
     const PrepareResult prepared =

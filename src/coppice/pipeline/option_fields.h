@@ -9,16 +9,10 @@
 #include <variant>
 #include <vector>
 
-#include "coppice/base/fields.h"
+#include "coppice/base/option_struct.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {
-
-/// A struct that describes itself by `visit_fields`; a member may be such a struct again.
-template <class T>
-concept OptionStruct = requires(const T& options) {
-    visit_fields(options, [](const Field&, const auto&) {});
-};
 
 /// An enum of any type by the names of its values.
 struct ChoiceRef {

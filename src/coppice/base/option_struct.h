@@ -1,0 +1,13 @@
+#pragma once
+
+#include "coppice/base/fields.h"
+
+namespace coppice {
+
+/// A struct that describes itself by `visit_fields`; a member may be such a struct again.
+template <class T>
+concept OptionStruct = requires(const T& options) {
+    visit_fields(options, [](const Field&, const auto&) {});
+};
+
+}  // namespace coppice
