@@ -215,7 +215,7 @@ class Restoration {
         FacePairs found = crossing_faces(SurfaceTree(polygons, ctx_), kMostCrossings, ctx_);
         if (!found.complete) {
             throw InvalidInput(
-                "the surface crosses itself too often to be restored; mend its skeleton first");
+                "the surface crosses itself too often to be restored; repair its skeleton first");
         }
         return std::move(found.pairs);
     }

@@ -277,7 +277,7 @@ void SceneCall::reserve(double bytes) const {
     if (held + bytes <= limit) return;
     throw InvalidInput(fmt::format(
         "this may take {:.1f} MiB beside the {:.1f} that are held, and {} are allowed; ask for less, "
-        "delete objects, or raise --max-memory",
+        "delete objects, or raise max_memory",
         bytes / kMebibyte, held / kMebibyte, settings_.max_memory));
 }
 

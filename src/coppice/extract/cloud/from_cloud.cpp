@@ -112,7 +112,7 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     }
     const auto feet = find_roots(points, graph, parts, cleaning.spacing, root, options.max_trees, ctx);
     if (feet.empty())
-        throw InvalidInput("extract: no part of the cloud is large enough for a tree; give --root");
+        throw InvalidInput("extract: no part of the cloud is large enough for a tree; set root");
     ctx.report(kRootsFound);
 
     CloudTree tubes = find_tubes(points, graph, feet, spacing, {options.step, options.fit_passes},

@@ -45,7 +45,7 @@ std::vector<char> wooden_groups(const PolygonMesh& mesh, const CleanMeshOptions&
     }
     if (any) return wooden;
     if (mesh.group_names.empty())
-        throw InvalidInput(fmt::format("no group is named {}: the mesh names none; leave --wood out",
+        throw InvalidInput(fmt::format("no group is named {}: the mesh names none; leave wood out",
                                        fmt::join(options.wood, " or ")));
     throw InvalidInput(fmt::format("no group is named {}; there are {}", fmt::join(options.wood, " or "),
                                    fmt::join(mesh.group_names, ", ")));

@@ -59,7 +59,7 @@ SparseRows contributions(const ConvolutionField& field, std::span<const WeightCo
         for (std::size_t j = sites[r].begin; j < sites[r].end; ++j)
             f.first.push_back(f.first.back() + field.candidates(r).size());
     if (f.first.back() > kMostPairs)
-        throw Unsupported("weights: too many segments overlap to be weighed together; take --weights local");
+        throw Unsupported("weights: too many segments overlap to be weighed together; set weights to local");
     f.column.resize(f.first.back());
     f.value.resize(f.first.back());
     parallel_for(ctx, sites.size(), kGrain, [&](std::size_t r) {

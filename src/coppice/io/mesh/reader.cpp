@@ -122,8 +122,8 @@ namespace {
 
 /// What people pass by mistake, so that the message can say what it is.
 void refuse_other_kinds(std::string_view bytes, const std::string& source) {
-    const auto refuse = [&](std::string_view kind, std::string_view mend) {
-        throw Unsupported(fmt::format("{}: {} is not read; {}", source, kind, mend));
+    const auto refuse = [&](std::string_view kind, std::string_view remedy) {
+        throw Unsupported(fmt::format("{}: {} is not read; {}", source, kind, remedy));
     };
     if (bytes.starts_with("Kaydara FBX")) refuse("FBX", "export the mesh as GLB, PLY or OBJ");
     if (bytes.starts_with("PK\x03\x04"))

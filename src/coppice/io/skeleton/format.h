@@ -34,7 +34,7 @@ struct EnumNames<SkeletonFormat> {
 std::optional<SkeletonFormat> format_of_extension(const std::filesystem::path& path);
 
 /// The format of a file by its first bytes and lines; none when they look like none. Rows of numbers without
-/// names are nodes of SWC, or cylinders, only where they hang together as those do: else they may be points.
+/// names are nodes of SWC, or cylinders, only where they are linked as those are: else they may be points.
 /// The content may be the beginning of the file.
 std::optional<SkeletonFormat> format_of_content(std::string_view content);
 
