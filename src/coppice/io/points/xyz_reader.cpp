@@ -37,7 +37,7 @@ bool is_called(const std::string& name, std::size_t axis, std::size_t kind) {
 }
 
 /// The columns of x, y and z.
-struct Columns {
+struct XyzColumns {
     std::array<std::size_t, 3> axis{0, 1, 2};
     std::size_t count = 0;  ///< of those with a name; 0 without names
     bool quoted = false;    ///< the names stand in quotes
@@ -49,8 +49,8 @@ struct Columns {
 };
 
 /// None where x, y and z are not among the names.
-std::optional<Columns> columns_of(const Cells& names) {
-    Columns columns{.count = names.size()};
+std::optional<XyzColumns> columns_of(const Cells& names) {
+    XyzColumns columns{.count = names.size()};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         std::optional<std::size_t> found;
         for (std::size_t kind = 0; kind < 3 && !found; ++kind) {
@@ -148,7 +148,7 @@ class XyzParser {
     LineReader lines_;
     const std::string& source_;
     Cells cells_;
-    Columns columns_;
+    XyzColumns columns_;
     std::vector<Vec3d> points_;
 };
 
