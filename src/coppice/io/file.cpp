@@ -71,7 +71,7 @@ std::size_t read_some(int descriptor, char* to, std::size_t size, const std::fil
         wait_for_bytes(descriptor, ctx);
         const ssize_t got = ::read(descriptor, to, std::min(size, kTransfer));
         if (got >= 0) return static_cast<std::size_t>(got);
-        if (errno != EINTR) fail("read", path, reason_of(errno));
+        if (errno != EINTR && errno != EAGAIN) fail("read", path, reason_of(errno));
     }
 }
 
@@ -84,7 +84,8 @@ std::string too_large(std::uint64_t limit) {
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path, std::uint64_t limit, const Context& ctx) {
-    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+    // Without O_NONBLOCK a pipe that nobody writes to would not even be opened, nor be left by a stop.
+    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     struct stat status {};
     if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, reason_of(errno));
     if (S_ISDIR(status.st_mode)) fail("read", path, reason_of(EISDIR));

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Ctrl-C while a file is read acts at once: on a pipe that nobody writes to, and in the middle of a large file."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+LIMIT = 2.0  # [s] from the signal to the end, on a busy machine
+INTERRUPTED = 130
+
+
+def interrupted(program, *words, after=0.5):
+    process = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    time.sleep(after)
+    if process.poll() is not None:
+        return f"{words}: it had ended with {process.returncode} before the signal"
+    begin = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    err = process.communicate()[1]
+    took = time.monotonic() - begin
+    if process.returncode != INTERRUPTED or err != "coppice: interrupted\n":
+        return f"{words}: exit code {process.returncode}, said {err!r}"
+    return f"{words}: it took {took:.1f} s" if took > LIMIT else None
+
+
+def main():
+    program = sys.argv[1]
+    wrong = []
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for name in ("pipe.swc", "pipe.xyz", "pipe.obj"):
+            os.mkfifo(name)
+            wrong.append(interrupted(program, "info", name))
+        # Some 200 MB: several seconds to read.
+        with open("large.xyz", "w", encoding="ascii") as file:
+            for _ in range(20):
+                file.write("1.234567 2.345678 3.456789 255 255 255\n" * 250_000)
+        wrong.append(interrupted(program, "info", "large.xyz", "--threads", "1"))
+        os.chdir("/")
+    wrong = [text for text in wrong if text]
+    print("\n".join(wrong))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
