@@ -1,12 +1,14 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "coppice/base/error.h"
 #include "coppice/base/fields.h"
 #include "coppice/pipeline/json.h"
 #include "coppice/pipeline/option_fields.h"
@@ -103,36 +105,36 @@ Argument argument_of(const Field& field, const T& value) {
     return a;
 }
 
-/// Calls visit(path, struct name, field, member) for the members of an option struct and of those within it;
-/// the path is "mesh.control.base".
+/// Calls visit(path, field, member) for the members of an option struct and of those within it; the path is
+/// "mesh.control.base".
 template <class Options, class Visitor>
-void visit_members(Options& options, const std::string& path, const std::string& prefix, Visitor&& visit) {
+void visit_members(Options& options, const std::string& path, Visitor&& visit) {
     visit_fields(options, [&](const Field& field, auto& value) {
         using T = std::remove_cvref_t<decltype(value)>;
         const std::string name(field.name);
         if constexpr (OptionStruct<T>) {
-            visit_members(value, path + "." + name, name, visit);
+            visit_members(value, path + "." + name, visit);
         } else {
-            visit(path + "." + name, prefix, field, value);
+            visit(path + "." + name, field, value);
         }
     });
 }
 
-/// Adds an argument for every member of an option struct, but for those in `without`. A name that is taken
-/// gets that of its struct before it.
+/// Adds an argument for every member of an option struct, but for those in `without`. It has the name of the
+/// member, or that in `names` for its path; each name is declared once, so a name that is taken is an error
+/// of the program.
 template <class Options>
 void add_options(std::vector<Argument>& arguments, const Options& defaults, const std::string& path,
-                 const std::set<std::string>& without = {}) {
-    visit_members(
-        defaults, path, path,
-        [&](const std::string& at, const std::string& prefix, const Field& field, const auto& value) {
-            if (without.contains(std::string(field.name))) return;
-            Argument a = argument_of(field, value);
-            a.field = at;
-            const auto taken = [&](const Argument& other) { return other.name == a.name; };
-            if (std::ranges::any_of(arguments, taken)) a.name = prefix + "_" + a.name;
-            arguments.push_back(std::move(a));
-        });
+                 const std::set<std::string>& without = {},
+                 const std::map<std::string, std::string>& names = {}) {
+    visit_members(defaults, path, [&](const std::string& at, const Field& field, const auto& value) {
+        if (without.contains(std::string(field.name))) return;
+        Argument a = argument_of(field, value);
+        a.field = at;
+        if (const auto other = names.find(at); other != names.end()) a.name = other->second;
+        for (const Argument& other : arguments) COPPICE_ASSERT(other.name != a.name);
+        arguments.push_back(std::move(a));
+    });
 }
 
 }  // namespace coppice

@@ -88,10 +88,9 @@ class SceneCall {
     /// An option struct whose members are arguments: "grow" for those with fields "grow.step" and so on.
     template <class Options>
     Options options(const std::string& path, Options out = {}) const {
-        visit_members(out, path, path,
-                      [&](const std::string& at, const std::string&, const Field&, auto& value) {
-                          if (const Argument* a = by_field(at)) read(*a, value);
-                      });
+        visit_members(out, path, [&](const std::string& at, const Field&, auto& value) {
+            if (const Argument* a = by_field(at)) read(*a, value);
+        });
         return out;
     }
 

@@ -159,7 +159,8 @@ SceneCommand mesh_command() {
     SceneCommand c = in_group("mesh", "wraps a tree in one closed surface", "mesh tree levels=1");
     c.arguments = {tree("what is wrapped"),
                    positional(new_name("name", "name of the new mesh", "@tree"), false)};
-    add_options(c.arguments, MeshOptions{}, "mesh");
+    add_options(c.arguments, MeshOptions{}, "mesh", {},
+                {{"mesh.project.method", "project_method"}, {"mesh.project.tolerance", "project_tolerance"}});
     c.run = [](const SceneCall& call) {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         const auto options = call.options<MeshOptions>("mesh");
