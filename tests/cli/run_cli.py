@@ -69,7 +69,7 @@ def make_inputs():
     write("named.txt", '"id" "X" "Y" "Z"\n1001 0 0 0\n1002 1 0 0\n1003 1 2 3\n')
     write("unnamed.txt", "id,height,girth\n1,2,3\n")
     write("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n1 2 3\n")
-    write("long.xyz", "0 0 0\n500 1 2\n")
+    write("long.xyz", "0 0 0\n500 1 2\n9 0 0\n")
     write("gap.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
           "1,0,0,0,0,0,0,1,0.1\n2,1,0,0,1.5,0,0,2,0.1\n")
     write("two.xyz", "0 0 0\n0 0 1\n")

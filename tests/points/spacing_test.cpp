@@ -18,16 +18,16 @@ TEST(MedianSpacing, IsTheDistanceToTheNearestOtherPoint) {
 
 TEST(WarningOfExtent, NamesAnAxisMoreThanFiftyTimesAsLong) {
     PointSet points;
-    points.positions = {{0, 0, 0}, {1, 50, 0.5f}};
+    points.positions = {{0, 0, 0}, {1, 50, 0.5f}, {0, 1, 0}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);
-    points.positions = {{0, 0, 0}, {2369, 4, 3}};
+    points.positions = {{0, 0, 0}, {2369, 4, 3}, {7, 1, 2}};
     EXPECT_EQ(
         warning_of_extent(points),
         "the points extend 2369 m along x but 4 m at most along the other axes; is x the right column?");
-    // A plate is nothing odd; a single point has no extent.
-    points.positions = {{0, 0, 0}, {0, 100, 100}};
+    // A plate is nothing odd; two points lie on a line.
+    points.positions = {{0, 0, 0}, {0, 100, 100}, {0, 3, 4}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);
-    points.positions = {{0, 0, 0}};
+    points.positions = {{0, 0, 0}, {0, 0, 1}};
     EXPECT_EQ(warning_of_extent(points), std::nullopt);
     EXPECT_EQ(warning_of_extent({}), std::nullopt);
 }

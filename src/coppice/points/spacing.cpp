@@ -50,7 +50,7 @@ std::optional<std::string> warning_of_extent(const PointSet& points) {
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const char name = "xyz"[axis];
     const double others = std::max(double{size[(axis + 1) % 3]}, double{size[(axis + 2) % 3]});
-    if (points.empty() || double{size[axis]} <= kMostElongated * others) return {};
+    if (points.size() < 3 || double{size[axis]} <= kMostElongated * others) return {};
     return fmt::format(
         "the points extend {:.4g} m along {} but {:.4g} m at most along the other axes; is {} the right "
         "column?",

@@ -13,7 +13,7 @@ namespace coppice {
 double median_spacing(const PointSet& points, const Context& ctx = {});
 
 /// A sentence where points extend more than 50 times as far along one axis as along the others, as they do
-/// when another column was read for a coordinate; none otherwise.
+/// when another column was read for a coordinate; none otherwise, and for two points, which lie on a line.
 std::optional<std::string> warning_of_extent(const PointSet& points);
 
 }  // namespace coppice

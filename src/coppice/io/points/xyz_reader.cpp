@@ -16,6 +16,8 @@ namespace {
 
 using Cells = std::vector<std::string_view>;
 
+constexpr std::size_t kNameKinds = 4;
+
 /// What x, y and z are called, the surest names first.
 bool is_called(const std::string& name, std::size_t axis, std::size_t kind) {
     const std::string letter(1, static_cast<char>('x' + axis)), digit(1, static_cast<char>('0' + axis));
@@ -29,10 +31,12 @@ bool is_called(const std::string& name, std::size_t axis, std::size_t kind) {
             return is_one_of({letter + "coord", letter + "coordinate", "coord" + letter,
                               "coordinate" + letter, letter + "pos", "pos" + letter, letter + "position",
                               "position" + letter, "point" + letter, letter + "m", "points" + digit});
+        case 2:
+            return name == (axis == 0 ? "easting" : axis == 1 ? "northing" : "elevation");
         default:
-            return axis == 0   ? is_one_of({"easting", "east"})
-                   : axis == 1 ? is_one_of({"northing", "north"})
-                               : is_one_of({"elevation", "altitude", "height"});
+            return axis == 0   ? name == "east"
+                   : axis == 1 ? name == "north"
+                               : is_one_of({"altitude", "height"});
     }
 }
 
@@ -53,7 +57,7 @@ std::optional<XyzColumns> columns_of(const Cells& names) {
     XyzColumns columns{.count = names.size()};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         std::optional<std::size_t> found;
-        for (std::size_t kind = 0; kind < 3 && !found; ++kind) {
+        for (std::size_t kind = 0; kind < kNameKinds && !found; ++kind) {
             for (std::size_t i = 0; i < names.size() && !found; ++i)
                 if (is_called(plain_name(names[i]), axis, kind)) found = i;
         }
