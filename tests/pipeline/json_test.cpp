@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "comma_locale.h"
 #include "errors.h"
 
 namespace coppice {
@@ -85,6 +86,13 @@ TEST(Json, WhatIsLeftOutKeepsItsDefault) {
 }
 
 TEST(Json, FloatsAtTheEndsOfTheirRangeAreTaken) { EXPECT_EQ(sample_of(json_of(Sample{})).inner.depth, 0.1f); }
+
+TEST(Json, NoLocaleChangesANumber) {
+    const test::CommaLocale comma;
+    EXPECT_EQ(shortest(0.1f), 0.1);
+    EXPECT_EQ(json_of(Sample{})["inner"].dump(), R"({"depth":0.1})");
+    EXPECT_EQ(sample_of(Json::parse(R"({"inner": {"depth": 1.5}})")).inner.depth, 1.5f);
+}
 
 TEST(Json, ErrorsNameTheFieldAndTheMend) {
     EXPECT_EQ(message_of(R"({"cuont": 4})"), "file.json: there is no field cuont; did you mean count?");
