@@ -50,7 +50,8 @@ Command check_command() {
     options.fields(flags->check, "Checks");
     options.fields(flags->read, "Reading the skeleton");
     return {"check",
-            "Judge a mesh: closed, manifold, crossing faces, shape, radii; exit code 1 when it is not sound",
+            "Judge a mesh: watertight, manifold, self-intersections, shape, radii; exit code 1 when it is "
+            "not sound",
             options, [flags](Run& run, const GivenOptions&) { return check(run, *flags); }};
 }
 

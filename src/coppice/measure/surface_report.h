@@ -22,7 +22,7 @@ struct CheckOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, CheckOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"intersections", "look for faces that cross"}, o.intersections);
+    visit(Field{"intersections", "look for self-intersections: faces that cross"}, o.intersections);
     visit(Field{"most_intersections", "stop looking after so many crossing pairs", Unit::none, 0, 1e9},
           o.most_intersections);
 }

@@ -27,7 +27,7 @@ constexpr std::uint32_t kMostCrossings = 1'000'000;
 constexpr std::uint32_t kHalvings = 6, kMostRounds = 40;
 
 /// Where the line p + t n passes through the triangle a, b, c from behind, at less than a grazing angle.
-std::optional<double> passage(Vec3d p, Vec3d n, Vec3d a, Vec3d b, Vec3d c) {
+std::optional<double> line_triangle_intersection(Vec3d p, Vec3d n, Vec3d a, Vec3d b, Vec3d c) {
     constexpr double kSlack = 1e-9;  // no line slips through between two triangles
     const Vec3d ab = b - a, ac = c - a, normal = cross(ab, ac);
     const double facing = dot(normal, n);
@@ -38,8 +38,8 @@ std::optional<double> passage(Vec3d p, Vec3d n, Vec3d a, Vec3d b, Vec3d c) {
     return dot(a - p, normal) / facing;
 }
 
-/// The passage nearest to p within `reach` both ways.
-std::optional<double> nearest_passage(const SurfaceTree& surface, Vec3d p, Vec3d n, double reach) {
+/// The intersection nearest to p within `reach` both ways.
+std::optional<double> nearest_intersection(const SurfaceTree& surface, Vec3d p, Vec3d n, double reach) {
     Box3 way;
     extend_outward(way, p - n * reach);
     extend_outward(way, p + n * reach);
@@ -52,7 +52,7 @@ std::optional<double> nearest_passage(const SurfaceTree& surface, Vec3d p, Vec3d
     };
     surface.boxes().visit_overlapping(way, [&](std::uint32_t item) {
         for (const Triangle& t : surface.triangles(surface.piece(item))) {
-            const auto at = passage(p, n, Vec3d(x[t[0]]), Vec3d(x[t[1]]), Vec3d(x[t[2]]));
+            const auto at = line_triangle_intersection(p, n, Vec3d(x[t[0]]), Vec3d(x[t[1]]), Vec3d(x[t[2]]));
             if (at && better(*at)) nearest = at;
         }
     });
@@ -88,7 +88,7 @@ class Restoration {
         report.distance_before = distances();
         fade();
         const Buffer<float> wanted = result_.offsets;
-        settle();
+        limit_offsets();
         for (std::size_t v = 0; v < count_; ++v) {
             report.faded += !found_[v] && result_.offsets[v] != 0 ? 1 : 0;
             report.pulled_back += wanted[v] != result_.offsets[v] ? 1 : 0;
@@ -142,7 +142,8 @@ class Restoration {
                 const Vec3d p(start_[v]), n(normal_[v]);
                 radius_[v] = local_radius(p, hint);
                 if (radius_[v] == 0 || n == Vec3d()) continue;
-                const auto t = nearest_passage(*original_, p + to_original_, n, options_.reach * radius_[v]);
+                const auto t =
+                    nearest_intersection(*original_, p + to_original_, n, options_.reach * radius_[v]);
                 if (!t) continue;
                 found_[v] = 1;
                 result_.offsets[v] = static_cast<float>(*t);
@@ -246,7 +247,7 @@ class Restoration {
     }
 
     /// Moves the vertices, as far as no face folds or crosses another that did not before.
-    void settle() {
+    void limit_offsets() {
         const std::vector<FacePair> before = crossings();
         for (std::uint32_t& round = result_.report.rounds; round < kMostRounds; ++round) {
             ctx_.throw_if_cancelled();
