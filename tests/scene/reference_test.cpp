@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "coppice/io/file.h"
 #include "coppice/scene/scene.h"
 #include "paths.h"
