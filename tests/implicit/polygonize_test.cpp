@@ -248,6 +248,26 @@ TEST(Polygonize, RefusesWhatIsTooMuchOrNoNumber) {
     EXPECT_THROW(polygonize(FieldRef(field), {{0, 0, 0}, {Box3::kInfinity, 1, 1}}), InvalidInput);
 }
 
+/// A ball of another radius in the calls of one half of space: what it says of a point depends on the others.
+struct TwoMinded {
+    float left, right;  ///< radii
+    float level() const { return 0; }
+    void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {
+        const float radius = points[0].x < -0.01f ? left : right;
+        for (std::size_t i = 0; i < points.size(); ++i) out[i] = {radius - length(points[i]), {}};
+    }
+};
+
+TEST(Polygonize, RefusesAFieldThatGivesTwoAnswersForOnePoint) {
+    const Box3 box{{-2, -2, -2}, {2, 2, 2}};
+    for (const TwoMinded& field : {TwoMinded{1, 1.3f}, TwoMinded{1.3f, 1}}) {
+        EXPECT_THROW(polygonize(FieldRef(field), box, {.cell = 0.1f}), InvalidInput);
+        EXPECT_THROW(polygonize(FieldRef(field), box, {.cell = 0.1f}, {.threads = 1}), InvalidInput);
+    }
+    const TwoMinded sure{1, 1};
+    expect_closed_manifold(polygonize(FieldRef(sure), box, {.cell = 0.1f}));
+}
+
 TEST(Polygonize, StopsWhenAsked) {
     std::stop_source source;
     source.request_stop();

@@ -20,6 +20,7 @@ constexpr std::uint32_t kCells = BlockLattice::kCells;
 constexpr std::uint32_t kNodes = BlockLattice::kNodes;
 constexpr std::size_t kBlockNodes = BlockLattice::kBlockNodes;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kEmpty = kNone - 1;
 /// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
 constexpr float kEndShare = 0.01f;
 
@@ -220,13 +221,18 @@ class BlockCutter {
 /// its edge.
 class Joiner {
   public:
-    Joiner(const BlockLattice& lattice, std::vector<BlockSurface>& blocks, const Context& ctx)
+    /// `sampled` lists all blocks that were looked at, `blocks` those of them that hold a part of the
+    /// surface.
+    Joiner(const BlockLattice& lattice, std::span<const std::size_t> sampled,
+           std::vector<BlockSurface>& blocks, const Context& ctx)
         : lattice_(lattice), blocks_(blocks), ctx_(ctx), index_(lattice.block_count(), kNone) {
+        for (const std::size_t block : sampled) index_[block] = kEmpty;
         for (std::size_t i = 0; i < blocks.size(); ++i)
             index_[blocks[i].block] = static_cast<std::uint32_t>(i);
     }
 
     TriangleSurface join() {
+        check_sides();
         parallel_for(ctx_, blocks_.size(), 16, [&](std::size_t i) { count_owned(i); });
         std::vector<std::size_t> first_vertex, first_triangle;
         for (const BlockSurface& b : blocks_) {
@@ -235,7 +241,7 @@ class Joiner {
         }
         TriangleSurface out;
         const std::size_t vertices = exclusive_scan(std::span(first_vertex));
-        if (vertices >= kNone) throw InvalidInput("polygonize: more than 2^32 vertices; make cell greater");
+        if (vertices >= kEmpty) throw InvalidInput("polygonize: more than 2^32 vertices; make cell greater");
         out.positions.resize(vertices);
         out.triangles.resize(exclusive_scan(std::span(first_triangle)));
         parallel_for(ctx_, blocks_.size(), 16, [&](std::size_t i) { number_owned(i, first_vertex[i], out); });
@@ -249,22 +255,83 @@ class Joiner {
         std::uint32_t block;  ///< of blocks_
         std::uint32_t key;    ///< of the edge, there
     };
+    /// An edge as a block sees it.
+    struct Edge {
+        std::array<std::uint32_t, 3> block, node;
+        std::uint32_t way;
+
+        std::uint32_t key() const { return 8 * local_node(node[0], node[1], node[2]) + way; }
+        bool runs_along(std::uint32_t axis) const { return way >> axis & 1; }
+    };
+
+    Edge edge_of(std::uint32_t i, std::uint32_t key) const {
+        const std::uint32_t node = key / 8;
+        return {lattice_.place(blocks_[i].block),
+                {node % kNodes, node / kNodes % kNodes, node / kNodes / kNodes},
+                key % 8};
+    }
+    std::uint32_t index_of(const Edge& e) const {
+        return index_[lattice_.block_at(e.block[0], e.block[1], e.block[2])];
+    }
+
+    /// Blocks that share an edge have both sampled its ends, and must have found the same there: else the
+    /// surface would have a crack. Throws where the field has given two answers for one point.
+    void check_sides() const {
+        const int differing = parallel_reduce(
+            ctx_, blocks_.size(), 16, 0,
+            [&](IndexRange range) {
+                bool agree = true;
+                for (std::size_t i = range.begin; i < range.end; ++i)
+                    agree = agree && sides_agree(static_cast<std::uint32_t>(i));
+                return agree ? 0 : 1;
+            },
+            [](int a, int b) { return a | b; });
+        if (differing == 0) return;
+        throw InvalidInput(
+            "polygonize: the field gives different values for the same point in different calls; make what "
+            "it "
+            "says of a point depend on that point alone");
+    }
+
+    bool sides_agree(std::uint32_t i) const {
+        for (const std::uint32_t key : blocks_[i].keys) {
+            const Edge edge = edge_of(i, key);
+            for (std::uint32_t axis = 0; axis < 3; ++axis) {
+                if (edge.runs_along(axis)) continue;
+                Edge there = edge;
+                if (edge.node[axis] == 0 && edge.block[axis] > 0) {
+                    --there.block[axis];
+                    there.node[axis] = kCells;
+                } else if (edge.node[axis] == kCells && edge.block[axis] + 1 < lattice_.blocks[axis]) {
+                    ++there.block[axis];
+                    there.node[axis] = 0;
+                } else {
+                    continue;
+                }
+                if (!holds(index_of(there), there.key())) return false;
+            }
+        }
+        return true;
+    }
+
+    /// Whether a block has found an edge; a block that was not sampled is not asked.
+    bool holds(std::uint32_t block, std::uint32_t key) const {
+        if (block == kNone) return true;
+        return block != kEmpty && std::ranges::binary_search(blocks_[block].keys, key);
+    }
 
     /// An edge lies also in the blocks below along the axes on whose lower side it lies, and in those above.
     /// All of them have found it; the lowest one owns it.
     Owner owner(std::uint32_t i, std::uint32_t key) const {
-        auto place = lattice_.place(blocks_[i].block);
-        const std::uint32_t node = key / 8, way = key % 8;
-        std::array<std::uint32_t, 3> at{node % kNodes, node / kNodes % kNodes, node / kNodes / kNodes};
+        Edge edge = edge_of(i, key);
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
-            const bool across = way >> axis & 1;
-            if (across || at[axis] > 0 || place[axis] == 0) continue;
-            --place[axis];
-            at[axis] = kCells;
+            if (edge.runs_along(axis) || edge.node[axis] > 0 || edge.block[axis] == 0) continue;
+            --edge.block[axis];
+            edge.node[axis] = kCells;
         }
-        const std::uint32_t block = index_[lattice_.block_at(place[0], place[1], place[2])];
-        if (block == kNone) return {i, key};  // only if a shape is steeper than it says
-        return {block, 8 * local_node(at[0], at[1], at[2]) + way};
+        const std::uint32_t block = index_of(edge);
+        if (block >= kEmpty) return {i, key};  // only if a shape is steeper than it says
+        return {block, edge.key()};
     }
 
     void count_owned(std::size_t i) {
@@ -290,9 +357,7 @@ class Joiner {
         if (b.ids[place] != kNone) return b.ids[place];
         const Owner o = owner(i, b.keys[place]);
         const BlockSurface& other = blocks_[o.block];
-        const auto found = std::lower_bound(other.keys.begin(), other.keys.end(), o.key);
-        // Both blocks have sampled the ends of the edge: the field must have said the same twice.
-        COPPICE_ASSERT(found != other.keys.end() && *found == o.key);
+        const auto found = std::ranges::lower_bound(other.keys, o.key);
         return other.ids[static_cast<std::size_t>(found - other.keys.begin())];
     }
 
@@ -306,7 +371,8 @@ class Joiner {
     const BlockLattice& lattice_;
     std::vector<BlockSurface>& blocks_;
     const Context& ctx_;
-    std::vector<std::uint32_t> index_;
+    std::vector<std::uint32_t>
+        index_;  ///< by block of the lattice: of blocks_, kEmpty, or kNone: not sampled
 };
 
 /// Cuts the given blocks, each as the region of its place, and joins what they hold.
@@ -328,7 +394,7 @@ TriangleSurface cut_blocks(const BlockLattice& lattice, std::span<const std::siz
     for (auto& group : found) {
         for (BlockSurface& b : group) blocks.push_back(std::move(b));
     }
-    return Joiner(lattice, blocks, ctx).join();
+    return Joiner(lattice, candidates, blocks, ctx).join();
 }
 
 }  // namespace

@@ -44,9 +44,10 @@ struct TriangleSurface {
 /// the field; where the solid reaches out of the box it is closed there, within one cell. Details smaller
 /// than a cell may be lost. Empty when nothing is inside.
 ///
-/// What the field says of a point must not depend on the other points of a call. The result has the same bits
-/// for any number of threads. Every cell of the box is sampled: O((side / cell)^3). InvalidInput for more
-/// than 2,000,000 blocks of 512 cells.
+/// What the field says of a point must not depend on the other points of a call: InvalidInput where two calls
+/// disagree on a point, as the surface would have a crack. The result has the same bits for any number of
+/// threads. Every cell of the box is sampled: O((side / cell)^3). InvalidInput for more than 2,000,000 blocks
+/// of 512 cells; Cancelled.
 TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options = {},
                            const Context& ctx = {});
 
