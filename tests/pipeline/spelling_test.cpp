@@ -23,6 +23,15 @@ TEST(Spelling, FindsNothingWhereNothingIsNear) {
     EXPECT_EQ(nearest_spelling("mesh", {}), "");
 }
 
+TEST(Spelling, FindsTheShortestWordThatBeginsSo) {
+    const std::vector<std::string> options{"influence_radius_of_all", "influence_radius", "kill_radius"};
+    EXPECT_EQ(nearest_spelling("influence", options), "influence_radius");
+    EXPECT_EQ(nearest_spelling("Influence-Rad", options), "influence_radius");
+    EXPECT_EQ(nearest_spelling("kill", options), "kill_radius");
+    EXPECT_EQ(nearest_spelling("ki", options), "");  // begins too many words
+    EXPECT_EQ(nearest_spelling("radius", options), "");
+}
+
 TEST(Spelling, TheHintEndsASentence) {
     EXPECT_EQ(did_you_mean("mehs", kWords), "; did you mean mesh?");
     EXPECT_EQ(did_you_mean("zebra", kWords), "");

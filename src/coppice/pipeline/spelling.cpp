@@ -7,7 +7,8 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kLongestWord = 64;  // longer words are no typing errors
+constexpr std::size_t kLongestWord = 64;    // longer words are no typing errors
+constexpr std::size_t kShortestPrefix = 3;  // shorter ones begin too many words
 
 std::string folded(std::string_view word) {
     std::string out;
@@ -34,6 +35,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return last[b.size()];
 }
 
+std::string shortest_with_prefix(std::string_view prefix, std::span<const std::string> candidates) {
+    if (prefix.size() < kShortestPrefix) return {};
+    std::string best;
+    for (const std::string& candidate : candidates) {
+        const bool shorter = best.empty() || candidate.size() < best.size();
+        if (shorter && folded(candidate).starts_with(prefix)) best = candidate;
+    }
+    return best;
+}
+
 }  // namespace
 
 std::string nearest_spelling(std::string_view word, std::span<const std::string> candidates) {
@@ -48,7 +59,7 @@ std::string nearest_spelling(std::string_view word, std::span<const std::string>
             best = candidate;
         }
     }
-    return best;
+    return best.empty() ? shortest_with_prefix(wanted, candidates) : best;
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
