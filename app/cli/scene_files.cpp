@@ -37,6 +37,21 @@ void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path) {
     }
 }
 
+std::optional<std::vector<const SceneCommand*>> commands_of_files(
+    std::span<const std::filesystem::path> scenes) {
+    std::vector<const SceneCommand*> all;
+    try {
+        for (const auto& path : scenes) {
+            const auto commands = commands_of(scene_lines(read_file(path, kLargestScene), path.string()));
+            if (!commands) return std::nullopt;
+            all.insert(all.end(), commands->begin(), commands->end());
+        }
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+    return all;
+}
+
 void count_objects(Run& run, const Scene& scene) {
     std::array<std::size_t, EnumNames<ObjectKind>::names.size()> counts{};
     for (const auto& [key, object] : scene.state().objects) ++counts[static_cast<std::size_t>(key.first)];

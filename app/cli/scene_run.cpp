@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "command.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/scene/reference.h"
@@ -24,7 +26,11 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
         return kDone;
     }
     if (flags.scenes.empty()) throw UsageError("name the scene: coppice run SCENE [-o FILE]");
-    for (const auto& output : flags.outputs) check_output_folder(output);
+    const auto commands = commands_of_files(flags.scenes);
+    for (const auto& output : flags.outputs) {
+        check_output_folder(output);
+        if (commands) check_scene_output(*commands, output);
+    }
     Scene scene({.max_memory = flags.max_memory});
     for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
     run.stage("write", [&](const Context& ctx) {
@@ -44,6 +50,11 @@ struct GrowFlags {
     int max_memory = SceneSettings{}.max_memory;
 };
 
+[[noreturn]] void refuse_without_tree(const std::filesystem::path& scene) {
+    throw InvalidInput(
+        fmt::format("{}: the scene grows no tree; add a line: grow TREE POINTS", scene.string()));
+}
+
 ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     if (flags.scene.empty() || flags.outputs.empty())
         throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
@@ -53,12 +64,13 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
                                          output.string()));
         check_output_folder(output);
     }
+    const auto commands = commands_of_files({&flags.scene, 1});
+    const auto grows = [](const SceneCommand* c) { return c->name == "grow"; };
+    if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
     Scene scene({.max_memory = flags.max_memory, .outputs = false});
     run_scene_file(run, scene, flags.scene);
     const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
-    if (grown == scene.state().objects.end())
-        throw InvalidInput(
-            fmt::format("{}: the scene grows no tree; add a line: grow TREE POINTS", flags.scene.string()));
+    if (grown == scene.state().objects.end()) refuse_without_tree(flags.scene);
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs) save_object(*grown->second, output, ctx);
     });

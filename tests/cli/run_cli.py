@@ -87,6 +87,7 @@ def make_inputs():
           "grow s s root=0,0,-1.5 influence_radius=2 kill_radius=0.2 step=0.1\nmesh s levels=1\ndescribe s\n"
           "save s s.ply kind=points\n")
     write("ball.coppice", "sphere ball\n")
+    write("late.coppice", "sphere s\npointset gen s poisson count=200\nsave s s.ply kind=points\npolygonize s\n")
     write("wrong.coppice", "sphere s\nshpere t\n")
     write("lines.coppice", "list\nscale bal 2\nquit\nlist\n")
     os.mkdir("folder")

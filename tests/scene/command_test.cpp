@@ -48,11 +48,16 @@ TEST(SceneCommands, TheTableIsSound) {
     EXPECT_GE(names.size(), 45u);
 }
 
-TEST(SceneCommands, TheExamplesRunOneAfterTheOther) {
+TEST(SceneCommands, TheExamplesRunOneAfterTheOtherAndMakeWhatTheTableSays) {
     Scene scene({.max_memory = 512});
     for (const SceneCommand& c : scene_commands()) {
         if (uses_files(c)) continue;
+        SCOPED_TRACE(c.name);
+        const std::size_t before = scene.state().made.size();
         EXPECT_NO_THROW(scene.run_text(c.example, c.name));
+        if (!c.makes) continue;
+        ASSERT_GT(scene.state().made.size(), before);
+        EXPECT_EQ(scene.state().made.back().first, *c.makes);
     }
     EXPECT_GE(scene.state().objects.size(), 30u);
 }
@@ -69,6 +74,8 @@ TEST(SceneCommands, RefusalsNameTheWordAndTheNearestSpelling) {
               "there is no command 'pointset thni'; did you mean pointset thin?");
     EXPECT_EQ(refusal(scene, "xyzzy"), "there is no command 'xyzzy'; help lists them");
     EXPECT_EQ(refusal(scene, "sphere s raduis=2"), "sphere has no option 'raduis'; did you mean radius?");
+    EXPECT_EQ(refusal(scene, "grow t p influence=3"),
+              "grow has no option 'influence'; did you mean influence_radius?");
     EXPECT_EQ(refusal(scene, "sphere s radius=1 radius=2"), "radius is given twice");
     EXPECT_EQ(refusal(scene, "sphere s 1 2"), "sphere does not know what to do with '1'");
     EXPECT_EQ(refusal(scene, "scale crwon 2"), "there is no solid 'crwon'; did you mean crown?");

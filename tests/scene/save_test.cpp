@@ -122,5 +122,19 @@ TEST_F(SceneSave, PicturesShowEveryKindButProfiles) {
     EXPECT_FALSE(std::filesystem::exists(file("f.png")));
 }
 
+TEST_F(SceneSave, WhatNoFileCanHoldIsKnownBeforeTheSceneRuns) {
+    const auto refused = [](std::string_view scene, const std::string& name) {
+        return test::error_of<InvalidInput>(
+            [&] { check_scene_output(*commands_of(scene_lines(scene, "x")), name); });
+    };
+    const std::string tree = "sphere s\npointset generate s\ngrow t s\nmesh t\n";
+    for (const char* name : {"a.obj", "a.glb", "a.swc", "a.json", "a.xyz", "a.ply"})
+        EXPECT_EQ(refused(tree, name), "no error") << name;
+    EXPECT_NE(refused(tree, "a.foo").find("the ending of 'a.foo' names no format"), std::string::npos);
+    EXPECT_NE(refused("sphere s\n", "a.swc").find("makes nothing that 'a.swc' can hold"), std::string::npos);
+    EXPECT_NE(refused("sphere s\npointset generate s\n", "a.obj").find("makes nothing"), std::string::npos);
+    EXPECT_EQ(commands_of(scene_lines("sphere s\nshpere t\n", "x")), std::nullopt);
+}
+
 }  // namespace
 }  // namespace coppice

@@ -62,13 +62,13 @@ void check_exists(const SceneState& state, ObjectKind kind, const std::string& n
         throw InvalidInput(fmt::format("there is no {} '{}'{}", wanted, name,
                                        did_you_mean(name, names_of_kind(state, kind))));
     }
-    std::string mend;
+    std::string hint;
     if (kind == ObjectKind::solid && others.back() == ObjectKind::mesh)
-        mend = fmt::format("; make one of it with: solid {}", name);
+        hint = fmt::format("; make one of it with: solid {}", name);
     if (kind == ObjectKind::mesh && others.front() == ObjectKind::solid)
-        mend = fmt::format("; make one of it with: polygonize {}", name);
+        hint = fmt::format("; make one of it with: polygonize {}", name);
     throw InvalidInput(
-        fmt::format("'{}' is {}, not {}{}", name, with_article(others.front()), with_article(kind), mend));
+        fmt::format("'{}' is {}, not {}{}", name, with_article(others.front()), with_article(kind), hint));
 }
 
 /// The example without what goes before it.
@@ -331,6 +331,20 @@ const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& 
     std::string hint = did_you_mean(word, names);
     if (hint.empty()) hint = "; help lists them";
     throw InvalidInput(fmt::format("there is no command '{}'{}", word.substr(0, 64), hint));
+}
+
+std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const SceneLine> lines) {
+    std::vector<const SceneCommand*> commands;
+    try {
+        for (const SceneLine& line : lines) {
+            std::size_t used = 0;
+            const auto words = scene_words(line.text);
+            if (!words.empty()) commands.push_back(&find_command(words, used));
+        }
+    } catch (const InvalidInput&) {
+        return std::nullopt;
+    }
+    return commands;
 }
 
 SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state,

@@ -153,6 +153,7 @@ struct SceneCommand {
     std::string example;  ///< a line that works after those in the examples of the commands before it
     std::vector<Argument> arguments;  ///< positional ones first
     bool records = true;              ///< whether it makes or changes objects: a recipe keeps it
+    std::optional<ObjectKind> makes;  ///< the kind of what it makes, where that is always the same
     std::function<SceneOutcome(const SceneCall&)> run;  ///< does the work; throws what the library throws
 };
 
@@ -162,6 +163,9 @@ std::span<const SceneCommand> scene_commands();
 /// The command that the first one or two words name; `used` says how many. Throws InvalidInput with the
 /// nearest spelling.
 const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& used);
+
+/// The commands that the lines of a scene name; none where a line is not understood: running it says why.
+std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const SceneLine> lines);
 
 /// Checks a line against the table. Throws InvalidInput, one sentence that names the word.
 SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state,

@@ -21,9 +21,10 @@ constexpr double kBytesOfCurvePoint = 600;
 
 float as_float(double v) { return static_cast<float>(v); }
 
-SceneCommand in_group(std::string name, std::string help, std::string example) {
+SceneCommand in_group(ObjectKind makes, std::string name, std::string help, std::string example) {
     SceneCommand c{.name = std::move(name), .group = std::string(kGroup), .help = std::move(help)};
     c.example = std::move(example);
+    c.makes = makes;
     return c;
 }
 
@@ -76,8 +77,9 @@ std::size_t corner_count(const Profile& profile) {
 }
 
 SceneCommand profile_command() {
-    SceneCommand c = in_group("profile", "a line or an area in a plane, for revolve, sweep and skin",
-                              "profile vase 0,0 1,0 0.6,1.5 0.9,2.5 closed=false");
+    SceneCommand c =
+        in_group(ObjectKind::profile, "profile", "a line or an area in a plane, for revolve, sweep and skin",
+                 "profile vase 0,0 1,0 0.6,1.5 0.9,2.5 closed=false");
     c.arguments = {new_name("name", "name of the new profile"),
                    positional(repeated(tuple("points", "", "points x,y", {2})), false),
                    number("circle", "0", 0, 1e6, Unit::metre, "radius of a circle to take instead of points"),
@@ -99,7 +101,7 @@ SceneCommand profile_command() {
 }
 
 SceneCommand path_command() {
-    SceneCommand c = in_group("path", "a curve through points in space, for sweep and skin",
+    SceneCommand c = in_group(ObjectKind::path, "path", "a curve through points in space, for sweep and skin",
                               "path spine 0,0,0 0,0,2 1,0,4");
     c.arguments = {new_name("name", "name of the new path"),
                    positional(repeated(tuple("points", "", "two points or more, as x,y,z")))};
@@ -114,9 +116,9 @@ SceneCommand path_command() {
 }
 
 SceneCommand revolve_command() {
-    SceneCommand c =
-        in_group("revolve", "a profile turned about an axis: x is the distance from it, y the height",
-                 "revolve pot vase");
+    SceneCommand c = in_group(ObjectKind::solid, "revolve",
+                              "a profile turned about an axis: x is the distance from it, y the height",
+                              "revolve pot vase");
     c.arguments = {new_name("name", "name of the new solid"),
                    object("profile", ObjectKind::profile, "what is turned"),
                    tuple("origin", "0,0,0", "the point of the axis where y is 0"),
@@ -131,7 +133,7 @@ SceneCommand revolve_command() {
 }
 
 SceneCommand sweep_command() {
-    SceneCommand c = in_group("sweep", "a closed profile carried along a path",
+    SceneCommand c = in_group(ObjectKind::solid, "sweep", "a closed profile carried along a path",
                               "profile round circle=0.4\nsweep worm round spine scale=0,1 scale=1,0.3");
     c.arguments = {new_name("name", "name of the new solid"),
                    object("profile", ObjectKind::profile, "what is carried"),
@@ -157,9 +159,10 @@ SceneCommand sweep_command() {
 }
 
 SceneCommand skin_command() {
-    SceneCommand c = in_group("skin", "a surface through profiles that are tied to places of a path",
-                              "profile square -1,-1 1,-1 1,1 -1,1\n"
-                              "skin column spine square@0 round@0.6 square@1 blend=quadratic");
+    SceneCommand c =
+        in_group(ObjectKind::solid, "skin", "a surface through profiles that are tied to places of a path",
+                 "profile square -1,-1 1,-1 1,1 -1,1\n"
+                 "skin column spine square@0 round@0.6 square@1 blend=quadratic");
     c.arguments = {new_name("name", "name of the new solid"),
                    object("path", ObjectKind::path, "what the profiles stand across")};
     Argument sections{.name = "sections"};
@@ -203,10 +206,10 @@ std::pair<std::vector<Vec3>, std::vector<Vec3>> oriented_points(const SceneCall&
 }
 
 SceneCommand variational_command() {
-    SceneCommand c =
-        in_group("variational", "the smoothest closed surface through points with outward normals",
-                 "variational pebble 1,0,0,1,0,0 -1,0,0,-1,0,0 0,1,0,0,1,0 0,-1,0,0,-1,0 "
-                 "0,0,0.5,0,0,1 0,0,-0.5,0,0,-1");
+    SceneCommand c = in_group(ObjectKind::solid, "variational",
+                              "the smoothest closed surface through points with outward normals",
+                              "variational pebble 1,0,0,1,0,0 -1,0,0,-1,0,0 0,1,0,0,1,0 0,-1,0,0,-1,0 "
+                              "0,0,0.5,0,0,1 0,0,-0.5,0,0,-1");
     c.aliases = {"points"};
     c.arguments = {
         new_name("name", "name of the new solid"),
@@ -227,7 +230,8 @@ SceneCommand variational_command() {
 }
 
 SceneCommand loadmesh_command() {
-    SceneCommand c = in_group("loadmesh", "reads a mesh from a file", "loadmesh cube cube.obj");
+    SceneCommand c =
+        in_group(ObjectKind::mesh, "loadmesh", "reads a mesh from a file", "loadmesh cube cube.obj");
     c.arguments = {new_name("name", "name of the new mesh"),
                    file("file", ArgumentType::input_file, ".obj, .ply, .off, .stl or .glb")};
     c.run = [](const SceneCall& call) {
@@ -245,7 +249,8 @@ SceneCommand loadmesh_command() {
 }
 
 SceneCommand solid_command() {
-    SceneCommand c = in_group("solid", "a closed mesh as a solid", "solid rest_mesh influence=5");
+    SceneCommand c =
+        in_group(ObjectKind::solid, "solid", "a closed mesh as a solid", "solid rest_mesh influence=5");
     c.arguments = {object("mesh", ObjectKind::mesh, "the mesh"),
                    positional(new_name("name", "name of the new solid", "@mesh"), false), influence()};
     c.run = [](const SceneCall& call) {

@@ -23,6 +23,7 @@ constexpr double kMebibyte = 1 << 20;
 SceneCommand in_group(const std::string& name, std::string help, std::string example) {
     SceneCommand c{.name = "pointset " + name, .group = "Points", .help = std::move(help)};
     c.example = std::move(example);
+    c.makes = ObjectKind::points;
     return c;
 }
 
@@ -199,6 +200,7 @@ SceneCommand load_command() {
 SceneCommand save_command() {
     SceneCommand c = in_group("save", "writes points to a file", "pointset save s points.xyz");
     c.records = false;
+    c.makes.reset();
     c.arguments = {points("what is written"),
                    file("file", ArgumentType::output_file, ".xyz, .txt, .csv, .asc or .ply")};
     c.run = [](const SceneCall& call) {
@@ -216,6 +218,7 @@ SceneCommand quality_command() {
     SceneCommand c = in_group("quality", "measures how evenly points lie, and draws the curves as SVG",
                               "pointset quality s");
     c.records = false;
+    c.makes.reset();
     Argument picture = file("file", ArgumentType::output_file, "a picture to write (.svg)");
     picture.required = false;
     c.arguments = {points("what is measured"), std::move(picture)};

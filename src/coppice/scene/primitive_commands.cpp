@@ -16,6 +16,7 @@ SceneCommand primitive(std::string name, std::string help, std::string example,
                        std::function<Solid(const SceneCall&, const PrimitiveOptions&)> make) {
     SceneCommand c{.name = std::move(name), .group = "Primitives", .help = std::move(help)};
     c.example = std::move(example);
+    c.makes = ObjectKind::solid;
     c.arguments.push_back(new_name("name", "name of the new solid"));
     std::ranges::move(skeleton, std::back_inserter(c.arguments));
     add_options(c.arguments, PrimitiveOptions{.radius = radius}, "primitive");

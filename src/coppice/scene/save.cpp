@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
@@ -30,7 +31,7 @@ bool suits(ObjectKind kind, const std::filesystem::path& path) {
     return false;
 }
 
-std::string_view mend_of(ObjectKind kind) {
+std::string_view hint_of(ObjectKind kind) {
     switch (kind) {
         case ObjectKind::points:
             return "use .xyz, .txt, .csv, .asc or .ply";
@@ -47,6 +48,10 @@ std::string_view mend_of(ObjectKind kind) {
     return "it is kept by: save recipe FILE.coppice";
 }
 
+[[noreturn]] void refuse_to_hold(const std::filesystem::path& path) {
+    throw InvalidInput(fmt::format("the scene makes nothing that '{}' can hold", path.string()));
+}
+
 }  // namespace
 
 ObjectPtr object_for_file(const SceneState& state, const std::string& name,
@@ -60,8 +65,7 @@ ObjectPtr object_for_file(const SceneState& state, const std::string& name,
         if (std::ranges::find(fitting, key.first) == fitting.end()) fitting.push_back(key.first);
         last = found->second;
     }
-    if (!last && name.empty())
-        throw InvalidInput(fmt::format("the scene makes nothing that '{}' can hold", path.string()));
+    if (!last && name.empty()) refuse_to_hold(path);
     if (!last) {
         const auto same =
             std::ranges::find_if(state.objects, [&](const auto& o) { return o.first.second == name; });
@@ -76,11 +80,24 @@ ObjectPtr object_for_file(const SceneState& state, const std::string& name,
     return last;
 }
 
+void check_scene_output(std::span<const SceneCommand* const> commands, const std::filesystem::path& path) {
+    constexpr std::array kWritten{ObjectKind::mesh, ObjectKind::skeleton, ObjectKind::points};
+    if (std::ranges::none_of(kWritten, [&](ObjectKind kind) { return suits(kind, path); })) {
+        throw InvalidInput(
+            fmt::format("the ending of '{}' names no format; for a mesh {}, for a skeleton {}, for points {}",
+                        path.string(), hint_of(ObjectKind::mesh), hint_of(ObjectKind::skeleton),
+                        hint_of(ObjectKind::points)));
+    }
+    const bool made = std::ranges::any_of(
+        commands, [&](const SceneCommand* c) { return c->makes && suits(*c->makes, path); });
+    if (!made) refuse_to_hold(path);
+}
+
 void check_file_name(const SceneObject& object, const std::filesystem::path& path) {
     const ObjectKind kind = object.kind();
     if (suits(kind, path)) return;
     throw InvalidInput(fmt::format("'{}' is no name of a file for {}; {}", path.string(), with_article(kind),
-                                   mend_of(kind)));
+                                   hint_of(kind)));
 }
 
 void save_object(const SceneObject& object, const std::filesystem::path& path, const Context& ctx) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "coppice/scene/command.h"
@@ -11,6 +12,10 @@ namespace coppice {
 /// Throws InvalidInput when there is none, or when several of one name fit.
 ObjectPtr object_for_file(const SceneState& state, const std::string& name,
                           const std::filesystem::path& path);
+
+/// Throws InvalidInput when files with this ending are not written, or hold nothing that one of the commands
+/// makes: what can be known before a scene is run.
+void check_scene_output(std::span<const SceneCommand* const> commands, const std::filesystem::path& path);
 
 /// Throws InvalidInput when the ending does not suit the object.
 void check_file_name(const SceneObject& object, const std::filesystem::path& path);

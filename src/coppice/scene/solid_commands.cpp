@@ -21,6 +21,7 @@ SceneCommand change(std::string name, std::string help, std::string example, std
                     std::function<Solid(const SceneCall&, const Solid&)> make) {
     SceneCommand c{.name = std::move(name), .group = "Moving and bending", .help = std::move(help)};
     c.example = std::move(example);
+    c.makes = kSolid;
     c.arguments.push_back(object("solid", kSolid, "what is changed"));
     std::ranges::move(arguments, std::back_inserter(c.arguments));
     c.run = [make = std::move(make)](const SceneCall& call) {
@@ -36,6 +37,7 @@ SceneCommand combination(std::string name, std::vector<std::string> aliases, std
     SceneCommand c{.name = std::move(name), .aliases = std::move(aliases), .group = "Combining"};
     c.help = std::move(help);
     c.example = std::move(example);
+    c.makes = kSolid;
     c.arguments = {object("parts", kSolid, "two solids or more", true),
                    new_name("result", "name of the new solid, the last word")};
     std::ranges::move(options, std::back_inserter(c.arguments));
@@ -184,6 +186,7 @@ SceneCommand polygonize_command() {
     SceneCommand c{.name = "polygonize", .group = "Combining"};
     c.help = "the surface of a solid as a closed mesh of triangles";
     c.example = "polygonize rest rest_mesh cell=4";
+    c.makes = ObjectKind::mesh;
     c.arguments = {object("solid", kSolid, "whose surface"),
                    positional(new_name("name", "name of the new mesh", "@solid"), false)};
     add_options(c.arguments, PolygonizeOptions{}, "polygonize");

@@ -20,6 +20,7 @@ using namespace table;
 SceneCommand in_group(std::string name, std::string help, std::string example) {
     SceneCommand c{.name = std::move(name), .group = "Trees", .help = std::move(help)};
     c.example = std::move(example);
+    c.makes = ObjectKind::skeleton;
     return c;
 }
 
@@ -157,6 +158,7 @@ double memory_of_mesh(const Skeleton& skeleton, int levels) {
 
 SceneCommand mesh_command() {
     SceneCommand c = in_group("mesh", "wraps a tree in one closed surface", "mesh tree levels=1");
+    c.makes = ObjectKind::mesh;
     c.arguments = {tree("what is wrapped"),
                    positional(new_name("name", "name of the new mesh", "@tree"), false)};
     add_options(c.arguments, MeshOptions{}, "mesh", {},
