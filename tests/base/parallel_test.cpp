@@ -139,6 +139,25 @@ TEST(ExclusiveScan, GivesEachTheSumBeforeIt) {
     EXPECT_EQ(exclusive_scan<int>(none), 0);
 }
 
+TEST(ParallelForRanges, NoRangeBeginsOnceAStopWasAskedFor) {
+    for (const unsigned threads : kThreads) {
+        std::stop_source source;
+        const Context ctx{.threads = threads, .stop = source.get_token()};
+        std::atomic<int> begun_after = 0;
+        EXPECT_THROW(parallel_for_ranges(ctx, 100'000, 1,
+                                         [&](IndexRange range) {
+                                             if (source.stop_requested()) ++begun_after;
+                                             if (range.begin == 50) source.request_stop();
+                                         }),
+                     Cancelled);
+        // Each other thread may have looked just before.
+        const unsigned others = (threads == 0 ? std::thread::hardware_concurrency() : threads) - 1;
+        EXPECT_LE(begun_after, static_cast<int>(others)) << threads;
+        EXPECT_THROW(parallel_for({.threads = threads, .stop = source.get_token()}, 1, 1, [](std::size_t) {}),
+                     Cancelled);
+    }
+}
+
 TEST(ParallelForRanges, AGrainOfNothingIsRefused) {
     EXPECT_THROW(parallel_for_ranges({.threads = 1}, 1, 0, [](IndexRange) {}), PreconditionBroken);
 }

@@ -54,7 +54,10 @@ void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grai
                          const std::function<void(IndexRange)>& body) {
     COPPICE_ASSERT(grain > 0);
     const std::size_t ranges = (count + grain - 1) / grain;
-    const auto run = [&](std::size_t i) { body({i * grain, std::min(count, (i + 1) * grain)}); };
+    const auto run = [&](std::size_t i) {
+        ctx.throw_if_cancelled();
+        body({i * grain, std::min(count, (i + 1) * grain)});
+    };
     if (ranges <= 1 || ctx.threads == 1) {
         for (std::size_t i = 0; i < ranges; ++i) run(i);
         return;

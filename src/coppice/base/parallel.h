@@ -24,7 +24,8 @@ struct IndexRange {
 /// whose number it leaves alone, and on threads of its own when ctx.threads is more than the machine has.
 ///
 /// What the body throws, be it that memory ran out, ends the loop early and is thrown here; of several, which
-/// one is not determined.
+/// one is not determined. Before every range it looks for a stop, and throws Cancelled once one was asked
+/// for.
 void parallel_for_ranges(const Context& ctx, std::size_t count, std::size_t grain,
                          const std::function<void(IndexRange)>& body);
 
