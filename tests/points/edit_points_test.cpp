@@ -33,7 +33,7 @@ TEST(Thinned, TakesExactlyTheShareInsideAndKeepsTheOrder) {
     const std::size_t inside = count_inside(all);
     ASSERT_GT(inside, 200u);
     for (const float percent : {0.0f, 12.5f, 80.0f, 100.0f}) {
-        const PointSet left = thinned(all, FieldRef(kBall), {.percent = percent});
+        const PointSet left = remove_random(all, FieldRef(kBall), {.percent = percent});
         const auto gone = static_cast<std::size_t>(std::llround(static_cast<double>(inside) * percent / 100));
         EXPECT_EQ(count_inside(left), inside - gone);
         EXPECT_EQ(left.size(), all.size() - gone);
@@ -47,17 +47,17 @@ TEST(Thinned, TakesExactlyTheShareInsideAndKeepsTheOrder) {
 
 TEST(Thinned, AChoiceDependsOnTheSeedAloneAndTheOriginCounts) {
     PointSet all = lattice();
-    const PointSet one = thinned(all, FieldRef(kBall), {.seed = 1}, {.threads = 1});
-    EXPECT_EQ(thinned(all, FieldRef(kBall), {.seed = 1}, {.threads = 7}), one);
-    EXPECT_NE(thinned(all, FieldRef(kBall), {.seed = 2}), one);
+    const PointSet one = remove_random(all, FieldRef(kBall), {.seed = 1}, {.threads = 1});
+    EXPECT_EQ(remove_random(all, FieldRef(kBall), {.seed = 1}, {.threads = 7}), one);
+    EXPECT_NE(remove_random(all, FieldRef(kBall), {.seed = 2}), one);
     all.origin = {100, 0, 0};
-    EXPECT_EQ(thinned(all, FieldRef(kBall)), all);
-    EXPECT_TRUE(thinned(PointSet{}, FieldRef(kBall)).empty());
+    EXPECT_EQ(remove_random(all, FieldRef(kBall)), all);
+    EXPECT_TRUE(remove_random(PointSet{}, FieldRef(kBall)).empty());
 }
 
 TEST(Thinned, RefusesSharesThatAreNone) {
     for (const float percent : {-1.0f, 101.0f, std::nanf("")}) {
-        EXPECT_NE(error_of([&] { thinned({}, FieldRef(kBall), {.percent = percent}); }).find("percent"),
+        EXPECT_NE(error_of([&] { remove_random({}, FieldRef(kBall), {.percent = percent}); }).find("percent"),
                   std::string::npos);
     }
 }

@@ -28,7 +28,7 @@ PointRegion rod(Vec3 high, std::vector<DensityCurve::Knot> curve) {
 TEST(Lane, DensitiesHoldWithinCells) {
     // Density x over [0, 1]: the share below x is x^2. 8 cells, 20 bins: cells are no part of the answer.
     const auto set =
-        lane(rod({1, 0.2f, 0.2f}, {{0, 0}, {1, 1}}), {}, {.count = 20000, .resolution = 8}).points;
+        sample_lane(rod({1, 0.2f, 0.2f}, {{0, 0}, {1, 1}}), {}, {.count = 20000, .resolution = 8}).points;
     std::array<double, 20> seen{}, expected{};
     for (const Vec3 p : set.positions) ++seen[static_cast<std::size_t>(p.x * 20)];
     for (std::size_t b = 0; b < 20; ++b) expected[b] = 20000.0 * (2.0 * static_cast<double>(b) + 1) / 400;
@@ -43,7 +43,7 @@ TEST(Lane, TheSecondOfTwoPointsLiesWhereTheFirstLeavesRoom) {
     std::array<double, 10> seen{}, expected{};
     for (int run = 0; run < kRuns; ++run) {
         const auto set =
-            lane(line, RadialKernel::disk(0.5f), {.count = 2, .resolution = 8, .seed = run}).points;
+            sample_lane(line, RadialKernel::disk(0.5f), {.count = 2, .resolution = 8, .seed = run}).points;
         ASSERT_EQ(set.size(), 2u);
         const float x = set.positions[1].x;
         ++seen[static_cast<std::size_t>(10 * std::min(x, 1 - x) * 2)];
@@ -63,7 +63,7 @@ TEST(Lane, KernelsRaiseTheDensityOfCells) {
     std::array<double, 8> seen{}, expected{};
     double raised_seen = 0, raised_expected = 0, variance = 0;
     for (int run = 0; run < kRuns; ++run) {
-        const auto set = lane(row, kernel, {.count = 2, .resolution = 8, .seed = run}).points;
+        const auto set = sample_lane(row, kernel, {.count = 2, .resolution = 8, .seed = run}).points;
         const Vec3d first(set.positions[0]);
         std::array<double, 8> weight{};
         double total = 0, raised = 0;
@@ -86,7 +86,7 @@ TEST(Lane, KernelsRaiseTheDensityOfCells) {
 TEST(Lane, NoTwoPointsAreNearerThanTheCore) {
     for (const float r : {0.3f, 0.1f, 0.07f}) {
         for (const RadialKernel& kernel : {RadialKernel::disk(r), RadialKernel::clustered(r, 4 * r, 8)}) {
-            const auto result = lane(ball(), kernel, {.count = 3000, .seed = 7});
+            const auto result = sample_lane(ball(), kernel, {.count = 3000, .seed = 7});
             EXPECT_GE(least_distance(result.points), static_cast<double>(r));
             EXPECT_LT(least_distance(result.points), 1.2 * static_cast<double>(r));
             for (const Vec3 p : result.points.positions) EXPECT_LT(length(p), 1);
@@ -96,7 +96,7 @@ TEST(Lane, NoTwoPointsAreNearerThanTheCore) {
 
 TEST(Lane, FillsUntilNoPlaceIsLeft) {
     const float r = 0.25f;
-    const auto result = lane(ball(), RadialKernel::disk(r), {.count = 0});
+    const auto result = sample_lane(ball(), RadialKernel::disk(r), {.count = 0});
     EXPECT_EQ(result.stop, PointStop::full);
     EXPECT_GE(least_distance(result.points), static_cast<double>(r));
     const CounterRandom random(1, 2);
@@ -110,12 +110,12 @@ TEST(Lane, FillsUntilNoPlaceIsLeft) {
         gaps += !covered;
     }
     EXPECT_EQ(gaps, 0);
-    EXPECT_EQ(lane(ball(), RadialKernel::disk(r), {.count = 100000}).points, result.points);
+    EXPECT_EQ(sample_lane(ball(), RadialKernel::disk(r), {.count = 100000}).points, result.points);
 }
 
 TEST(Lane, ThinShellsAreFilledOnBothSides) {
     for (const auto density : {PointDensity::inside_boundary, PointDensity::outside_boundary}) {
-        const auto result = lane(ball(density, 0.001f), RadialKernel::disk(0.08f), {.count = 1000});
+        const auto result = sample_lane(ball(density, 0.001f), RadialKernel::disk(0.08f), {.count = 1000});
         EXPECT_EQ(result.stop, PointStop::count_reached);
         const bool inside = density == PointDensity::inside_boundary;
         for (const Vec3 p : result.points.positions) {
@@ -125,10 +125,10 @@ TEST(Lane, ThinShellsAreFilledOnBothSides) {
 }
 
 TEST(Lane, ExistingPointsKeepTheirDistance) {
-    PointSet old = lane(ball(), RadialKernel::disk(0.2f), {.count = 100}).points;
+    PointSet old = sample_lane(ball(), RadialKernel::disk(0.2f), {.count = 100}).points;
     for (Vec3& p : old.positions) p.x -= 1024;
     old.origin = {1024, 0, 0};
-    const auto added = lane(ball(), RadialKernel::disk(0.15f), old, {.count = 500, .seed = 4}).points;
+    const auto added = sample_lane(ball(), RadialKernel::disk(0.15f), old, {.count = 500, .seed = 4}).points;
     EXPECT_EQ(added.size(), 500u);
     double least = 1e9;
     for (const Vec3 p : added.positions) {
@@ -138,23 +138,23 @@ TEST(Lane, ExistingPointsKeepTheirDistance) {
     EXPECT_GE(least, 0.15 - 1e-6);
     PointSet heap;
     heap.positions.assign(200000, Vec3{0.5f, 0, 0});
-    EXPECT_EQ(lane(ball(), RadialKernel::disk(0.3f), heap, {.count = 50}).points.size(), 50u);
+    EXPECT_EQ(sample_lane(ball(), RadialKernel::disk(0.3f), heap, {.count = 50}).points.size(), 50u);
 }
 
 TEST(Lane, GivesTheSameBitsForAnyNumberOfThreadsAndOthersForOtherSeeds) {
     const RadialKernel kernel = RadialKernel::clustered(0.05f, 0.2f, 3);
     const LaneOptions options{.count = 4000, .seed = 3};
-    const auto one = lane(ball(), kernel, options, {.threads = 1}).points;
-    EXPECT_EQ(lane(ball(), kernel, options, {.threads = 2}).points, one);
-    EXPECT_EQ(lane(ball(), kernel, options, {.threads = 7}).points, one);
-    EXPECT_NE(lane(ball(), kernel, {.count = 4000, .seed = 4}).points, one);
-    const auto full = lane(ball(), RadialKernel::disk(0.2f), {.count = 0}, {.threads = 1}).points;
-    EXPECT_EQ(lane(ball(), RadialKernel::disk(0.2f), {.count = 0}, {.threads = 7}).points, full);
+    const auto one = sample_lane(ball(), kernel, options, {.threads = 1}).points;
+    EXPECT_EQ(sample_lane(ball(), kernel, options, {.threads = 2}).points, one);
+    EXPECT_EQ(sample_lane(ball(), kernel, options, {.threads = 7}).points, one);
+    EXPECT_NE(sample_lane(ball(), kernel, {.count = 4000, .seed = 4}).points, one);
+    const auto full = sample_lane(ball(), RadialKernel::disk(0.2f), {.count = 0}, {.threads = 1}).points;
+    EXPECT_EQ(sample_lane(ball(), RadialKernel::disk(0.2f), {.count = 0}, {.threads = 7}).points, full);
 }
 
 TEST(Lane, RefusesInOneSentence) {
     const auto said = [](const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options) {
-        return error_of([&] { lane(region, kernel, options); });
+        return error_of([&] { sample_lane(region, kernel, options); });
     };
     const RadialKernel disk = RadialKernel::disk(0.1f);
     EXPECT_NE(said(ball(), disk, {.count = -1}).find("count must lie between"), std::string::npos);
@@ -185,7 +185,7 @@ TEST(Lane, RefusesInOneSentence) {
 TEST(Lane, StopsWhenAsked) {
     std::stop_source source;
     source.request_stop();
-    EXPECT_THROW(lane(ball(), {}, {.count = 100000}, {.stop = source.get_token()}), Cancelled);
+    EXPECT_THROW(sample_lane(ball(), {}, {.count = 100000}, {.stop = source.get_token()}), Cancelled);
 }
 
 /// A field of anything but numbers.
@@ -201,11 +201,11 @@ TEST(Lane, FieldsThatAreNoNumbersDoNotHang) {
     const Broken nan{std::nanf("")};
     const PointRegion region{FieldRef(nan), ball_box(), DensityCurve(PointDensity::uniform, 1)};
     const auto result =
-        lane(region, RadialKernel::disk(0.2f), {.count = 10, .resolution = 8, .max_memory = 1});
+        sample_lane(region, RadialKernel::disk(0.2f), {.count = 10, .resolution = 8, .max_memory = 1});
     EXPECT_TRUE(result.points.empty());
     const Broken infinite{std::numeric_limits<float>::infinity()};
     const PointRegion dense{FieldRef(infinite), ball_box(), DensityCurve(PointDensity::proportional, 1)};
-    EXPECT_LE(lane(dense, {}, {.count = 10, .resolution = 8, .max_memory = 1}).points.size(), 10u);
+    EXPECT_LE(sample_lane(dense, {}, {.count = 10, .resolution = 8, .max_memory = 1}).points.size(), 10u);
 }
 
 }  // namespace

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/random.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint64_t kThinStage = 0x7468696e;
+constexpr std::uint64_t kStage = 0x7468696e;
 
 std::vector<std::uint32_t> indices_inside(const PointSet& points, const FieldRef& solid, const Context& ctx) {
     constexpr std::size_t kBatch = 256;
@@ -35,18 +35,19 @@ std::vector<std::uint32_t> indices_inside(const PointSet& points, const FieldRef
 
 }  // namespace
 
-PointSet thinned(const PointSet& points, const FieldRef& solid, const ThinOptions& options,
-                 const Context& ctx) {
+PointSet remove_random(const PointSet& points, const FieldRef& solid, const RemoveRandomOptions& options,
+                       const Context& ctx) {
     check_fields(options, "thin");
     std::vector<std::uint32_t> inside = indices_inside(points, solid, ctx);
     const auto gone =
         static_cast<std::ptrdiff_t>(std::llround(static_cast<double>(inside.size()) * options.percent / 100));
-    const CounterRandom random(static_cast<std::uint64_t>(options.seed), kThinStage);
+    const CounterRandom random(static_cast<std::uint64_t>(options.seed), kStage);
     const auto key = [&](std::uint32_t i) { return std::pair(random.bits(i), i); };
     std::nth_element(inside.begin(), inside.begin() + gone, inside.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     std::vector<bool> removed(points.size());
     std::for_each(inside.begin(), inside.begin() + gone, [&](std::uint32_t i) { removed[i] = true; });
+    check_in(ctx, 1, 1);
     PointSet out;
     out.origin = points.origin;
     out.positions.reserve(points.size() - static_cast<std::size_t>(gone));
@@ -58,7 +59,7 @@ PointSet thinned(const PointSet& points, const FieldRef& solid, const ThinOption
 
 PointSet densified(const PointSet& points, const PointRegion& region, const RadialKernel& kernel,
                    const LaneOptions& options, const Context& ctx) {
-    return merged(points, lane(region, kernel, points, options, ctx).points);
+    return merged(points, sample_lane(region, kernel, points, options, ctx).points);
 }
 
 }  // namespace coppice

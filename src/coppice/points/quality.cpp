@@ -1,6 +1,7 @@
 #include "coppice/points/quality.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -8,18 +9,23 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/random.h"
-#include "coppice/points/nearest_internal.h"
 #include "coppice/points/sampling/point_hash_internal.h"
+#include "coppice/spatial/kd_tree.h"
 
 namespace coppice {
 namespace {
 
-using points_internal::NearestPoint;
 using points_internal::PointHash;
 
 constexpr std::uint64_t kStage = 0x7175616c;
 constexpr double kMostPairs = 1e9;
+constexpr std::uint32_t kLook = 256;  // points whose pairs are counted between two looks at the stop token
+
+// Parts of the whole time, for progress.
+constexpr float kDistances = 0.2f;
+constexpr float kDistribution = 0.6f;
 
 bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 
@@ -32,14 +38,17 @@ void measure_distances(const PointSet& set, QualityReport& report, const Context
     const bool doubled = end != points.end();
     points.erase(end, points.end());
     if (doubled && points.size() < 2) return;
-    const NearestPoint tree(points);
+    const KdTree tree(points, ctx);
     struct Sum {
         double least = std::numeric_limits<double>::infinity(), all = 0;
     };
     const auto part = [&](IndexRange range) {
         Sum sum;
         for (std::size_t i = range.begin; i < range.end; ++i) {
-            const double d = std::sqrt(tree.squared_distance_to_other(i));
+            std::array<std::uint32_t, 2> index;  // of the point itself, and of the nearest other one
+            std::array<double, 2> squared;
+            tree.nearest(points[i], index, squared);
+            const double d = std::sqrt(squared[1]);
             sum.least = std::min(sum.least, d);
             sum.all += d;
         }
@@ -86,7 +95,7 @@ double pairs_in(const Buffer<Vec3>& points, double edge) {
 
 /// Pairs of which the first lies so deep in the window that the whole ball about it does too.
 void measure_distribution(Buffer<Vec3> points, const Box3& window, const QualityOptions& options,
-                          QualityReport& report) {
+                          QualityReport& report, const Context& ctx) {
     const Vec3 size = window.size();
     const double shortest = std::min({size.x, size.y, size.z});
     const double reach = std::min(options.range * report.mean_spacing, 0.3 * shortest);
@@ -101,6 +110,7 @@ void measure_distribution(Buffer<Vec3> points, const Box3& window, const Quality
     std::vector<double> count(bins);
     double centers = 0;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
+        if (i % kLook == 0) check_in(ctx, i, points.size());
         if (!contains(inner, points[i])) continue;
         ++centers;
         grid.visit(points[i], reach, [&](std::uint32_t n, double d2) {
@@ -218,6 +228,7 @@ QualityReport quality(const PointSet& points, const Box3& window, const QualityO
     QualityReport report;
     report.points = points.size();
     measure_distances(points, report, ctx);
+    ctx.report(kDistances);
     Buffer<Vec3> inside;
     for (const Vec3 p : points.positions) {
         if (contains(window, p)) inside.push_back(p);
@@ -230,8 +241,10 @@ QualityReport quality(const PointSet& points, const Box3& window, const QualityO
     const double volume = static_cast<double>(size.x) * size.y * size.z;
     if (inside.size() < 2 || !(volume > 0) || !std::isfinite(volume)) return report;
     report.mean_spacing = std::cbrt(volume / static_cast<double>(inside.size()));
-    measure_distribution(inside, window, options, report);
+    measure_distribution(inside, window, options, report, part_of(ctx, kDistances, kDistribution));
+    ctx.report(kDistribution);
     measure_power(inside, window, options, report, ctx);
+    ctx.report(1);
     return report;
 }
 

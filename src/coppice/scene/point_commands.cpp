@@ -138,16 +138,16 @@ SceneCommand near_command() {
 }
 
 SceneCommand thin_command() {
-    SceneCommand c = in_group("thin", "takes away a share of the points that lie in a solid",
+    SceneCommand c = in_group("thin", "removes a random share of the points that lie in a solid",
                               "sphere secondary radius=40\npointset thin s secondary 80");
-    c.arguments = {points("what is thinned"), object("solid", ObjectKind::solid, "where")};
-    add_options(c.arguments, ThinOptions{}, "thin");
+    c.arguments = {points("what some are removed from"), object("solid", ObjectKind::solid, "where")};
+    add_options(c.arguments, RemoveRandomOptions{}, "thin");
     make_positional(c.arguments, "percent", true);
     c.run = [](const SceneCall& call) {
         const SolidField field = call.field(call.text("solid"));
         const std::string& name = call.text("points");
-        return makes_points(name, thinned(call.point_set(name), FieldRef(field),
-                                          call.options<ThinOptions>("thin"), call.context()));
+        return makes_points(name, remove_random(call.point_set(name), FieldRef(field),
+                                                call.options<RemoveRandomOptions>("thin"), call.context()));
     };
     return c;
 }

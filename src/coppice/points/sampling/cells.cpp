@@ -223,17 +223,19 @@ std::uint32_t CellSums::find(double share) const {
     return static_cast<std::uint32_t>(above - sum_.begin()) - 1;
 }
 
-Room measure_room(const PointRegion& region, const Cells& cells, std::uint64_t seed) {
+Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::uint64_t seed,
+                          const Context& ctx) {
     constexpr std::uint32_t kSamples = 16384, kBatch = 256;
     constexpr std::uint64_t kStage = 0x726f6f6d;
-    Room room;
-    if (cells.size() == 0) return room;
+    Capacity capacity;
+    if (cells.size() == 0) return capacity;
     const CounterRandom random(seed, kStage);
     double hits = 0, density = 0, steepness = 0;
     std::array<Vec3, kBatch> points;
     std::array<FieldSample, kBatch> samples;
     // Cells in order: a batch is a run of neighbours, which fields evaluate fast.
     for (std::uint32_t begin = 0; begin < kSamples; begin += kBatch) {
+        ctx.throw_if_cancelled();
         for (std::uint32_t k = 0; k < kBatch; ++k) {
             const std::uint64_t i = begin + k;
             const double share = (static_cast<double>(i) + random.uniform(4 * i)) / kSamples;
@@ -247,19 +249,19 @@ Room measure_room(const PointRegion& region, const Cells& cells, std::uint64_t s
             if (!(d > 0)) continue;
             ++hits;
             density += d;
-            room.greatest = std::max(room.greatest, d);
+            capacity.greatest = std::max(capacity.greatest, d);
             const double slope = length(Vec3d(samples[k].gradient));
             if (std::isfinite(slope)) steepness += slope;
         }
     }
     const double whole = cells.size() * cells.edge() * cells.edge() * cells.edge();
-    room.volume = whole * hits / kSamples;
-    if (hits > 0) room.mass = whole * density / room.greatest / kSamples;
-    if (steepness > 0) room.thickness = region.density.shell_width() * hits / steepness;
-    return room;
+    capacity.volume = whole * hits / kSamples;
+    if (hits > 0) capacity.mass = whole * density / capacity.greatest / kSamples;
+    if (steepness > 0) capacity.thickness = region.density.shell_width() * hits / steepness;
+    return capacity;
 }
 
-double Room::packing_distance(double count) const {
+double Capacity::packing_distance(double count) const {
     // Balls of diameter d about the points: count * pi/6 d^3 = 0.384 * (volume + 0.95 d * area), where the
     // second term gives a share of 0.547 to disks on a thin shell. It is solved by steps that only rise.
     constexpr double kBalls = 0.384 * 6 * std::numbers::inv_pi, kRim = 0.95;
@@ -267,6 +269,13 @@ double Room::packing_distance(double count) const {
     double d = std::cbrt(kBalls * volume / count);
     for (int i = 0; i < 64; ++i) d = std::cbrt(kBalls * (volume + kRim * d * area) / count);
     return d;
+}
+
+void refuse_empty_region() {
+    throw InvalidInput(
+        "points: the density is 0 all over the box, as far as its grid shows; check the box and the width, "
+        "or "
+        "give a higher resolution");
 }
 
 void check_box(const Box3& box) {

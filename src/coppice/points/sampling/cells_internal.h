@@ -93,7 +93,7 @@ class Cells {
 };
 
 /// What a region has room for, from a seeded sample of its cells.
-struct Room {
+struct Capacity {
     double volume = 0;     ///< [m^3] where the density is above 0
     double mass = 0;       ///< [m^3] integral of the density over its greatest value
     double thickness = 0;  ///< [m] of a shell; 0 where the region is no shell
@@ -103,7 +103,11 @@ struct Room {
     /// (share 0.384), and of disks (0.547) where the shell is thinner than the distance.
     double packing_distance(double count) const;
 };
-Room measure_room(const PointRegion& region, const Cells& cells, std::uint64_t seed);
+Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::uint64_t seed,
+                          const Context& ctx);
+
+/// Throws InvalidInput, one sentence, for a region in which no density was found.
+[[noreturn]] void refuse_empty_region();
 
 /// Throws InvalidInput unless the box is finite, has a volume and floats can tell its points apart.
 void check_box(const Box3& box);

@@ -1,122 +1,149 @@
-#include "coppice/points/sampling/eliminate_internal.h"
-
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "coppice/base/error.h"
-#include "coppice/base/parallel.h"
-#include "coppice/points/sampling/point_hash_internal.h"
+#include "coppice/base/progress.h"
+#include "coppice/points/sampling/eliminate_internal.h"
+#include "coppice/points/sampling/point_grid_internal.h"
 
 namespace coppice::points_internal {
 namespace {
 
 constexpr int kMostNeighbours = 1024;  // of one point: about 40 times what an even set has
+constexpr std::size_t kLook = 1024;    // points that are weighed, or go, between two looks at the stop token
+constexpr float kWeighed = 0.25f;      // of the time when all points are weighed
 
-/// A heap of points, the heaviest on top, whose weights may fall; of equal ones the first comes first.
+/// How much a neighbour at a distance weighs. Source: [Yuksel2015], with its alpha of 8.
+struct NeighbourWeight {
+    double reach;  ///< [m] beyond it a neighbour weighs nothing
+    double least;  ///< [m] nearer neighbours weigh as much as one there
+
+    NeighbourWeight(double radius, double share) : reach(2 * radius) {
+        constexpr double kBeta = 0.65, kGamma = 1.5;
+        least = radius * (1 - std::pow(share, kGamma)) * kBeta;
+    }
+    double at(double squared) const {
+        const double d = std::min(1.0, std::max(std::sqrt(squared), 2 * least) / reach);
+        const double u = 1 - d, u2 = u * u, u4 = u2 * u2;
+        return u4 * u4;
+    }
+};
+
+struct HeapEntry {
+    double weight;
+    std::uint32_t item, number;
+};
+
+/// A heap of points, the heaviest on top, whose weights may fall; of equal ones the one of least number comes
+/// first. Four children of a node share a line of memory.
 class Heap {
   public:
-    explicit Heap(Buffer<double> weights) : weight_(std::move(weights)), item_(weight_.size()) {
-        std::iota(item_.begin(), item_.end(), 0u);
-        place_ = item_;
-        for (std::size_t i = item_.size() / 2; i-- > 0;) sink(i);
+    static constexpr double kBytes = sizeof(HeapEntry) + sizeof(std::uint32_t);  ///< for each point
+
+    Heap(const PointGrid& grid, const Buffer<double>& weight, const Context& ctx)
+        : entry_(weight.size()), place_(weight.size()) {
+        for (std::uint32_t i = 0; i < entry_.size(); ++i) put(i, {weight[i], i, grid.number(i)});
+        for (std::size_t i = entry_.size() / kWidth + 1; i-- > 0;) {
+            if (i % (kLook * kLook) == 0) ctx.throw_if_cancelled();
+            if (i < entry_.size()) sink(i);
+        }
     }
     std::uint32_t pop() {
-        const std::uint32_t top = item_.front();
-        put(0, item_.back());
-        item_.pop_back();
+        const std::uint32_t top = entry_.front().item;
+        put(0, entry_.back());
+        entry_.pop_back();
         place_[top] = kGone;
-        if (!item_.empty()) sink(0);
+        if (!entry_.empty()) sink(0);
         return top;
     }
-    void lower(std::uint32_t i, double by) {
-        if (place_[i] == kGone) return;
-        weight_[i] -= by;
-        sink(place_[i]);
+    void lower(std::uint32_t item, double by) {
+        if (place_[item] == kGone) return;
+        entry_[place_[item]].weight -= by;
+        sink(place_[item]);
     }
-    bool holds(std::uint32_t i) const { return place_[i] != kGone; }
+    bool holds(std::uint32_t item) const { return place_[item] != kGone; }
 
   private:
     static constexpr std::uint32_t kGone = 0xffffffffu;
+    static constexpr std::size_t kWidth = 4;
 
-    bool before(std::uint32_t a, std::uint32_t b) const {
-        return weight_[a] != weight_[b] ? weight_[a] > weight_[b] : a < b;
+    static bool before(const HeapEntry& a, const HeapEntry& b) {
+        return a.weight != b.weight ? a.weight > b.weight : a.number < b.number;
     }
-    void put(std::size_t place, std::uint32_t item) {
-        item_[place] = item;
-        place_[item] = static_cast<std::uint32_t>(place);
+    void put(std::size_t place, const HeapEntry& entry) {
+        entry_[place] = entry;
+        place_[entry.item] = static_cast<std::uint32_t>(place);
     }
     void sink(std::size_t place) {
-        const std::uint32_t item = item_[place];
+        const HeapEntry entry = entry_[place];
         for (;;) {
-            std::size_t child = 2 * place + 1;
-            if (child >= item_.size()) break;
-            if (child + 1 < item_.size() && before(item_[child + 1], item_[child])) ++child;
-            if (!before(item_[child], item)) break;
-            put(place, item_[child]);
+            const std::size_t first = kWidth * place + 1, end = std::min(first + kWidth, entry_.size());
+            if (first >= end) break;
+            std::size_t child = first;
+            for (std::size_t k = first + 1; k < end; ++k) {
+                if (before(entry_[k], entry_[child])) child = k;
+            }
+            if (!before(entry_[child], entry)) break;
+            put(place, entry_[child]);
             place = child;
         }
-        put(place, item);
+        put(place, entry);
     }
 
-    Buffer<double> weight_;
-    Buffer<std::uint32_t> item_, place_;
+    Buffer<HeapEntry> entry_;
+    Buffer<std::uint32_t> place_;  // by item
 };
+
+/// The sums of what the neighbours of each point weigh.
+Buffer<double> weigh(const PointGrid& grid, const NeighbourWeight& weight, const Context& ctx) {
+    Buffer<double> weights(grid.size());
+    std::atomic<bool> crowded = false;
+    parallel_with_progress(ctx, grid.size(), kLook, [&](IndexRange range) {
+        for (auto i = static_cast<std::uint32_t>(range.begin); i < range.end; ++i) {
+            int neighbours = 0;
+            double sum = 0;
+            const bool ended = !grid.visit(grid[i], weight.reach, [&](std::uint32_t n, double d2) {
+                if (n != i) sum += weight.at(d2);
+                return ++neighbours < kMostNeighbours;
+            });
+            if (ended) crowded = true;
+            weights[i] = sum;
+        }
+    });
+    if (!crowded) return weights;
+    throw InvalidInput(
+        "points: the points lie on one another, so that they cannot be spread evenly; lower count");
+}
 
 }  // namespace
 
 double eliminate_bytes(double points) {
-    return points * (2 * sizeof(Vec3) + 8 + 4 + 4) + PointHash::bytes(points);
+    return points * (sizeof(Vec3) + sizeof(double) + Heap::kBytes) + PointGrid::bytes(points);
 }
 
 Buffer<Vec3> eliminate(const Buffer<Vec3>& points, std::size_t count, double radius, const Context& ctx) {
     if (count >= points.size()) return points;
-    constexpr double kBeta = 0.65, kGamma = 1.5;
-    const double share = static_cast<double>(count) / static_cast<double>(points.size());
-    const double least = radius * (1 - std::pow(share, kGamma)) * kBeta;
-    const double reach = 2 * radius;
-    const auto weight = [&](double squared) {
-        const double d = std::min(1.0, std::max(std::sqrt(squared), 2 * least) / reach);
-        const double u = 1 - d, u2 = u * u, u4 = u2 * u2;
-        return u4 * u4;
-    };
-    PointHash grid(reach, points.size());
-    for (const Vec3 p : points) grid.insert(p);
-
-    Buffer<double> weights(points.size());
-    const auto gather = [&](IndexRange range) {
-        int crowded = 0;
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            int neighbours = 0;
-            double sum = 0;
-            const bool ended = !grid.visit(points[i], reach, [&](std::uint32_t n, double d2) {
-                if (n != i) sum += weight(d2);
-                return ++neighbours < kMostNeighbours;
-            });
-            crowded |= ended ? 1 : 0;
-            weights[i] = sum;
-        }
-        return crowded;
-    };
-    if (parallel_reduce(ctx, points.size(), 1024, 0, gather, [](int a, int b) { return a | b; }) != 0) {
-        throw InvalidInput(
-            "points: the points lie on one another, so that they cannot be spread evenly; lower count");
-    }
-    Heap heap(std::move(weights));
-    for (std::size_t gone = points.size() - count; gone > 0; --gone) {
-        if (gone % 4096 == 0) ctx.throw_if_cancelled();
-        const std::uint32_t i = heap.pop();
-        grid.visit(points[i], reach, [&](std::uint32_t n, double d2) {
-            heap.lower(n, weight(d2));
+    const NeighbourWeight weight(radius, static_cast<double>(count) / static_cast<double>(points.size()));
+    const PointGrid grid(points, weight.reach, ctx);
+    Heap heap(grid, weigh(grid, weight, part_of(ctx, 0, kWeighed)), ctx);
+    const Context removing = part_of(ctx, kWeighed, 1);
+    const std::size_t all = points.size() - count;
+    for (std::size_t gone = 0; gone < all; ++gone) {
+        if (gone % kLook == 0) check_in(removing, gone, all);
+        grid.visit(grid[heap.pop()], weight.reach, [&](std::uint32_t n, double d2) {
+            heap.lower(n, weight.at(d2));
             return true;
         });
     }
+    std::vector<bool> stays(points.size());
+    for (std::uint32_t i = 0; i < grid.size(); ++i) stays[grid.number(i)] = heap.holds(i);
     Buffer<Vec3> kept;
     kept.reserve(count);
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        if (heap.holds(i)) kept.push_back(points[i]);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (stays[i]) kept.push_back(points[i]);
     }
     return kept;
 }

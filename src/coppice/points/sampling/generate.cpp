@@ -8,6 +8,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/progress.h"
 #include "coppice/points/sampling/eliminate_internal.h"
 #include "coppice/points/sampling/independent_internal.h"
 #include "coppice/points/sampling/lane_internal.h"
@@ -31,92 +32,99 @@ Cells coarse_cells(const PointRegion& region, const GenerateOptions& o, const Co
     return Cells(region, voxels, ctx);
 }
 
-constexpr double kGoodShare = 0.15;    // of the cells' volume: draws in vain are then few
-constexpr double kSoundShare = 0.005;  // enough of the sampled points lie inside to tell the room by them
+constexpr double kGoodShare = 0.15;    // of the cells' volume: few draws are then rejected
+constexpr double kSoundShare = 0.005;  // enough of the sampled points lie inside to tell the capacity by them
 
-/// The cells and what they have room for; cells are cut until the given share of them is filled, as thin
-/// shells need.
+// Parts of the whole time, for progress.
+constexpr float kSurveyed = 0.05f;
+constexpr float kBlueDrawn = 0.2f;
+
+/// The cells, and what they have room for.
 struct Survey {
-    Survey(const PointRegion& region, const GenerateOptions& o, double share, const Context& ctx)
-        : cells(coarse_cells(region, o, ctx)) {
-        for (int cuts = 0;; ++cuts) {
-            room = measure_room(region, cells, static_cast<std::uint64_t>(o.seed));
-            const double whole = cells.size() * std::pow(cells.edge(), 3);
-            const bool filled = room.volume > share * whole;
-            if (filled || cuts == 3 || cells.size() > 500000 || cells.size() == 0) break;
-            cells.subdivide(
-                region, [](const Cell&) { return 0u; }, ctx);
-        }
-        if (!(room.volume > 0)) {
-            throw InvalidInput(
-                "points: the density is 0 all over the box, as far as its grid shows; check the box and the "
-                "width, or "
-                "give a higher resolution");
-        }
-    }
     Cells cells;
-    Room room;
+    Capacity capacity;
 };
 
-GenerateResult by_lane(const PointRegion& region, const GenerateOptions& o, const Context& ctx) {
+/// Subdivides cells until the given share of them is filled, as thin shells need.
+Survey survey_region(const PointRegion& region, const GenerateOptions& o, double share, const Context& ctx) {
+    Survey survey{coarse_cells(region, o, ctx), {}};
+    Cells& cells = survey.cells;
+    for (int subdivisions = 0;; ++subdivisions) {
+        survey.capacity = measure_capacity(region, cells, static_cast<std::uint64_t>(o.seed), ctx);
+        const double whole = cells.size() * std::pow(cells.edge(), 3);
+        const bool filled = survey.capacity.volume > share * whole;
+        if (filled || subdivisions == 3 || cells.size() > 500000 || cells.size() == 0) break;
+        cells.subdivide(
+            region, [](const Cell&) { return 0u; }, ctx);
+    }
+    if (!(survey.capacity.volume > 0)) refuse_empty_region();
+    ctx.report(kSurveyed);
+    return survey;
+}
+
+RadialKernel kernel_of(const GenerateOptions& o, float distance) {
+    if (o.pattern != PointPattern::clustered) return RadialKernel::disk(distance);
+    const float reach = o.cluster_reach > 0 ? o.cluster_reach : 4 * distance;
+    if (!(reach > distance)) throw InvalidInput("points: cluster_reach must be above distance");
+    return RadialKernel::clustered(distance, reach, o.cluster_gain);
+}
+
+GenerateResult generate_by_lane(const PointRegion& region, const GenerateOptions& o, const Context& ctx) {
     GenerateResult result;
     result.distance = o.distance;
     std::optional<Survey> survey;
     if (o.distance <= 0) {
         if (o.count == 0)
             throw InvalidInput("points: a count of 0 fills the solid, which needs a distance above 0");
-        survey.emplace(region, o, kSoundShare, ctx);
+        survey = survey_region(region, o, kSoundShare, ctx);
         // Clusters need room to be dense in some places and empty in others.
         const double share = o.pattern == PointPattern::clustered ? o.spacing / 3 : o.spacing;
-        result.distance = static_cast<float>(share * survey->room.packing_distance(o.count));
+        result.distance = static_cast<float>(share * survey->capacity.packing_distance(o.count));
     }
-    RadialKernel kernel = RadialKernel::disk(result.distance);
-    if (o.pattern == PointPattern::clustered) {
-        const float reach = o.cluster_reach > 0 ? o.cluster_reach : 4 * result.distance;
-        if (!(reach > result.distance)) {
-            throw InvalidInput("points: cluster_reach must be above distance");
-        }
-        kernel = RadialKernel::clustered(result.distance, reach, o.cluster_gain);
-    }
+    const RadialKernel kernel = kernel_of(o, result.distance);
     LaneOptions lane_options;
     lane_options.count = o.count;
     lane_options.resolution = o.resolution;
     lane_options.seed = o.seed;
     lane_options.max_memory = o.max_memory;
-    LaneResult placed = survey ? lane_with_cells(region, kernel, lane_options, std::move(survey->cells), ctx)
-                               : lane(region, kernel, lane_options, ctx);
+    const Context sampling = part_of(ctx, survey ? kSurveyed : 0, 1);
+    LaneResult placed =
+        survey ? sample_lane_in_cells(region, kernel, lane_options, std::move(survey->cells), sampling)
+               : sample_lane(region, kernel, lane_options, sampling);
     result.points = std::move(placed.points);
     result.stop = placed.stop;
     result.tries = placed.tries;
     return result;
 }
 
-GenerateResult independent(const PointRegion& region, const GenerateOptions& o, const Context& ctx) {
+GenerateResult generate_independent(const PointRegion& region, const GenerateOptions& o, const Context& ctx) {
     if (o.count == 0) throw InvalidInput("points: count must be above 0 for this pattern");
     const double count = o.count;
     const bool blue = o.pattern == PointPattern::blue_noise;
     check_memory(blue ? independent_bytes(kCandidates * count) + eliminate_bytes(kCandidates * count)
                       : independent_bytes(count),
                  o.max_memory);
-    const Survey survey(region, o, kGoodShare, ctx);
+    const Survey survey = survey_region(region, o, kGoodShare, ctx);
     const auto seed = static_cast<std::uint64_t>(o.seed);
     const auto wanted = static_cast<std::size_t>(o.count) * (blue ? kCandidates : 1);
+    const Context drawing = part_of(ctx, kSurveyed, blue ? kBlueDrawn : 1);
     Draws draws = o.pattern == PointPattern::jittered
-                      ? draw_jittered(region, survey.room, count, seed, ctx)
-                      : draw_independent(region, survey.cells, wanted, seed, ctx);
+                      ? draw_jittered(region, survey.capacity, count, seed, drawing)
+                      : draw_independent(region, survey.cells, wanted, seed, drawing);
     GenerateResult result;
     result.tries = draws.tries;
     if (blue) {
         // The distance of the densest lattice bounds that of any set.
         const double ideal =
-            survey.room.packing_distance(count) * std::cbrt(std::numbers::pi / std::sqrt(18.0) / 0.384);
-        draws.points = eliminate(draws.points, static_cast<std::size_t>(o.count), ideal / 2, ctx);
+            survey.capacity.packing_distance(count) * std::cbrt(std::numbers::pi / std::sqrt(18.0) / 0.384);
+        draws.points = eliminate(draws.points, static_cast<std::size_t>(o.count), ideal / 2,
+                                 part_of(ctx, kBlueDrawn, 1));
     }
     result.points.positions = std::move(draws.points);
     const bool enough =
         o.pattern == PointPattern::jittered || result.points.size() == static_cast<std::size_t>(o.count);
     result.stop = enough ? PointStop::count_reached : PointStop::stalled;
-    ctx.report(1);
+    check_in(ctx, 1, 1);
     return result;
 }
 
@@ -128,8 +136,8 @@ GenerateResult generate(const PointRegion& region, const GenerateOptions& option
     points_internal::check_box(region.box);
     const bool by_lane =
         options.pattern == PointPattern::poisson_disk || options.pattern == PointPattern::clustered;
-    return by_lane ? points_internal::by_lane(region, options, ctx)
-                   : points_internal::independent(region, options, ctx);
+    return by_lane ? points_internal::generate_by_lane(region, options, ctx)
+                   : points_internal::generate_independent(region, options, ctx);
 }
 
 GenerateResult generate(const FieldRef& field, const Box3& box, const GenerateOptions& options,

@@ -19,8 +19,8 @@ enum class PointPattern {
     clustered,     ///< the same, and points draw others near (Lane's method)
     uniform,       ///< each independent of all others
     jittered,      ///< one at random in each cube of a lattice
-    blue_noise     ///< the most even: random points thinned to those that lie best [Yuksel2015]; levels
-                   ///< densities
+    blue_noise     ///< the most even: those of more random points that are left by sample elimination
+                   ///< [Yuksel2015]; levels densities
 };
 
 template <>
@@ -84,8 +84,8 @@ struct GenerateResult {
 /// Fills a solid, or a shell at its boundary, with points of any pattern and density. `box` should hold the
 /// field's support; nothing outside it is filled. The density of every point is above 0 exactly there, not
 /// only in its voxel. Deterministic for any number of threads; the field must be thread safe. Cost: linear in
-/// the evaluations of the field, about two for each uniform point and 16 for one of blue noise; see `lane`
-/// for the others.
+/// the evaluations of the field, about two for each uniform point and 16 for one of blue noise; see
+/// `sample_lane` for the others.
 ///
 /// Throws InvalidInput, one sentence: options out of range, a box without volume, a density of 0 all over the
 /// box, too much memory. Throws Cancelled.

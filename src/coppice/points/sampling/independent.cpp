@@ -21,13 +21,13 @@ struct Candidate {
     std::uint32_t index;  ///< in the round
 };
 
-/// Moves the accepted to the front, in order, and appends at most `room` of them.
-void append_accepted(const Buffer<Vec3>& points, const Buffer<std::uint8_t>& accepted, std::size_t room,
+/// Appends the accepted in order, at most `most` of them.
+void append_accepted(const Buffer<Vec3>& points, const Buffer<std::uint8_t>& accepted, std::size_t most,
                      Buffer<Vec3>& out) {
-    for (std::size_t i = 0; i < points.size() && room > 0; ++i) {
+    for (std::size_t i = 0; i < points.size() && most > 0; ++i) {
         if (accepted[i] == 0) continue;
         out.push_back(points[i]);
-        --room;
+        --most;
     }
 }
 
@@ -104,11 +104,11 @@ Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_
     return draws;
 }
 
-Draws draw_jittered(const PointRegion& region, const Room& room, double count, std::uint64_t seed,
+Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double count, std::uint64_t seed,
                     const Context& ctx) {
     constexpr double kMostCubes = 2e8;
     const CounterRandom random(seed, kJitterStage);
-    const double edge = std::cbrt(room.mass / count);
+    const double edge = std::cbrt(capacity.mass / count);
     const Vec3d size(region.box.size());
     std::array<std::uint64_t, 3> n{};
     double cubes = 1;
@@ -145,7 +145,7 @@ Draws draw_jittered(const PointRegion& region, const Room& room, double count, s
             },
             [&](std::size_t k, Vec3 p, double density) {
                 points[k] = p;
-                accepted[k] = random.uniform(4 * (begin + k) + 3) * room.greatest < density;
+                accepted[k] = random.uniform(4 * (begin + k) + 3) * capacity.greatest < density;
             });
         append_accepted(points, accepted, round, draws.points);
         draws.tries += round;

@@ -18,8 +18,8 @@ Draws draw_independent(const PointRegion& region, const Cells& cells, std::size_
                        const Context& ctx);
 double independent_bytes(double count);
 
-/// One point at random in each cube of a lattice, kept with the density there over `room.greatest`.
-Draws draw_jittered(const PointRegion& region, const Room& room, double count, std::uint64_t seed,
+/// One point at random in each cube of a lattice, kept with the density there over `capacity.greatest`.
+Draws draw_jittered(const PointRegion& region, const Capacity& capacity, double count, std::uint64_t seed,
                     const Context& ctx);
 
 }  // namespace coppice::points_internal

@@ -15,30 +15,30 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
-#include "coppice/points/nearest_internal.h"
 #include "coppice/points/sampling/cells_internal.h"
 #include "coppice/points/sampling/lane_internal.h"
 #include "coppice/points/sampling/point_hash_internal.h"
 #include "coppice/points/sampling/sum_pyramid.h"
+#include "coppice/spatial/kd_tree.h"
 
 namespace coppice {
 namespace points_internal {
 namespace {
 
 constexpr std::uint64_t kStage = 0x6c616e65;
-constexpr double kMaxWork = 1e10;                  // cells that kernels may touch all in all
-constexpr double kVoxelsPerPoint = 8;              // where count and not the core limits the grid
-constexpr double kLeastVoxels = 32768;             // so that the grid resolves the solid
-constexpr double kMostVoxels = 1 << 27;            // for sets without a count
-constexpr double kCellsInReach = 8;                // cells along the reach of a soft kernel
-constexpr std::uint64_t kPatience = 100000;        // draws in vain at the deepest level
-constexpr std::uint64_t kLongestStreak = 1 << 23;  // of draws in vain: the field is no field
-constexpr std::size_t kRound = 4096;               // draws that are made before any point is placed
+constexpr double kMaxWork = 1e10;               // cells that kernels may touch all in all
+constexpr double kVoxelsPerPoint = 8;           // where count and not the core limits the grid
+constexpr double kLeastVoxels = 32768;          // so that the grid resolves the solid
+constexpr double kMostVoxels = 1 << 27;         // for sets without a count
+constexpr double kCellsInReach = 8;             // cells along the reach of a soft kernel
+constexpr std::uint64_t kPatience = 100000;     // rejected draws at the deepest level
+constexpr std::uint64_t kMostInARow = 1 << 23;  // rejected draws: the field is no field
+constexpr std::size_t kRound = 4096;            // draws that are made before any point is placed
+constexpr std::size_t kSoftRound = 32;          // the same for soft kernels
 constexpr std::size_t kRoundGrain = 256;
-constexpr std::uint64_t kTrial = 512;  // draws that tell how many are in vain
-constexpr double kCuttingCost = 4;     // of a cell, in draws
-constexpr std::size_t kAhead = 32;     // the same for soft kernels
-constexpr double kLeastFactor = 1e-9;  // of a soft kernel that is not 0: sums keep their digits
+constexpr std::uint64_t kTrial = 512;   // draws that tell how many are rejected
+constexpr double kSubdividingCost = 4;  // of a cell, in draws
+constexpr double kLeastFactor = 1e-9;   // of a soft kernel that is not 0: sums keep their digits
 
 Voxels choose_voxels(const Box3& box, const RadialKernel& kernel, const LaneOptions& options) {
     const Vec3 size = box.size();
@@ -55,334 +55,401 @@ Voxels choose_voxels(const Box3& box, const RadialKernel& kernel, const LaneOpti
     return Voxels::over(box, std::clamp(wanted, kLeastVoxels, kMostVoxels), least);
 }
 
-/// One run of Lane's method.
-class Lane {
-  public:
-    Lane(const PointRegion& region, const RadialKernel& kernel, const PointSet& existing,
-         const LaneOptions& options, std::optional<Cells> surveyed, const Context& ctx)
-        : region_(region),
-          kernel_(kernel),
-          options_(options),
-          ctx_(ctx),
-          cells_(make_cells(std::move(surveyed))),
-          placed_(hash_edge(), static_cast<std::size_t>(std::min(options.count, 1 << 20))),
-          random_(static_cast<std::uint64_t>(options.seed), kStage) {
-        check_work(static_cast<double>(existing.size()));
-        for (std::size_t i = 0; i < existing.size(); ++i) before_.push_back(Vec3(existing.world(i)));
-        if (kernel_.core() > 0 && !before_.empty()) nearest_.emplace(before_);
-        build_pyramid();
-        for (const Vec3 p : before_) apply_kernel(p);
-    }
+/// What is to be sampled, and how.
+struct Task {
+    const PointRegion& region;
+    const RadialKernel& kernel;
+    const LaneOptions& options;
 
-    LaneResult run() {
-        LaneResult result;
-        while (wanted() == 0 || points_.size() < wanted()) {
-            if (!(pyramid_.total() > 0)) {
-                result.stop = PointStop::full;
-                break;
+    std::size_t wanted() const { return static_cast<std::size_t>(options.count); }  ///< 0: as many as fit
+};
+
+/// The density as it is left by the points placed so far.
+struct RemainingDensity {
+    Cells cells;
+    SumPyramid sums;                     ///< of the weights of the cells
+    std::vector<std::uint32_t> changed;  ///< scratch
+};
+
+/// The points that new ones keep away from.
+struct Points {
+    Points(const Task& task, const PointSet& given, const Context& ctx);
+
+    Buffer<Vec3> placed;
+    PointHash grid;  ///< of the placed ones
+    std::vector<Vec3> existing;
+    std::optional<KdTree> nearest_existing;
+};
+
+struct DrawCounts {
+    std::uint64_t all = 0;
+    std::uint64_t rejected = 0, accepted = 0;              ///< since cells were subdivided
+    std::uint64_t evaluated = 0, accepted_by_density = 0;  ///< the same
+    std::uint64_t rejected_in_a_row = 0;                   ///< up to now
+};
+
+/// A point drawn from the cells as they were when its round began.
+struct Candidate {
+    enum Verdict : std::uint8_t { too_near, off_density, accepted };
+    Vec3 position;
+    Verdict verdict;  ///< too near to a point of an earlier round; refused by the density; neither
+};
+
+struct Draw {
+    std::uint32_t cell;
+    std::uint32_t index;  ///< in the round
+};
+
+struct Round {
+    Buffer<Draw> draws;            ///< sorted by cell
+    Buffer<Candidate> candidates;  ///< in the order of drawing
+};
+
+double weight(const Cell& cell) { return static_cast<double>(cell.bound) * cell.factor; }
+
+SumPyramid sums_of(const Cells& cells, const Context& ctx) {
+    Buffer<double> weights(cells.size());
+    parallel_for(ctx, weights.size(), std::size_t{1} << 14,
+                 [&](std::size_t i) { weights[i] = weight(cells[static_cast<std::uint32_t>(i)]); });
+    return SumPyramid(std::move(weights), ctx);
+}
+
+Cells make_cells(const Task& task, std::optional<Cells> surveyed, const Context& ctx) {
+    const Voxels voxels = choose_voxels(task.region.box, task.kernel, task.options);
+    const double per_voxel = Voxels::bytes_per_voxel() + sizeof(Cell) + sizeof(double) * 8 / 7.0;
+    const double points = task.options.count;
+    check_memory(
+        per_voxel * static_cast<double>(voxels.count()) + points * sizeof(Vec3) + PointHash::bytes(points),
+        task.options.max_memory);
+    const bool fits = surveyed && surveyed->level() == 0 && surveyed->voxels() == voxels;
+    return fits ? std::move(*surveyed) : Cells(task.region, voxels, ctx);
+}
+
+void check_work(const Task& task, const Cells& cells, std::size_t existing) {
+    if (cells.size() == 0) refuse_empty_region();
+    const double across = 2 * task.kernel.reach() / cells.edge() + 1;
+    const double touched = std::min(across * across * across, static_cast<double>(cells.size()));
+    const double points = static_cast<double>(existing) + task.options.count;
+    if (!task.kernel.is_soft() || touched * points <= kMaxWork) return;
+    throw InvalidInput(fmt::format(
+        "points: the kernel reaches over {:.0f} cells around each point; lower its reach or the resolution",
+        touched));
+}
+
+double hash_edge(const Task& task) {
+    const Vec3 size = task.region.box.size();
+    return std::max(task.kernel.core(), 1e-6 * std::max({size.x, size.y, size.z}));
+}
+
+Points::Points(const Task& task, const PointSet& given, const Context& ctx)
+    : grid(hash_edge(task), static_cast<std::size_t>(std::min(task.options.count, 1 << 20))) {
+    for (std::size_t i = 0; i < given.size(); ++i) existing.push_back(Vec3(given.world(i)));
+    if (task.kernel.core() > 0 && !existing.empty()) nearest_existing.emplace(existing, ctx);
+}
+
+bool is_too_near(const Task& task, const Points& points, Vec3 p) {
+    const double core = task.kernel.core();
+    if (!(core > 0)) return false;
+    return points.grid.any_nearer(p, core) ||
+           (points.nearest_existing && points.nearest_existing->nearest(p).squared < core * core);
+}
+
+/// Whether a ball covers a cube whose centre lies at `to_center` from its own.
+bool is_covered(Vec3d to_center, double half, double radius) {
+    const Vec3d far(std::abs(to_center.x) + half, std::abs(to_center.y) + half, std::abs(to_center.z) + half);
+    return length_squared(far) < radius * radius;
+}
+
+/// The factor of a cell behind a point at `to_center` from its centre.
+float factor_behind(const Task& task, float factor, Vec3d to_center, double half) {
+    const RadialKernel& kernel = task.kernel;
+    if (is_covered(to_center, half, kernel.core())) return 0;
+    if (!kernel.is_soft()) return factor;
+    const double d = std::max(length(to_center), kernel.core());
+    if (d >= kernel.reach()) return factor;
+    const double by = kernel.at(d);
+    const auto limit = static_cast<double>(task.options.greatest_factor);
+    return by <= 0 ? 0 : static_cast<float>(std::clamp(factor * by, kLeastFactor, limit));
+}
+
+/// Multiplies the density around a point by the kernel.
+void apply_kernel(const Task& task, Vec3 p, RemainingDensity& density) {
+    const double reach = task.kernel.reach();
+    if (!(reach > 0)) return;
+    Cells& cells = density.cells;
+    const Voxels& v = cells.voxels();
+    const double half = cells.edge() / 2;
+    const Vec3d to_middle(half, half, half), center(p);
+    const auto [x0, x1] = v.range(0, p.x, reach);
+    const auto [y0, y1] = v.range(1, p.y, reach);
+    const auto [z0, z1] = v.range(2, p.z, reach);
+    density.changed.clear();
+    const auto change = [&](std::uint32_t i) {
+        Cell& cell = cells[i];
+        if (cell.factor <= 0) return;
+        const float factor = factor_behind(task, cell.factor, cells.low(cell) + to_middle - center, half);
+        if (factor == cell.factor) return;
+        cell.factor = factor;
+        density.sums.set(i, weight(cell));
+        density.changed.push_back(i);
+    };
+    for (std::uint32_t z = z0; z < z1; ++z) {
+        for (std::uint32_t y = y0; y < y1; ++y) {
+            for (std::uint32_t x = x0; x < x1; ++x) {
+                const auto [first, end] = cells.of(v.index(x, y, z));
+                for (std::uint32_t i = first; i < end; ++i) change(i);
             }
-            if (draws_ >= next_check_) check_in();
-            if (misses_ > patience() || cutting_pays() || streak_ > kLongestStreak) {
-                if (streak_ <= kLongestStreak && refine()) continue;
-                result.stop = cells_.level() == Cell::kDeepest ? PointStop::full : PointStop::stalled;
-                break;
-            }
-            play_round();
         }
-        ctx_.report(1);
-        result.points.positions = std::move(points_);
-        result.tries = draws_;
-        return result;
+    }
+    density.sums.update(density.changed);
+}
+
+/// Bit k for each eighth of a cell that the core of one point covers.
+unsigned covered_parts(const Task& task, const RemainingDensity& density, const Points& points,
+                       const Cell& cell) {
+    const double core = task.kernel.core();
+    if (!(core > 0)) return 0;
+    const double half = density.cells.edge() / 2, quarter = half / 2;
+    const Vec3d low = density.cells.low(cell);
+    const auto to_part = [&](unsigned k) {
+        return low + Vec3d(k & 1, k >> 1 & 1, k >> 2) * half + Vec3d(quarter, quarter, quarter);
+    };
+    unsigned covered = 0;
+    const auto cover = [&](Vec3 by) {
+        for (unsigned k = 0; k < 8; ++k)
+            covered |= unsigned{is_covered(to_part(k) - Vec3d(by), quarter, core)} << k;
+    };
+    // A ball covers a part only when it holds its centre.
+    const double reach = core + quarter * std::sqrt(3.0);
+    points.grid.visit(Vec3(low + Vec3d(half, half, half)), reach, [&](std::uint32_t n, double) {
+        cover(points.grid[n]);
+        return covered != 255;
+    });
+    if (!points.nearest_existing) return covered;
+    for (unsigned k = 0; k < 8; ++k)
+        cover(points.existing[points.nearest_existing->nearest(Vec3(to_part(k))).index]);
+    return covered;
+}
+
+bool can_subdivide(const Task& task, const Cells& cells) {
+    constexpr double kMebi = 1 << 20;
+    const double bytes = Voxels::bytes_per_voxel() * static_cast<double>(cells.voxels().count()) +
+                         cells.subdivide_bytes() + 8.0 * cells.size() * sizeof(double) * 2;
+    return cells.level() < Cell::kDeepest && cells.size() < (1u << 28) &&
+           bytes <= task.options.max_memory * kMebi;
+}
+
+/// Rejected draws until the cells are subdivided.
+std::uint64_t patience(const Task& task, const Cells& cells) {
+    if (!can_subdivide(task, cells)) return kPatience + std::uint64_t{4} * cells.size();
+    // A set without a count ends only when the cells show that there is no room.
+    return kTrial + (task.wanted() == 0 ? cells.size() / 4 : std::uint64_t{4} * cells.size());
+}
+
+/// Whether the points that are missing cost more at this rate than with smaller cells.
+bool subdividing_pays(const Task& task, const Cells& cells, const DrawCounts& counts, std::size_t placed) {
+    const std::uint64_t draws = counts.rejected + counts.accepted;
+    if (task.wanted() == 0 || draws < kTrial || !can_subdivide(task, cells)) return false;
+    const double for_each =
+        static_cast<double>(draws) / static_cast<double>(std::max<std::uint64_t>(1, counts.accepted));
+    const double expected = static_cast<double>(task.wanted() - placed) * for_each;
+    return counts.accepted == 0 || expected > kSubdividingCost * cells.size();
+}
+
+std::size_t round_size(const Task& task, const DrawCounts& counts, std::size_t placed) {
+    const auto at_most = [](std::size_t most, std::uint64_t size) {
+        return static_cast<std::size_t>(std::min<std::uint64_t>(most, size));
+    };
+    if (task.kernel.is_soft()) return at_most(kSoftRound, 1 + counts.rejected_in_a_row);
+    if (task.wanted() == 0) return kRound;
+    // As many as the points that are missing take at this rate.
+    const std::uint64_t missing = task.wanted() - placed, draws = counts.rejected + counts.accepted + 1;
+    return at_most(kRound, missing * draws / (counts.accepted + 1) + 1);
+}
+
+/// One run of the method: what it holds, and the draws it takes from it.
+struct Sampling {
+    Task task;
+    RemainingDensity density;
+    Points points;
+    CounterRandom random;
+    DrawCounts counts;
+    Round round;
+};
+
+/// Judges the draws of a range of a round.
+void judge(const Sampling& s, IndexRange range, bool density_first, Round& round) {
+    const Cells& cells = s.density.cells;
+    std::array<std::uint32_t, kRoundGrain> asked;
+    std::array<Vec3, kRoundGrain> points;
+    std::array<FieldSample, kRoundGrain> samples;
+    std::size_t n = 0;
+    for (std::size_t k = range.begin; k < range.end; ++k) {
+        const Draw draw = round.draws[k];
+        const std::uint64_t r = 5 * (s.counts.all + draw.index);
+        const Vec3d in(s.random.uniform(r + 1), s.random.uniform(r + 2), s.random.uniform(r + 3));
+        const Vec3 p(cells.low(cells[draw.cell]) + cells.edge() * in);
+        round.candidates[draw.index] = {p, Candidate::too_near};
+        if (!density_first && is_too_near(s.task, s.points, p)) continue;
+        asked[n] = static_cast<std::uint32_t>(k);
+        points[n++] = p;
+    }
+    if (n == 0) return;
+    const PointRegion& region = s.task.region;
+    region.field.sample(0, std::span(points).first(n), std::span(samples).first(n));
+    for (std::size_t i = 0; i < n; ++i) {
+        const Draw draw = round.draws[asked[i]];
+        const double limit = s.random.uniform(5 * (s.counts.all + draw.index) + 4) * cells[draw.cell].bound;
+        const bool accepted = region.contains(points[i]) && limit < region.density.at(samples[i].value);
+        round.candidates[draw.index].verdict = accepted ? Candidate::accepted : Candidate::off_density;
+    }
+}
+
+void draw_candidates(Sampling& s, std::size_t count, const Context& ctx) {
+    Round& round = s.round;
+    round.draws.resize(count);
+    round.candidates.resize(count);
+    parallel_for(ctx, count, kRoundGrain, [&](std::size_t i) {
+        round.draws[i] = {s.density.sums.find(s.random.uniform(5 * (s.counts.all + i))),
+                          static_cast<std::uint32_t>(i)};
+    });
+    // Fields are quick to tell of neighbours.
+    if (count > kSoftRound) {
+        const auto bits = static_cast<unsigned>(std::bit_width(s.density.cells.size()));
+        radix_sort(ctx, round.draws, bits, [](const Draw& d) { return d.cell; });
+    }
+    // Where few draws meet the density, it is the quicker test, and else the distance to other points.
+    const bool density_first = s.counts.evaluated > 4 * s.counts.accepted_by_density;
+    parallel_for_ranges(ctx, count, kRoundGrain,
+                        [&](IndexRange range) { judge(s, range, density_first, round); });
+}
+
+void place(Sampling& s, Vec3 p) {
+    s.counts.rejected_in_a_row = 0;
+    ++s.counts.accepted;
+    s.points.placed.push_back(p);
+    if (s.task.kernel.core() > 0) s.points.grid.insert(p);
+    apply_kernel(s.task, p, s.density);
+}
+
+/// Draws a round of points and places, one after the other, those that are not refused.
+///
+/// Cells that a point of the round covers go on to be drawn in it, but whatever falls there is refused as too
+/// near: the points follow the same law as if each was drawn from what the one before it left. With a soft
+/// kernel that does not hold, so there a round ends with the first point that is placed.
+void place_round(Sampling& s, const Context& ctx) {
+    const std::size_t count = round_size(s.task, s.counts, s.points.placed.size());
+    draw_candidates(s, count, ctx);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Candidate& candidate = s.round.candidates[i];
+        ++s.counts.all;
+        s.counts.evaluated += candidate.verdict != Candidate::too_near;
+        s.counts.accepted_by_density += candidate.verdict == Candidate::accepted;
+        if (candidate.verdict != Candidate::accepted || is_too_near(s.task, s.points, candidate.position)) {
+            ++s.counts.rejected;
+            ++s.counts.rejected_in_a_row;
+            continue;
+        }
+        place(s, candidate.position);
+        if (s.task.kernel.is_soft() || s.points.placed.size() == s.task.wanted()) return;
+    }
+}
+
+bool subdivide(Sampling& s, const Context& ctx) {
+    if (!can_subdivide(s.task, s.density.cells)) return false;
+    s.density.cells.subdivide(
+        s.task.region, [&](const Cell& cell) { return covered_parts(s.task, s.density, s.points, cell); },
+        ctx);
+    s.density.sums = sums_of(s.density.cells, ctx);
+    s.counts.rejected = s.counts.accepted = s.counts.evaluated = s.counts.accepted_by_density = 0;
+    return true;
+}
+
+/// How far the work is: by the points that are wanted, or by the density that is used up.
+class Progress {
+  public:
+    Progress(const Sampling& s, const Context& ctx) : s_(s), ctx_(ctx), whole_(s.density.sums.total()) {}
+    void check_in() {
+        ctx_.throw_if_cancelled();
+        const auto wanted = static_cast<double>(s_.task.wanted());
+        const double done = wanted > 0 ? static_cast<double>(s_.points.placed.size()) / wanted
+                                       : 1 - s_.density.sums.total() / whole_;
+        done_ = std::max(done_, static_cast<float>(done));
+        ctx_.report(done_);
     }
 
   private:
-    Cells make_cells(std::optional<Cells> surveyed) const {
-        const Voxels voxels = choose_voxels(region_.box, kernel_, options_);
-        const double per_voxel = Voxels::bytes_per_voxel() + sizeof(Cell) + sizeof(double) * 8 / 7.0;
-        const double points = options_.count;
-        check_memory(per_voxel * static_cast<double>(voxels.count()) + points * sizeof(Vec3) +
-                         PointHash::bytes(points),
-                     options_.max_memory);
-        const bool fits = surveyed && surveyed->level() == 0 && surveyed->voxels() == voxels;
-        return fits ? std::move(*surveyed) : Cells(region_, voxels, ctx_);
-    }
-
-    double hash_edge() const {
-        const Vec3 size = region_.box.size();
-        return std::max(kernel_.core(), 1e-6 * std::max({size.x, size.y, size.z}));
-    }
-
-    void check_work(double existing) const {
-        if (cells_.size() == 0) {
-            throw InvalidInput(
-                "points: the density is 0 all over the box, as far as its grid shows; check the box and the "
-                "width, or "
-                "give a higher resolution");
-        }
-        const double across = 2 * kernel_.reach() / cells_.edge() + 1;
-        const double touched = std::min(across * across * across, static_cast<double>(cells_.size()));
-        if (kernel_.is_soft() && touched * (existing + options_.count) > kMaxWork) {
-            throw InvalidInput(fmt::format(
-                "points: the kernel reaches over {:.0f} cells around each point; lower its reach or the "
-                "resolution",
-                touched));
-        }
-    }
-
-    void build_pyramid() {
-        Buffer<double> weights(cells_.size());
-        for (std::uint32_t i = 0; i < cells_.size(); ++i) weights[i] = weight(cells_[i]);
-        pyramid_ = SumPyramid(std::move(weights), ctx_);
-    }
-    static double weight(const Cell& cell) { return static_cast<double>(cell.bound) * cell.factor; }
-
-    /// A point drawn from the cells as they were when its round began.
-    struct Dart {
-        enum State : std::uint8_t { near, off, met };
-        Vec3 position;
-        State state;  ///< too near to a point of an earlier round; refused by the density; neither
-    };
-    struct Draw {
-        std::uint32_t cell;
-        std::uint32_t index;  ///< in the round
-    };
-
-    /// Draws a round of points and places, one after the other, those that are not refused.
-    ///
-    /// Cells that a point of the round covers go on to be drawn in it, but whatever falls there is refused as
-    /// too near: the points follow the same law as if each was drawn from what the one before it left. With a
-    /// soft kernel that does not hold, so there a round ends with the first point that is placed.
-    void play_round() {
-        const std::size_t count = round_size();
-        throw_darts(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Dart& dart = darts_[i];
-            ++draws_;
-            asked_ += dart.state != Dart::near;
-            met_ += dart.state == Dart::met;
-            if (dart.state != Dart::met || is_too_near(dart.position)) {
-                ++misses_;
-                ++streak_;
-                continue;
-            }
-            place(dart.position);
-            if (kernel_.is_soft() || points_.size() == wanted()) return;
-        }
-    }
-
-    void check_in() {
-        ctx_.throw_if_cancelled();
-        if (wanted() > 0) ctx_.report(static_cast<float>(points_.size()) / static_cast<float>(wanted()));
-        next_check_ = draws_ + kRound;
-    }
-    std::size_t wanted() const { return static_cast<std::size_t>(options_.count); }
-    std::size_t round_size() const {
-        if (kernel_.is_soft()) return static_cast<std::size_t>(std::min<std::uint64_t>(kAhead, 1 + streak_));
-        if (wanted() == 0) return kRound;
-        // As many as the points that are missing take at this rate.
-        const std::uint64_t missing = wanted() - points_.size(), draws = misses_ + hits_ + 1;
-        return static_cast<std::size_t>(std::min<std::uint64_t>(kRound, missing * draws / (hits_ + 1) + 1));
-    }
-
-    void throw_darts(std::size_t count) {
-        round_.resize(count);
-        darts_.resize(count);
-        parallel_for(ctx_, count, kRoundGrain, [&](std::size_t i) {
-            round_[i] = {pyramid_.find(random_.uniform(5 * (draws_ + i))), static_cast<std::uint32_t>(i)};
-        });
-        // Fields are quick to tell of neighbours.
-        if (count > kAhead) {
-            const auto bits = static_cast<unsigned>(std::bit_width(cells_.size()));
-            radix_sort(ctx_, round_, bits, [](const Draw& d) { return d.cell; });
-        }
-        // Where few draws meet the density, it is the quicker test, and else the distance to other points.
-        const bool density_first = asked_ > 4 * met_;
-        parallel_for_ranges(ctx_, count, kRoundGrain, [&](IndexRange range) { judge(range, density_first); });
-    }
-
-    void judge(IndexRange range, bool density_first) {
-        std::array<std::uint32_t, kRoundGrain> asked;
-        std::array<Vec3, kRoundGrain> points;
-        std::array<FieldSample, kRoundGrain> samples;
-        std::size_t n = 0;
-        for (std::size_t k = range.begin; k < range.end; ++k) {
-            const Draw draw = round_[k];
-            const std::uint64_t r = 5 * (draws_ + draw.index);
-            const Vec3d in(random_.uniform(r + 1), random_.uniform(r + 2), random_.uniform(r + 3));
-            const Vec3 p(cells_.low(cells_[draw.cell]) + cells_.edge() * in);
-            darts_[draw.index] = {p, Dart::near};
-            if (!density_first && is_too_near(p)) continue;
-            asked[n] = static_cast<std::uint32_t>(k);
-            points[n++] = p;
-        }
-        if (n == 0) return;
-        region_.field.sample(0, std::span(points).first(n), std::span(samples).first(n));
-        for (std::size_t i = 0; i < n; ++i) {
-            const Draw draw = round_[asked[i]];
-            const double limit = random_.uniform(5 * (draws_ + draw.index) + 4) * cells_[draw.cell].bound;
-            const bool met = region_.contains(points[i]) && limit < region_.density.at(samples[i].value);
-            darts_[draw.index].state = met ? Dart::met : Dart::off;
-        }
-    }
-
-    void place(Vec3 p) {
-        streak_ = 0;
-        ++hits_;
-        points_.push_back(p);
-        if (kernel_.core() > 0) placed_.insert(p);
-        apply_kernel(p);
-    }
-
-    bool is_too_near(Vec3 p) const {
-        if (!(kernel_.core() > 0)) return false;
-        return placed_.any_nearer(p, kernel_.core()) ||
-               (nearest_ && nearest_->squared_distance(p) < kernel_.core() * kernel_.core());
-    }
-
-    void apply_kernel(Vec3 p) {
-        const double reach = kernel_.reach();
-        if (!(reach > 0)) return;
-        const Vec3d center(p);
-        const Voxels& v = cells_.voxels();
-        const auto [x0, x1] = v.range(0, p.x, reach);
-        const auto [y0, y1] = v.range(1, p.y, reach);
-        const auto [z0, z1] = v.range(2, p.z, reach);
-        changed_.clear();
-        for (std::uint32_t z = z0; z < z1; ++z) {
-            for (std::uint32_t y = y0; y < y1; ++y) {
-                for (std::uint32_t x = x0; x < x1; ++x) {
-                    const auto [first, end] = cells_.of(v.index(x, y, z));
-                    for (std::uint32_t i = first; i < end; ++i) change_cell(i, center);
-                }
-            }
-        }
-        pyramid_.update(changed_);
-    }
-
-    void change_cell(std::uint32_t i, Vec3d p) {
-        Cell& cell = cells_[i];
-        if (cell.factor <= 0) return;
-        const double half = cells_.edge() / 2;
-        const Vec3d to_center = cells_.low(cell) + Vec3d(half, half, half) - p;
-        if (is_covered(to_center, half)) {
-            cell.factor = 0;
-        } else if (kernel_.is_soft()) {
-            const double d = std::max(length(to_center), kernel_.core());
-            if (d >= kernel_.reach()) return;
-            const double factor = kernel_.at(d);
-            const double product = cell.factor * factor;
-            const auto limit = static_cast<double>(options_.greatest_factor);
-            cell.factor = factor <= 0 ? 0 : static_cast<float>(std::clamp(product, kLeastFactor, limit));
-        } else {
-            return;
-        }
-        pyramid_.set(i, weight(cell));
-        changed_.push_back(i);
-    }
-
-    /// Whether the core of a point covers a cube whose centre lies at `to_center` from it.
-    bool is_covered(Vec3d to_center, double half) const {
-        const Vec3d far(std::abs(to_center.x) + half, std::abs(to_center.y) + half,
-                        std::abs(to_center.z) + half);
-        return length_squared(far) < kernel_.core() * kernel_.core();
-    }
-
-    /// Draws in vain until the cells are cut.
-    std::uint64_t patience() const {
-        if (!can_refine()) return kPatience + std::uint64_t{4} * cells_.size();
-        // A set without a count ends only when the cells show that there is no room.
-        return kTrial + (wanted() == 0 ? cells_.size() / 4 : std::uint64_t{4} * cells_.size());
-    }
-    /// Whether the points that are missing cost more at this rate than with smaller cells.
-    bool cutting_pays() const {
-        if (wanted() == 0 || misses_ + hits_ < kTrial || !can_refine()) return false;
-        const double draws =
-            static_cast<double>(misses_ + hits_) / static_cast<double>(std::max<std::uint64_t>(1, hits_));
-        const double expected = static_cast<double>(wanted() - points_.size()) * draws;
-        return hits_ == 0 || expected > kCuttingCost * cells_.size();
-    }
-    bool can_refine() const {
-        constexpr double kMebi = 1 << 20;
-        const double bytes = Voxels::bytes_per_voxel() * static_cast<double>(cells_.voxels().count()) +
-                             cells_.subdivide_bytes() + 8.0 * cells_.size() * sizeof(double) * 2;
-        return cells_.level() < Cell::kDeepest && cells_.size() < (1u << 28) &&
-               bytes <= options_.max_memory * kMebi;
-    }
-
-    bool refine() {
-        if (!can_refine()) return false;
-        cells_.subdivide(
-            region_, [this](const Cell& cell) { return covered_parts(cell); }, ctx_);
-        build_pyramid();
-        misses_ = hits_ = asked_ = met_ = 0;
-        return true;
-    }
-
-    /// Bit k for each eighth of a cell that the core of one point covers.
-    unsigned covered_parts(const Cell& cell) const {
-        if (!(kernel_.core() > 0)) return 0;
-        const double half = cells_.edge() / 2, quarter = half / 2;
-        const Vec3d low = cells_.low(cell);
-        const auto to_part = [&](unsigned k) {
-            return low + Vec3d(k & 1, k >> 1 & 1, k >> 2) * half + Vec3d(quarter, quarter, quarter);
-        };
-        unsigned covered = 0;
-        const auto cover = [&](Vec3 by) {
-            for (unsigned k = 0; k < 8; ++k)
-                covered |= unsigned{is_covered(to_part(k) - Vec3d(by), quarter)} << k;
-        };
-        // A ball covers a part only when it holds its centre.
-        const double reach = kernel_.core() + quarter * std::sqrt(3.0);
-        placed_.visit(Vec3(low + Vec3d(half, half, half)), reach, [&](std::uint32_t n, double) {
-            cover(placed_[n]);
-            return covered != 255;
-        });
-        for (unsigned k = 0; nearest_ && k < 8; ++k) cover(before_[nearest_->index(Vec3(to_part(k)))]);
-        return covered;
-    }
-
-    const PointRegion& region_;
-    const RadialKernel& kernel_;
-    const LaneOptions& options_;
+    const Sampling& s_;
     const Context& ctx_;
-    Cells cells_;
-    SumPyramid pyramid_;
-    PointHash placed_;
-    std::vector<Vec3> before_;
-    std::optional<NearestPoint> nearest_;
-    CounterRandom random_;
-    Buffer<Vec3> points_;
-    std::vector<std::uint32_t> changed_;
-    Buffer<Draw> round_;  // sorted by cell
-    Buffer<Dart> darts_;  // in the order of drawing
-    std::uint64_t draws_ = 0, next_check_ = 0;
-    std::uint64_t misses_ = 0, hits_ = 0;  ///< draws since cells were cut
-    std::uint64_t asked_ = 0, met_ = 0;    ///< points that the field was asked for, and that met the density
-    std::uint64_t streak_ = 0;             ///< of misses, up to now
+    double whole_;
+    float done_ = 0;
 };
+
+Sampling begin_sampling(const Task& task, const PointSet& existing, std::optional<Cells> surveyed,
+                        const Context& ctx) {
+    Cells cells = make_cells(task, std::move(surveyed), ctx);
+    check_work(task, cells, existing.size());
+    SumPyramid sums = sums_of(cells, ctx);
+    Sampling s{.task = task,
+               .density = {std::move(cells), std::move(sums), {}},
+               .points = Points(task, existing, ctx),
+               .random = CounterRandom(static_cast<std::uint64_t>(task.options.seed), kStage)};
+    for (const Vec3 p : s.points.existing) {
+        ctx.throw_if_cancelled();
+        apply_kernel(task, p, s.density);
+    }
+    return s;
+}
+
+LaneResult sample(const Task& task, const PointSet& existing, std::optional<Cells> surveyed,
+                  const Context& ctx) {
+    Sampling s = begin_sampling(task, existing, std::move(surveyed), ctx);
+    Progress progress(s, ctx);
+    LaneResult result;
+    while (task.wanted() == 0 || s.points.placed.size() < task.wanted()) {
+        const Cells& cells = s.density.cells;
+        if (!(s.density.sums.total() > 0)) {
+            result.stop = PointStop::full;
+            break;
+        }
+        progress.check_in();
+        const bool hopeless = s.counts.rejected_in_a_row > kMostInARow;
+        if (hopeless || s.counts.rejected > patience(task, cells) ||
+            subdividing_pays(task, cells, s.counts, s.points.placed.size())) {
+            if (!hopeless && subdivide(s, ctx)) continue;
+            result.stop = cells.level() == Cell::kDeepest ? PointStop::full : PointStop::stalled;
+            break;
+        }
+        place_round(s, ctx);
+    }
+    ctx.report(1);
+    result.points.positions = std::move(s.points.placed);
+    result.tries = s.counts.all;
+    return result;
+}
 
 }  // namespace
 
-LaneResult lane_with_cells(const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options,
-                           Cells surveyed, const Context& ctx) {
-    return Lane(region, kernel, {}, options, std::move(surveyed), ctx).run();
+LaneResult sample_lane_in_cells(const PointRegion& region, const RadialKernel& kernel,
+                                const LaneOptions& options, Cells surveyed, const Context& ctx) {
+    return sample({region, kernel, options}, {}, std::move(surveyed), ctx);
 }
 
 }  // namespace points_internal
 
-LaneResult lane(const PointRegion& region, const RadialKernel& kernel, const PointSet& existing,
-                const LaneOptions& options, const Context& ctx) {
+LaneResult sample_lane(const PointRegion& region, const RadialKernel& kernel, const PointSet& existing,
+                       const LaneOptions& options, const Context& ctx) {
     check_fields(options, "points");
     points_internal::check_box(region.box);
     if (options.count == 0 && !(kernel.core() > 0)) {
         throw InvalidInput("points: a count of 0 fills the solid, which needs a distance above 0");
     }
-    return points_internal::Lane(region, kernel, existing, options, std::nullopt, ctx).run();
+    return points_internal::sample({region, kernel, options}, existing, std::nullopt, ctx);
 }
 
-LaneResult lane(const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options,
-                const Context& ctx) {
-    return lane(region, kernel, PointSet{}, options, ctx);
+LaneResult sample_lane(const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options,
+                       const Context& ctx) {
+    return sample_lane(region, kernel, PointSet{}, options, ctx);
 }
 
 }  // namespace coppice

@@ -73,10 +73,10 @@ struct LaneResult {
 /// Throws InvalidInput, one sentence: options out of range, a box without volume, a density of 0 all over the
 /// box, a count of 0 for a kernel without core, kernels that reach over too many cells, too much memory.
 /// Throws Cancelled.
-LaneResult lane(const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options = {},
-                const Context& ctx = {});
+LaneResult sample_lane(const PointRegion& region, const RadialKernel& kernel, const LaneOptions& options = {},
+                       const Context& ctx = {});
 /// The same amid points that are there already, which act on the new ones.
-LaneResult lane(const PointRegion& region, const RadialKernel& kernel, const PointSet& existing,
-                const LaneOptions& options = {}, const Context& ctx = {});
+LaneResult sample_lane(const PointRegion& region, const RadialKernel& kernel, const PointSet& existing,
+                       const LaneOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -10,6 +10,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/random.h"
 #include "coppice/points/sampling/cells_internal.h"
 #include "coppice/points/sampling/eliminate_internal.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::uint64_t kStage = 0x6d657368;
 constexpr std::size_t kCandidates = 4;  // for each point of an even set
+constexpr float kDrawn = 0.1f;          // of the time of an even set when its candidates are drawn
 
 /// Twice the area of a triangle, along its normal.
 Vec3d area_vector(const TriMesh& mesh, const Triangle& t) {
@@ -114,8 +116,9 @@ PointSet near_mesh(const TriMesh& mesh, const NearMeshOptions& options, const Co
             Vec3(blend(mesh.positions) + normal * random.uniform(n + 3, options.low, options.high));
     });
     if (options.even) {
+        ctx.report(kDrawn);
         const double d = even_distance(faces.area(), options.high - options.low, options.count);
-        out.positions = points_internal::eliminate(out.positions, count, d / 2, ctx);
+        out.positions = points_internal::eliminate(out.positions, count, d / 2, part_of(ctx, kDrawn, 1));
     }
     ctx.report(1);
     return out;
