@@ -62,7 +62,7 @@ TEST(AttractorSet, AgreesWithTryingAllPairs) {
             set.add_nodes(std::span(nodes).first(first + 100), first, pulls, {});
         }
         const Expected expected = brute_force(attractors, nodes, 100, influence, kill);
-        EXPECT_EQ(set.left(), expected.left);
+        EXPECT_EQ(set.remaining(), expected.left);
         EXPECT_EQ(set.spent(), count - expected.left.size());
         for (std::size_t n = 0; n < nodes.size(); ++n) {
             EXPECT_EQ(pulls[n].count, expected.count[n]) << n;
@@ -84,7 +84,7 @@ TEST(AttractorSet, TheSameBitsForAnyNumberOfThreads) {
         for (std::uint32_t first = 0; first < nodes.size(); first += 2000) {
             set.add_nodes(std::span(nodes).first(first + 2000), first, pulls, {.threads = threads});
         }
-        const std::vector<std::uint32_t> left = set.left();
+        const std::vector<std::uint32_t> left = set.remaining();
         ASSERT_LT(left.size(), attractors.size());
         const std::uint64_t hash = Hash().add(std::span(std::as_const(pulls))).add(std::span(left)).value();
         if (first_hash == 0) first_hash = hash;
@@ -135,7 +135,7 @@ TEST(AttractorSet, AnEmptySetIsAllowed) {
     const std::vector<Vec3> nodes{{0, 0, 0}};
     set.add_nodes(nodes, 0, pulls, {});
     EXPECT_EQ(set.nearest({}).place, AttractorSet::kNone);
-    EXPECT_TRUE(set.left().empty());
+    EXPECT_TRUE(set.remaining().empty());
 }
 
 }  // namespace

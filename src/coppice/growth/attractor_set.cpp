@@ -85,7 +85,7 @@ void AttractorSet::copy_boxes(const BoxTree& tree, float reach) {
     }
 }
 
-float AttractorSet::offer_to_points(std::uint32_t group, const Newcomer& n, Places& changed) {
+float AttractorSet::offer_to_points(std::uint32_t group, const NewNode& n, Places& changed) {
     Points& points = points_[group];
     const Floats d = points.distances_squared(n.position);
     float reach = -1;
@@ -109,8 +109,7 @@ float AttractorSet::offer_to_points(std::uint32_t group, const Newcomer& n, Plac
 
 /// Returns the reach of the group. Threads may overwrite each other's reach with an older one: it is only
 /// greater than need be.
-float AttractorSet::offer_below(std::uint32_t level, std::uint32_t group, const Newcomer& n,
-                                Places& changed) {
+float AttractorSet::offer_below(std::uint32_t level, std::uint32_t group, const NewNode& n, Places& changed) {
     Boxes& boxes = boxes_[level][group];
     const Floats d = boxes.least_distances_squared(n.position);
     float widest = -1;
@@ -128,12 +127,12 @@ float AttractorSet::offer_below(std::uint32_t level, std::uint32_t group, const 
 }
 
 /// Moves what an attractor adds from its old node to its new one. Returns whether it is spent.
-bool AttractorSet::settle(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls) {
+bool AttractorSet::reassign(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls) {
     Link& link = link_[place];
     if (link.node != kNone) add_pull(pulls[link.node], -link.x, -link.y, -link.z, ~std::uint32_t{0});
     const Key key = this->key(place);
     const std::uint32_t node = node_of(key);
-    store(pulls[node].served, std::uint16_t{1});
+    store(pulls[node].attracted, std::uint16_t{1});
     if (distance_squared_of(key) <= kill_squared_) {
         this->key(place) = kSpent;
         link.node = kNone;
@@ -162,7 +161,7 @@ void AttractorSet::add_nodes(std::span<const Vec3> nodes, std::uint32_t first, s
         ctx, changed.size(), 1, 0u,
         [&](IndexRange range) {
             std::uint32_t spent = 0;
-            for (const std::uint32_t place : changed[range.begin]) spent += settle(place, nodes, pulls);
+            for (const std::uint32_t place : changed[range.begin]) spent += reassign(place, nodes, pulls);
             return spent;
         },
         [](std::uint32_t a, std::uint32_t b) { return a + b; });
@@ -205,7 +204,7 @@ void AttractorSet::drop(std::uint32_t place, std::span<Pull> pulls) {
     link.node = kNone;
 }
 
-std::vector<std::uint32_t> AttractorSet::left() const {
+std::vector<std::uint32_t> AttractorSet::remaining() const {
     std::vector<std::uint32_t> numbers;
     for (std::uint32_t place = 0; place < size(); ++place) {
         if (key(place) != kSpent) numbers.push_back(number_[place]);

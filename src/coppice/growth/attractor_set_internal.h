@@ -18,9 +18,9 @@ namespace coppice {
 /// added can be taken away again without a trace, in any order.
 struct Pull {
     std::int64_t x = 0, y = 0, z = 0;
-    std::uint32_t count = 0;    ///< attractors
-    std::uint16_t changed = 0;  ///< whether it lost attractors, or is new, since the node last grew
-    std::uint16_t served = 0;   ///< whether an attractor ever came nearest to the node
+    std::uint32_t count = 0;      ///< attractors
+    std::uint16_t changed = 0;    ///< whether it lost attractors, or is new, since the node last grew
+    std::uint16_t attracted = 0;  ///< whether an attractor ever came nearest to the node
 };
 
 /// The attractors, each with the nearest node within the influence radius, kept up to date as nodes are
@@ -60,7 +60,7 @@ class AttractorSet {
     void drop(std::uint32_t place, std::span<Pull> pulls);
 
     /// Numbers of the attractors that are not spent, rising.
-    std::vector<std::uint32_t> left() const;
+    std::vector<std::uint32_t> remaining() const;
 
   private:
     static constexpr std::uint32_t kWidth = BoxTree::kWidth;
@@ -118,7 +118,7 @@ class AttractorSet {
         std::uint32_t node;
         std::int32_t x, y, z;
     };
-    struct Newcomer {
+    struct NewNode {
         Vec3 position;
         std::uint32_t node;
         std::uint32_t first;  ///< the first node of the same batch
@@ -128,11 +128,11 @@ class AttractorSet {
     Key& key(std::uint32_t place) { return points_[place / kWidth].key[place % kWidth]; }
     Key key(std::uint32_t place) const { return points_[place / kWidth].key[place % kWidth]; }
     void copy_boxes(const BoxTree& tree, float reach);
-    float offer_below(std::uint32_t level, std::uint32_t group, const Newcomer& n, Places& changed);
-    float offer_to_points(std::uint32_t group, const Newcomer& n, Places& changed);
+    float offer_below(std::uint32_t level, std::uint32_t group, const NewNode& n, Places& changed);
+    float offer_to_points(std::uint32_t group, const NewNode& n, Places& changed);
     void nearest_below(std::uint32_t level, std::uint32_t group, std::uint32_t node, Vec3 at,
                        Target& best) const;
-    bool settle(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls);
+    bool reassign(std::uint32_t place, std::span<const Vec3> nodes, std::span<Pull> pulls);
 
     Buffer<std::uint32_t> number_;      // of the attractor at a place
     Buffer<Points> points_;             // by group of places

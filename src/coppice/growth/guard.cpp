@@ -9,8 +9,8 @@ namespace coppice {
 namespace {
 
 constexpr int kCorrections = 12;
-constexpr float kSpare = 0.01f;          // room that a step keeps, as a part of its length
-constexpr float kSegmentSpare = 0.002f;  // the same where segments are only checked
+constexpr float kMargin = 0.01f;          // room that a step keeps, as a part of its length
+constexpr float kSegmentMargin = 0.002f;  // the same where segments are only checked
 
 float part(int sample) { return static_cast<float>(sample + 1) / Guard::kSamples; }
 
@@ -20,20 +20,20 @@ Guard::Guard(FieldRef field, const GuardOptions& options) : field_(field), optio
     check_fields(options, "guard");
 }
 
-Guard::Room Guard::room(const FieldSample& sample) const {
+Guard::Clearance Guard::clearance_of(const FieldSample& sample) const {
     const float slope = length(sample.gradient);
     const Vec3 outward = slope > 0 ? sample.gradient * (-1 / slope) : Vec3{};
     const float steep = std::max(slope, 1e-12f);
     const bool outside = options_.side == GuardSide::outside;
     const float beyond = outside ? field_.level() - sample.value : sample.value - field_.level();
     const Vec3 away = outside ? outward : -outward;
-    Room nearest{beyond / steep - options_.clearance, away};
+    Clearance nearest{beyond / steep - options_.clearance, away};
     if (options_.shell > 0) {
         const float left = (options_.shell - beyond) / steep;
         if (left < nearest.distance) nearest = {left, -away};
     }
     // Where the field is no number, nothing is known: barred.
-    return std::isnan(nearest.distance) ? Room{-Guard::kSamples, {}} : nearest;
+    return std::isnan(nearest.distance) ? Clearance{-Guard::kSamples, {}} : nearest;
 }
 
 Guard::Samples Guard::samples(Vec3 a, Vec3 b) const {
@@ -42,24 +42,24 @@ Guard::Samples Guard::samples(Vec3 a, Vec3 b) const {
     for (int i = 0; i < kSamples; ++i) at[i] = lerp(a, b, part(i));
     field_.sample(0, at, value);
     Samples out;
-    for (int i = 0; i < kSamples; ++i) out[i] = room(value[i]);
+    for (int i = 0; i < kSamples; ++i) out[i] = clearance_of(value[i]);
     return out;
 }
 
 bool Guard::allows(Vec3 p) const {
     FieldSample value;
     field_.sample(0, {&p, 1}, {&value, 1});
-    return room(value).distance > 0;
+    return clearance_of(value).distance > 0;
 }
 
 bool Guard::allows_segment(Vec3 a, Vec3 b) const {
-    const float spare = kSegmentSpare * distance(a, b);
+    const float margin = kSegmentMargin * distance(a, b);
     const Samples all = samples(a, b);
-    return allows(a) && std::ranges::all_of(all, [&](const Room& r) { return r.distance > spare; });
+    return allows(a) && std::ranges::all_of(all, [&](const Clearance& r) { return r.distance > margin; });
 }
 
 std::optional<Vec3> Guard::step(Vec3 from, Vec3 direction, float length) const {
-    const float spare = kSpare * length;
+    const float margin = kMargin * length;
     Vec3 end = from + direction * length;
     for (int attempt = 0; attempt <= kCorrections; ++attempt) {
         const Samples all = samples(from, end);
@@ -67,14 +67,14 @@ std::optional<Vec3> Guard::step(Vec3 from, Vec3 direction, float length) const {
         float lacking = 0;
         for (int i = 0; i < kSamples; ++i) {
             // The start may lie closer than that, as roots do, so the room is asked for by and by.
-            const float l = spare * part(i) - all[i].distance;
+            const float l = margin * part(i) - all[i].distance;
             if (l >= lacking) {
                 lacking = l;
                 worst = i;
             }
         }
         if (lacking <= 0 && all[worst].distance > 0) return end;
-        const float push = std::min(1.2f * lacking / part(worst) + 0.1f * spare, length);
+        const float push = std::min(1.2f * lacking / part(worst) + 0.1f * margin, length);
         const Vec3 way = end + all[worst].away * push - from;
         end = from + normalized(way, direction) * length;
     }

@@ -65,13 +65,13 @@ class Guard {
 
   private:
     /// How far a place is from being barred, to first order, and the way farther off.
-    struct Room {
+    struct Clearance {
         float distance;  ///< [m] negative: barred
         Vec3 away;
     };
-    using Samples = std::array<Room, kSamples>;
+    using Samples = std::array<Clearance, kSamples>;
 
-    Room room(const FieldSample& sample) const;
+    Clearance clearance_of(const FieldSample& sample) const;
     Samples samples(Vec3 a, Vec3 b) const;  ///< at t = 1/16, 2/16, ... 1
 
     FieldRef field_;

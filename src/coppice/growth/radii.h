@@ -8,8 +8,8 @@ namespace coppice {
 /// The numbers of the pipe model.
 struct RadiiOptions {
     float tip_radius = 0.01f;    ///< [m] of tips; in [1e-6, 1e4]
-    float pipe_exponent = 2.5f;  ///< r^e of a node is the sum over its children: 2 keeps the area of the
-                                 ///< wood, greater ones make slimmer trunks; in [2, 3]
+    float pipe_exponent = 2.5f;  ///< r^e of a node is the sum over its children: 2 keeps the sum of the
+                                 ///< cross-sections, greater ones make slimmer trunks; in [2, 3]
     float leaf_share = 0.02f;    ///< what every segment adds, as a part of a tip, so that unbranched axes
                                  ///< taper; 0 = none; in [0, 1]
 };

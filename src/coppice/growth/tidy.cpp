@@ -5,6 +5,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 
 namespace coppice {
 namespace {
@@ -33,12 +34,12 @@ Positions smoothed(const Skeleton& s, const Positions& p, float part) {
 }
 
 /// Keeps edits clear of the guard, if there is one.
-class Warden {
+class GuardCheck {
   public:
-    Warden(const Skeleton& s, const Guard* guard, const Context& ctx) : s_(s), guard_(guard), ctx_(ctx) {}
+    GuardCheck(const Skeleton& s, const Guard* guard, const Context& ctx) : s_(s), guard_(guard), ctx_(ctx) {}
 
     /// Takes nodes back from `to` to `from` until no segment that moved is barred.
-    std::uint32_t hold(const Positions& from, Positions& to) const {
+    std::uint32_t undo_barred(const Positions& from, Positions& to) const {
         if (!guard_) return 0;
         std::uint32_t held = 0;
         std::vector<char> look(s_.size(), 1);
@@ -50,21 +51,21 @@ class Warden {
             for (const NodeId n : nodes(s_)) {
                 if (!bad[n.index()]) continue;
                 again = true;
-                held += put_back(n, from, to, look) + put_back(s_.parent(n), from, to, look);
+                held += undo(n, from, to, look) + undo(s_.parent(n), from, to, look);
             }
         }
         if (again) to = from;
         return held;
     }
 
-    /// The nodes whose segments from the given nodes below are barred and are not as they were.
-    std::vector<char> barred_from(std::span<const NodeId> below, const Positions& p) const {
+    /// The nodes whose segments from the given parents are barred and are not as they were.
+    std::vector<char> barred_from(std::span<const NodeId> parent, const Positions& p) const {
         std::vector<char> bad(s_.size(), 0);
         if (!guard_) return bad;
         parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
-            if (s_.is_root(n) || below[i] == s_.parent(n)) return;
-            bad[i] = !guard_->allows_segment(p[below[i].index()], p[i]);
+            if (s_.is_root(n) || parent[i] == s_.parent(n)) return;
+            bad[i] = !guard_->allows_segment(p[parent[i].index()], p[i]);
         });
         return bad;
     }
@@ -83,7 +84,7 @@ class Warden {
         return bad;
     }
 
-    std::uint32_t put_back(NodeId n, const Positions& from, Positions& to, std::vector<char>& look) const {
+    std::uint32_t undo(NodeId n, const Positions& from, Positions& to, std::vector<char>& look) const {
         if (to[n.index()] == from[n.index()]) return 0;
         to[n.index()] = from[n.index()];
         look[n.index()] = 1;
@@ -108,49 +109,49 @@ double mean_length(const Skeleton& s, const Positions& p) {
 /// Lengths below which nodes are contracted.
 struct Shortest {
     double step;    ///< [m] of any segment
-    double within;  ///< [radius of the node below]
+    double within;  ///< [radius of the parent]
 };
 
-/// For every node the one it became, itself where it stays. Those of `firm` stay.
-std::vector<NodeId> contracted(const Skeleton& s, const Positions& p, const Shortest& shortest,
-                               const std::vector<char>& firm) {
+/// For every node the one it became, itself where it stays. Those of `fixed` stay.
+std::vector<NodeId> contraction(const Skeleton& s, const Positions& p, const Shortest& shortest,
+                                const std::vector<char>& fixed) {
     std::vector<NodeId> image(s.size());
     for (const NodeId n : nodes(s)) {
         image[n.index()] = n;
-        if (s.is_root(n) || firm[n.index()]) continue;
-        const NodeId below = image[s.parent(n).index()];
-        const double least = std::max(shortest.step, shortest.within * s.radius(below));
-        if (distance(Vec3d(p[n.index()]), Vec3d(p[below.index()])) < least) image[n.index()] = below;
+        if (s.is_root(n) || fixed[n.index()]) continue;
+        const NodeId parent = image[s.parent(n).index()];
+        const double least = std::max(shortest.step, shortest.within * s.radius(parent));
+        if (distance(Vec3d(p[n.index()]), Vec3d(p[parent.index()])) < least) image[n.index()] = parent;
     }
     return image;
 }
 
 /// Contracts, and where that makes a segment that is barred, does without the contraction next to it.
-std::vector<NodeId> contract(const Skeleton& s, const Positions& p, const Shortest& shortest,
-                             const Warden& warden, std::uint32_t& held) {
-    std::vector<char> firm(s.size(), 0);
+std::vector<NodeId> allowed_contraction(const Skeleton& s, const Positions& p, const Shortest& shortest,
+                                        const GuardCheck& guarded, std::uint32_t& held) {
+    std::vector<char> fixed(s.size(), 0);
     for (int round = 0; round < kRounds; ++round) {
-        std::vector<NodeId> image = contracted(s, p, shortest, firm);
-        std::vector<NodeId> below(s.size());
+        std::vector<NodeId> image = contraction(s, p, shortest, fixed);
+        std::vector<NodeId> parent(s.size());
         for (const NodeId n : nodes(s)) {
             const bool stays = !s.is_root(n) && image[n.index()] == n;
-            below[n.index()] = stays ? image[s.parent(n).index()] : s.parent(n);
+            parent[n.index()] = stays ? image[s.parent(n).index()] : s.parent(n);
         }
-        const std::vector<char> bad = warden.barred_from(below, p);
+        const std::vector<char> bad = guarded.barred_from(parent, p);
         bool again = false;
         for (const NodeId n : nodes(s)) {
             if (!bad[n.index()]) continue;
             // The parent was contracted, or the segment would be as it was.
-            firm[s.parent(n).index()] = 1;
+            fixed[s.parent(n).index()] = 1;
             ++held;
             again = true;
         }
         if (!again) return image;
     }
-    return contracted(s, p, {0, 0}, firm);
+    return contraction(s, p, {0, 0}, fixed);
 }
 
-TidyResult take(const Skeleton& s, const Positions& p, const std::vector<NodeId>& image) {
+TidyResult contracted(const Skeleton& s, const Positions& p, const std::vector<NodeId>& image) {
     std::vector<NodeId> new_of_old(s.size()), parents;
     Positions positions;
     std::vector<float> radii;
@@ -175,20 +176,24 @@ TidyResult take(const Skeleton& s, const Positions& p, const std::vector<NodeId>
 TidyResult tidy(const Skeleton& skeleton, const TidyOptions& options, const Guard* guard,
                 const Context& ctx) {
     check_fields(options, "tidy");
-    const Warden warden(skeleton, guard, ctx);
+    const GuardCheck guarded(skeleton, guard, ctx);
     Positions p(skeleton.positions().begin(), skeleton.positions().end());
     std::uint32_t held = 0;
+    const auto passes =
+        static_cast<std::size_t>(options.relax_passes) + static_cast<std::size_t>(options.smooth_passes);
+    std::size_t done = 0;
     const auto pass = [&](auto&& move, float part) {
-        ctx.throw_if_cancelled();
+        check_in(ctx, done++, passes + 1);
         Positions to = move(skeleton, p, part);
-        held += warden.hold(p, to);
+        held += guarded.undo_barred(p, to);
         p = std::move(to);
     };
     for (int i = 0; i < options.relax_passes; ++i) pass(relaxed, options.relax);
     for (int i = 0; i < options.smooth_passes; ++i) pass(smoothed, options.smooth);
     const Shortest shortest{options.shortest * mean_length(skeleton, p), options.within};
-    TidyResult result = take(skeleton, p, contract(skeleton, p, shortest, warden, held));
+    TidyResult result = contracted(skeleton, p, allowed_contraction(skeleton, p, shortest, guarded, held));
     result.held = held;
+    ctx.report(1);
     return result;
 }
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/implicit/polygonize/block_lattice_internal.h"
 
 namespace coppice {
@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint32_t kConstant = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kMostBlocks = 2000000;
+constexpr float kRanged = 0.3f;  // of the time when it is known which blocks come near the level
 constexpr std::size_t kMostStored = 500000;
 constexpr std::size_t kNodes = BlockLattice::kNodes;
 constexpr std::size_t kBlockNodes = BlockLattice::kBlockNodes;
@@ -59,7 +60,8 @@ struct Corners {
 std::vector<ValueRange> sampled_ranges(const BlockLattice& lattice, const ValueFunction& field,
                                        const Context& ctx) {
     std::vector<ValueRange> out(lattice.block_count());
-    parallel_for(ctx, out.size(), 1, [&](std::size_t b) {
+    parallel_with_progress(part_of(ctx, 0, kRanged), out.size(), 1, [&](IndexRange range) {
+        const std::size_t b = range.begin;
         std::array<Vec3, kBlockNodes> nodes;
         std::array<float, kBlockNodes> values;
         lattice.nodes_of(b, nodes);
@@ -86,13 +88,13 @@ struct CachedField::Builder {
     void build(std::span<const ValueRange> ranges, float band) {
         choose(ranges, band);
         out.values_.resize(out.boxes_.size() * kBlockNodes);
-        ctx.throw_if_cancelled();
         std::vector<std::size_t> blocks;
         for (std::size_t b = 0; b < ranges.size(); ++b) {
             if (out.stored_[b] != kConstant) blocks.push_back(b);
         }
         std::vector<float> error(blocks.size());
-        parallel_for(ctx, blocks.size(), 1, [&](std::size_t i) { error[i] = fill(i, blocks[i]); });
+        parallel_with_progress(part_of(ctx, kRanged, 1), blocks.size(), 1,
+                               [&](IndexRange r) { error[r.begin] = fill(r.begin, blocks[r.begin]); });
         for (const float e : error) out.error_ = std::max(out.error_, e);
     }
 

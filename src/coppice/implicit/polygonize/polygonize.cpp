@@ -8,12 +8,13 @@
 #include <numeric>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/implicit/polygonize/block_lattice_internal.h"
 
 namespace coppice {
 namespace {
 
+constexpr float kRanged = 0.1f;  // of the time when it is known which blocks may hold the surface
 constexpr std::size_t kMostBlocks = 2000000;
 constexpr std::size_t kMostSparseBlocks = 64000000;  // of which most are not sampled
 constexpr std::uint32_t kCells = BlockLattice::kCells;
@@ -67,19 +68,32 @@ struct BlockSurface {
 /// Values of a field in a region of it.
 using RegionValues = std::function<void(std::uint32_t, std::span<const Vec3>, std::span<float>)>;
 
+/// Where a field is cut, and how finely.
+struct Cut {
+    const BlockLattice& lattice;
+    const RegionValues& field;
+    float level;
+    Box3 box;  ///< nothing lies beyond it
+    int refinements;
+};
+
 class BlockCutter {
   public:
-    BlockCutter(const BlockLattice& lattice, const RegionValues& field, float level, const Box3& box)
-        : lattice_(lattice), field_(field), level_(level), box_(box) {}
+    explicit BlockCutter(const Cut& cut)
+        : lattice_(cut.lattice),
+          field_(cut.field),
+          level_(cut.level),
+          box_(cut.box),
+          refinements_(cut.refinements) {}
 
-    BlockSurface cut(std::size_t block, std::uint32_t region, int refinements) {
+    BlockSurface cut(std::size_t block, std::uint32_t region) {
         BlockSurface out;
         out.block = block;
         region_ = region;
         sample_nodes(block);
         find_edges(out);
         if (out.keys.empty()) return out;
-        place_vertices(out, refinements);
+        place_vertices(out);
         for (std::uint32_t z = 0; z < kCells; ++z) {
             for (std::uint32_t y = 0; y < kCells; ++y) {
                 for (std::uint32_t x = 0; x < kCells; ++x) cut_cell(local_node(x, y, z), out);
@@ -128,7 +142,7 @@ class BlockCutter {
         }
     }
 
-    void place_vertices(BlockSurface& out, int refinements) {
+    void place_vertices(BlockSurface& out) {
         const std::size_t count = out.keys.size();
         std::vector<Bracket> brackets(count);
         std::vector<float> share(count), value(count);
@@ -137,7 +151,7 @@ class BlockCutter {
             const std::uint32_t node = out.keys[i] / 8;
             brackets[i] = {0, 1, values_[node] - level_, values_[node + step_to(out.keys[i] % 8)] - level_};
         }
-        for (int round = 0; round <= refinements; ++round) {
+        for (int round = 0; round <= refinements_; ++round) {
             for (std::size_t i = 0; i < count; ++i) {
                 const Bracket& b = brackets[i];
                 const auto t = static_cast<float>(b.at_low / (double(b.at_low) - b.at_high));
@@ -146,7 +160,7 @@ class BlockCutter {
                 const std::uint32_t node = out.keys[i] / 8;
                 out.positions[i] = lerp(nodes_[node], nodes_[node + step_to(out.keys[i] % 8)], share[i]);
             }
-            if (round == refinements) break;
+            if (round == refinements_) break;
             field_(region_, out.positions, value);
             for (std::size_t i = 0; i < count; ++i) narrow(brackets[i], share[i], value[i]);
         }
@@ -211,6 +225,7 @@ class BlockCutter {
     const RegionValues& field_;
     float level_;
     Box3 box_;
+    int refinements_;
     std::uint32_t region_ = 0;
     std::array<Vec3, kBlockNodes> nodes_;
     std::array<float, kBlockNodes> values_;
@@ -376,25 +391,22 @@ class Joiner {
 };
 
 /// Cuts the given blocks, each as the region of its place, and joins what they hold.
-TriangleSurface cut_blocks(const BlockLattice& lattice, std::span<const std::size_t> candidates,
-                           const RegionValues& field, float level, const Box3& box, int refinements,
-                           const Context& ctx) {
+TriangleSurface cut_blocks(const Cut& cut, std::span<const std::size_t> candidates, const Context& ctx) {
     constexpr std::size_t kGrain = 8;
     std::vector<std::vector<BlockSurface>> found((candidates.size() + kGrain - 1) / kGrain);
-    parallel_for_ranges(ctx, candidates.size(), kGrain, [&](IndexRange r) {
-        const auto cutter = std::make_unique<BlockCutter>(lattice, field, level, box);
+    parallel_with_progress(ctx, candidates.size(), kGrain, [&](IndexRange r) {
+        const auto cutter = std::make_unique<BlockCutter>(cut);
         for (std::size_t i = r.begin; i < r.end; ++i) {
-            if (ctx.stop.stop_requested()) return;
-            BlockSurface surface = cutter->cut(candidates[i], static_cast<std::uint32_t>(i), refinements);
+            ctx.throw_if_cancelled();
+            BlockSurface surface = cutter->cut(candidates[i], static_cast<std::uint32_t>(i));
             if (!surface.keys.empty()) found[r.begin / kGrain].push_back(std::move(surface));
         }
     });
-    ctx.throw_if_cancelled();
     std::vector<BlockSurface> blocks;
     for (auto& group : found) {
         for (BlockSurface& b : group) blocks.push_back(std::move(b));
     }
-    return Joiner(lattice, candidates, blocks, ctx).join();
+    return Joiner(cut.lattice, candidates, blocks, ctx).join();
 }
 
 }  // namespace
@@ -408,7 +420,7 @@ TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOpti
     const RegionValues values = [&, of = values_of(field)](std::uint32_t, auto points, auto out) {
         of(points, out);
     };
-    return cut_blocks(lattice, all, values, field.level(), box, options.refinements, ctx);
+    return cut_blocks({lattice, values, field.level(), box, options.refinements}, all, ctx);
 }
 
 PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
@@ -443,7 +455,7 @@ TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegi
     const RegionValues values = [&](std::uint32_t region, auto points, auto out) {
         values_of(field, region)(points, out);
     };
-    return cut_blocks(lattice, regions.block, values, field.level(), box, options.refinements, ctx);
+    return cut_blocks({lattice, values, field.level(), box, options.refinements}, regions.block, ctx);
 }
 
 TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& options, const Context& ctx) {
@@ -457,7 +469,8 @@ TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& opt
     const RegionValues values = [&](std::uint32_t, auto points, auto out) { field.values(points, out); };
     const Box3 everywhere{-Vec3{Box3::kInfinity, Box3::kInfinity, Box3::kInfinity},
                           {Box3::kInfinity, Box3::kInfinity, Box3::kInfinity}};
-    return cut_blocks(lattice, near, values, field.level(), everywhere, options.refinements, ctx);
+    return cut_blocks({lattice, values, field.level(), everywhere, options.refinements}, near,
+                      part_of(ctx, kRanged, 1));
 }
 
 }  // namespace coppice

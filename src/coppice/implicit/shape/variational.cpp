@@ -27,7 +27,7 @@ void check_input(std::span<const Vec3> points, std::span<const Vec3> normals) {
     const std::size_t n = points.size();
     if (n < 4 || n > Variational::kMostPoints)
         throw InvalidInput(fmt::format(
-            "variational: needs 4 to {} points, but has {}; thin them, or give a triangle mesh instead",
+            "variational: needs 4 to {} points, but has {}; give fewer, or a triangle mesh instead",
             Variational::kMostPoints, n));
     if (normals.size() != n)
         throw InvalidInput(fmt::format("variational: each of the {} points needs a normal, but there are {}",
@@ -83,6 +83,33 @@ struct Solution {
     Eigen::Vector4d polynomial;  // constant, x, y, z
 };
 
+[[noreturn]] void refuse_dense_points() {
+    throw InvalidInput(
+        "variational: the points lie too close together for a smooth surface; give fewer of them");
+}
+
+/// Solves a x = b for a symmetric, positive definite a, which becomes its Cholesky factor: by blocks, with a
+/// look at the stop token before each.
+Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b, const Context& ctx) {
+    constexpr Eigen::Index kBlock = 64;
+    const Eigen::Index n = a.rows();
+    for (Eigen::Index k = 0; k < n; k += kBlock) {
+        const Eigen::Index size = std::min(kBlock, n - k), rest = n - k - size;
+        const auto left = static_cast<float>(n - k) / static_cast<float>(n);
+        ctx.throw_if_cancelled();
+        ctx.report(1 - left * left * left);
+        auto corner = a.block(k, k, size, size), below = a.block(k + size, k, rest, size);
+        const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(corner);
+        if (factor.info() != Eigen::Success) refuse_dense_points();
+        if (rest == 0) break;
+        factor.matrixU().solveInPlace<Eigen::OnTheRight>(below);
+        a.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+    }
+    a.triangularView<Eigen::Lower>().solveInPlace(b);
+    a.triangularView<Eigen::Lower>().adjoint().solveInPlace(b);
+    return b;
+}
+
 /// Weights have no part in the polynomials: Q of polynomials = Q R turns the system into one for the
 /// remaining n - 4 unknowns that is positive definite, and is solved in place.
 Solution solve(std::span<const Constraint> points, const Context& ctx) {
@@ -111,21 +138,13 @@ Solution solve(std::span<const Constraint> points, const Context& ctx) {
     f.applyOnTheLeft(qr.householderQ().adjoint());
     ctx.throw_if_cancelled();
 
-    auto block = a.bottomRightCorner(n - 4, n - 4);
     Eigen::VectorXd y(n);
-    {
-        const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(block);
-        if (factors.info() != Eigen::Success)
-            throw InvalidInput(
-                "variational: the points lie too close together for a smooth surface; thin them");
-        y << Eigen::Vector4d::Zero(), factors.solve(f.tail(n - 4));
-    }
+    y << Eigen::Vector4d::Zero(), solve_positive(a.bottomRightCorner(n - 4, n - 4), f.tail(n - 4), ctx);
     Solution s;
     s.polynomial = r.solve(f.head<4>() - a.topRightCorner(4, n - 4) * y.tail(n - 4));
     y.applyOnTheLeft(qr.householderQ());
     s.weight = std::move(y);
-    if (!s.weight.allFinite() || !s.polynomial.allFinite())
-        throw InvalidInput("variational: the points lie too close together for a smooth surface; thin them");
+    if (!s.weight.allFinite() || !s.polynomial.allFinite()) refuse_dense_points();
     return s;
 }
 

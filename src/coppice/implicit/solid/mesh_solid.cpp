@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -103,15 +104,19 @@ bool has_no_border(std::span<const MeshSolid::Triangle> triangles, std::span<con
 }
 
 /// Numbers of positions so that equal positions have equal numbers.
-std::vector<std::uint32_t> welded(std::span<const Vec3> positions) {
-    std::vector<std::uint32_t> order(positions.size()), number(positions.size());
+std::vector<std::uint32_t> welded(std::span<const Vec3> positions, const Context& ctx) {
+    Buffer<std::uint32_t> order(positions.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    const auto key = [&](std::uint32_t i) {
-        return std::array{positions[i].x, positions[i].y, positions[i].z};
-    };
-    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
-    for (std::size_t k = 0; k < order.size(); ++k)
-        number[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? number[order[k - 1]] : order[k];
+    // Any order does that brings equal ones together; + 0.0f, since -0 and 0 are equal.
+    for (int axis = 0; axis < 3; ++axis) {
+        radix_sort(ctx, order, 32,
+                   [&](std::uint32_t i) { return std::bit_cast<std::uint32_t>(positions[i][axis] + 0.0f); });
+    }
+    std::vector<std::uint32_t> number(positions.size());
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const bool again = k > 0 && positions[order[k]] == positions[order[k - 1]];
+        number[order[k]] = again ? number[order[k - 1]] : order[k];
+    }
     return number;
 }
 
@@ -157,7 +162,7 @@ MeshSolid::MeshSolid(std::span<const Vec3> positions, std::span<const Triangle> 
             "mesh solid: the triangles enclose nothing; give a closed mesh whose triangles all turn the same "
             "way");
     orientation_ = volume < 0 ? -1 : 1;
-    watertight_ = has_no_border(triangles, welded(positions), ctx);
+    watertight_ = has_no_border(triangles, welded(positions, ctx), ctx);
 
     // Once in the order of the tree, triangles that are looked at together lie together.
     const BoxTree tree(boxes, ctx);
