@@ -10,11 +10,10 @@
 namespace coppice {
 
 /// The context of one part of a task: its progress from 0 to 1 is that of the whole from `begin` to `end`.
-/// Refers to `ctx`.
 inline Context part_of(const Context& ctx, float begin, float end) {
     Context part = ctx;
     if (ctx.progress) {
-        part.progress = [&ctx, begin, end](float f) { ctx.report(begin + (end - begin) * f); };
+        part.progress = [report = ctx.progress, begin, end](float f) { report(begin + (end - begin) * f); };
     }
     return part;
 }
