@@ -16,7 +16,15 @@ namespace fs = std::filesystem;
 
 inline const fs::path kShared = fs::path(COPPICE_SOURCE_DIR).parent_path() / "shared";
 
+/// Tables that were written from a .mat file hold the same trees; a test of the readers compares them.
+inline bool is_twin(const fs::path& file) {
+    const fs::path name = file.stem();  // of tree.cylinders.csv: tree.cylinders
+    return name.extension() == ".cylinders" &&
+           fs::exists(file.parent_path() / (name.stem().string() + ".mat"));
+}
+
 inline bool is_skeleton_file(const fs::path& file) {
+    if (is_twin(file)) return false;
     const std::string end = file.extension(), name = file.filename();
     return end == ".swc" || end == ".csv" || end == ".mat" || name.find("TreeQSM.txt") != std::string::npos;
 }

@@ -119,16 +119,23 @@ def broken(conditions, value):
             yield f"{condition.strip()} does not hold: it is {json.dumps(found)}"
 
 
+def nearest(left, above, corner):
+    return min((left, above, corner), key=lambda v: abs(left + above - corner - v))
+
+
+# How the rows of a PNG predict a byte from those to the left, above, and above on the left.
+PREDICTIONS = [lambda left, above, corner: 0, lambda left, above, corner: left, lambda left, above, corner: above,
+               lambda left, above, corner: (left + above) // 2, nearest]
+
+
 def unfiltered(rows, width, depth):
-    """The bytes of the rows of a PNG, each of which says first from which neighbours it is predicted."""
+    """The bytes of the rows of a PNG, each of which says first how it is predicted."""
     before = bytes(width * depth)
     for kind, row in rows:
-        line = bytearray(row)
-        for i, above in enumerate(before):
-            left, corner = (line[i - depth], before[i - depth]) if i >= depth else (0, 0)
-            nearest = min((left, above, corner), key=lambda v: abs(left + above - corner - v))
-            line[i] = (line[i] + (0, left, above, (left + above) // 2, nearest)[kind]) % 256
-        before = bytes(line)
+        line, predict = bytearray(depth) + row, PREDICTIONS[kind]
+        for i, (above, corner) in enumerate(zip(before, bytes(depth) + before)):
+            line[i + depth] = (line[i + depth] + predict(line[i], above, corner)) % 256
+        before = bytes(line[depth:])
         yield before
 
 
