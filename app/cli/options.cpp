@@ -132,13 +132,13 @@ Option option_of(const OptionField& field, const std::string& group) {
     return option;
 }
 
-Option option_of(OptionTarget target, const std::string& type, const std::string& help,
+Option option_of(const OptionTarget& target, const std::string& type, const std::string& help,
                  const std::string& group) {
     Option option;
     option.help = help;
     option.type = type;
     option.group = group;
-    option.target = std::move(target);
+    option.target = target;
     return option;
 }
 

@@ -104,7 +104,7 @@ PolygonMesh parse_binary_stl(std::string_view bytes, const std::string& source, 
         for (const Vec3 p : corner) mesh.add_numbered_vertex(Vec3d(p));
         add_triangle(mesh);
     }
-    mesh.weld();
+    mesh.weld(ctx);
     return mesh.take();
 }
 
@@ -136,7 +136,7 @@ PolygonMesh parse_ascii_stl(std::string_view text, const std::string& source, co
         }
     }
     if (!ended || corners != 0) fail("the file ends before 'endsolid'; it is cut");
-    mesh.weld();
+    mesh.weld(ctx);
     return mesh.take();
 }
 

@@ -42,7 +42,7 @@ class MeshBuilder {
     void add_numbered_face(std::span<const double> corners);
 
     /// Equal positions become one vertex, named by the first of them.
-    void weld();
+    void weld(const Context& ctx);
 
     /// Chooses the origin and rounds. Throws `InvalidInput` when there is no face.
     PolygonMesh take();

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh/read_internal.h"
 #include "coppice/io/text_internal.h"
@@ -82,18 +84,48 @@ void MeshBuilder::add_numbered_face(std::span<const double> corners) {
     mesh_.add_face(corners_);
 }
 
-/// By sorting: a hash table would be faster, but an evil file could make all its positions collide.
-void MeshBuilder::weld() {
+namespace {
+
+struct KeyedVertex {
+    std::uint32_t key = 0, vertex = 0;
+};
+
+/// The same for equal positions, zeros of both signs included; hardly ever for others.
+std::uint32_t key_of(Vec3d p) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        key = (key ^ std::bit_cast<std::uint64_t>(p[axis] + 0.0)) * 0x9e3779b97f4a7c15ull;
+        key ^= key >> 32;
+    }
+    return static_cast<std::uint32_t>(key);
+}
+
+}  // namespace
+
+/// By keys that are sorted, and positions that are sorted where keys are equal: an evil file could make all
+/// its positions collide in a hash table.
+void MeshBuilder::weld(const Context& ctx) {
+    constexpr std::size_t kGrain = std::size_t{1} << 14;
     const auto count = static_cast<std::uint32_t>(vertices_.size());
-    std::vector<std::uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return less(vertices_[a], vertices_[b]) || (vertices_[a] == vertices_[b] && a < b);
+    Buffer<KeyedVertex> order(count);
+    parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
+        for (std::size_t v = range.begin; v < range.end; ++v)
+            order[v] = {key_of(vertices_[v]), static_cast<std::uint32_t>(v)};
     });
+    radix_sort(ctx, order, 32, [](const KeyedVertex& v) { return v.key; });
+    ctx.throw_if_cancelled();
     std::vector<std::uint32_t> to(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const bool repeats = i > 0 && vertices_[order[i]] == vertices_[order[i - 1]];
-        to[order[i]] = repeats ? to[order[i - 1]] : order[i];
+    for (std::uint32_t begin = 0, end = 0; begin < count; begin = end) {
+        while (end < count && order[end].key == order[begin].key) ++end;
+        std::sort(order.begin() + begin, order.begin() + end, [&](KeyedVertex a, KeyedVertex b) {
+            const Vec3d &p = vertices_[a.vertex], &q = vertices_[b.vertex];
+            return less(p, q) || (p == q && a.vertex < b.vertex);
+        });
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const std::uint32_t v = order[i].vertex;
+            const bool repeats = i > begin && vertices_[v] == vertices_[order[i - 1].vertex];
+            to[v] = repeats ? to[order[i - 1].vertex] : v;
+        }
     }
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < count; ++v) {  // to[v] <= v, so what it names has its new number already
