@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
