@@ -224,15 +224,15 @@ void bench_growth(Bench& bench, std::size_t count, const CrownResult& row) {
 Made mesh_crown(Measures& stages, const Context& ctx) {
     PointSet points;
     std::optional<Skeleton> skeleton;
-    MeshResult result;
+    QuadMesh mesh;
     stages.time("all", [&] {
         stages.time("points", [&] { points = ellipsoid_points(12000, ctx); });
         stages.time("grow", [&] { skeleton = grow_in_ellipsoid(points, ctx).skeleton; });
         stages.time("radii and tidy", [&] { skeleton = dressed(*skeleton, ctx); });
-        stages.time("mesh", [&] { result = mesh_skeleton(*skeleton, {}, ctx); });
+        stages.time("mesh", [&] { mesh = std::move(mesh_skeleton(*skeleton, {}, ctx).quads().mesh); });
     });
     return {skeleton->size() - skeleton->tree_count(),
-            Hash().add(std::span<const Vec3>(result.mesh.positions)).value()};
+            Hash().add(std::span<const Vec3>(mesh.positions)).value()};
 }
 
 }  // namespace

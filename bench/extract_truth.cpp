@@ -20,7 +20,7 @@ constexpr float kCloudNoise = 0.001f;  // [m]
 PolygonMesh closed_mesh(const Skeleton& truth, int levels, const Context& ctx) {
     MeshOptions options;
     options.levels = levels;
-    return to_polygons(mesh_skeleton(truth, options, ctx).mesh);
+    return to_polygons(mesh_skeleton(truth, options, ctx).quads().mesh);
 }
 
 PointSet cloud_of(const Skeleton& truth, ScanPattern pattern, const Context& ctx) {

@@ -107,7 +107,7 @@ double LeafyScan::leaf_share() const {
 }
 
 LeafyScan scan_leafy_tree(const Skeleton& tree, const Foliage& foliage, int points, const Context& ctx) {
-    PolygonMesh mesh = to_polygons(mesh_skeleton(tree, {}, ctx).mesh);
+    PolygonMesh mesh = to_polygons(mesh_skeleton(tree, {}, ctx).quads().mesh);
     const std::uint32_t wood_faces = mesh.face_count();
     add_foliage(mesh, tree, foliage);
     const ScanOptions options{.points = points,

@@ -49,12 +49,16 @@ Make by_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Con
         const Clock clock;
         const MeshResult result = mesh_skeleton(skeleton, options, ctx);
         Made made{.seconds = clock.seconds(), .peak_bytes = peak_resident_bytes()};
-        const bool quads = options.method == MeshMethod::quads;
-        made.faces = quads ? result.mesh.quads.size() : result.triangles.triangles.size();
-        made.tetrahedra = result.tetra.tetra;
-        made.sampled = result.tetra.vertices;
+        if (const auto* const quads = std::get_if<QuadSurface>(&result.surface)) {
+            made.faces = quads->mesh.quads.size();
+        } else {
+            made.faces = result.tetrahedra().mesh.triangles.size();
+            made.tetrahedra = result.tetrahedra().march.tetra;
+            made.sampled = result.tetrahedra().march.vertices;
+        }
         made.stages = result.stages;
-        if (want_mesh) made.mesh = quads ? to_polygons(result.mesh) : to_polygons(result.triangles);
+        if (want_mesh)
+            made.mesh = std::visit([](const auto& s) { return to_polygons(s.mesh); }, result.surface);
         return made;
     };
 }

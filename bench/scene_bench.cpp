@@ -28,15 +28,15 @@ QuadMesh measure_memory(const Scene& scene, const MeshOptions& options, const Co
                         SceneResult& out) {
     reset_peak();
     const std::size_t before = resident_bytes();
-    MeshResult result = mesh_skeleton(scene.skeleton, options, ctx);
+    QuadSurface surface = std::move(mesh_skeleton(scene.skeleton, options, ctx).quads());
     const std::size_t peak = peak_resident_bytes();
     out.peak_bytes = peak > before ? peak - before : 0;
-    out.cage_quads = result.cage.cage.quads.size();
-    out.quads = result.mesh.quads.size();
-    out.vertices = result.mesh.positions.size();
-    out.hash = hash_of(result.mesh);
-    time_opensubdiv(result.cage.cage, options.levels);
-    return std::move(result.mesh);
+    out.cage_quads = surface.cage.cage.quads.size();
+    out.quads = surface.mesh.quads.size();
+    out.vertices = surface.mesh.positions.size();
+    out.hash = hash_of(surface.mesh);
+    time_opensubdiv(surface.cage.cage, options.levels);
+    return std::move(surface.mesh);
 }
 
 void measure_meshing(const Scene& scene, const MeshOptions& options, const BenchOptions& bench,
@@ -47,10 +47,10 @@ void measure_meshing(const Scene& scene, const MeshOptions& options, const Bench
         const MeshResult result = mesh_skeleton(scene.skeleton, options, ctx);
         measures.add("mesh", clock.seconds());
         for (const auto& [stage, seconds] : result.stages) measures.add("mesh: " + stage, seconds);
-        if (hash_of(result.mesh) != hash) {
+        if (hash_of(result.quads().mesh) != hash) {
             throw Error(fmt::format("two runs of the scene {} gave different meshes", scene.name));
         }
-        const OpenSubdivTime time = time_opensubdiv(result.cage.cage, options.levels);
+        const OpenSubdivTime time = time_opensubdiv(result.quads().cage.cage, options.levels);
         measures.add("opensubdiv", time.total());
         measures.add("opensubdiv: topology", time.topology);
         measures.add("opensubdiv: points", time.points);

@@ -105,9 +105,9 @@ WeightsResult measure_weights(const Scene& scene, const std::string& kernel, con
         out.constraints = fit.constraints;
         out.zero = fit.zero;
     }
-    const SurfaceReport report = check_surface(to_polygons(result.mesh), &scene.skeleton, {}, ctx);
+    const SurfaceReport report = check_surface(to_polygons(result.quads().mesh), &scene.skeleton, {}, ctx);
     out.regular = report.radius->regular;
-    out.forks = fork_deviation(result.mesh, scene.skeleton, ctx);
+    out.forks = fork_deviation(result.quads().mesh, scene.skeleton, ctx);
     out.missing = report.coverage->missing;
     out.pinched = report.coverage->pinched;
     out.crossings = report.intersections->total;

@@ -17,8 +17,8 @@ int main(int argc, char** argv) {
         coppice::MeshOptions options;
         options.levels = 2;
         const coppice::MeshResult result = coppice::mesh_skeleton(file.skeleton, options);
-        coppice::write_mesh(argv[2], result.mesh);
-        std::printf("%u nodes, %zu quads\n", file.skeleton.size(), result.mesh.quads.size());
+        coppice::write_mesh(argv[2], result.quads().mesh);
+        std::printf("%u nodes, %zu quads\n", file.skeleton.size(), result.quads().mesh.quads.size());
     } catch (const std::exception& error) {
         std::fprintf(stderr, "mesh_a_tree: %s\n", error.what());
         return 1;

@@ -6,7 +6,6 @@
 #include "command.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
-#include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -14,6 +13,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -155,10 +155,8 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     if (!flags.mesh_output.empty()) {
         const MeshResult made = run.stage(
             "mesh", [&](const Context& ctx) { return mesh_skeleton(result.skeleton, flags.mesh, ctx); });
-        run.stage("write mesh",
-                  [&](const Context& ctx) { write_mesh(flags.mesh_output, made.mesh, {}, ctx); });
-        run.counts()["quads"] = made.mesh.quads.size();
-        surface = fmt::format("; {}: {} quads", flags.mesh_output.string(), grouped(made.mesh.quads.size()));
+        run.stage("write mesh", [&](const Context& ctx) { write_surface(flags.mesh_output, made, ctx); });
+        surface = fmt::format("; {}: {}", flags.mesh_output.string(), count_surface(run, made));
     }
     run.finish(fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
                            grouped(result.skeleton.size()), grouped(result.report.trees), found, surface));

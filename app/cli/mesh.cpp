@@ -9,6 +9,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -42,46 +43,6 @@ void check_flags(const MeshFlags& flags) {
     if (mesh_format_of_name(flags.cage) != MeshFormat::usda) {
         throw UsageError(fmt::format("--cage writes USDA; end the name '{}' in .usda", flags.cage.string()));
     }
-}
-
-Figures counts_of(const GraftReport& r) {
-    Figures out;
-    out["grafted"] = r.grafted;
-    out["cut"] = r.cut;
-    out["buried"] = r.buried;
-    return out;
-}
-
-Figures counts_of(const PartReport& r) {
-    Figures out;
-    out["absorbed"] = r.absorbed;
-    out["advanced"] = r.advanced;
-    out["bundled"] = r.bundled;
-    out["swallowed"] = r.swallowed;
-    return out;
-}
-
-/// Puts the figures of a surface into the report; returns what to say of it.
-std::string count_quads(Run& run, const MeshResult& result) {
-    run.counts()["vertices"] = result.mesh.positions.size();
-    run.counts()["quads"] = result.mesh.quads.size();
-    run.counts()["cage_quads"] = result.cage.cage.quads.size();
-    run.counts()["branches_grafted"] = counts_of(result.grafted);
-    run.counts()["branches_parted"] = counts_of(result.parted);
-    return fmt::format("{} grafted, {} cut; {} quads", grouped(result.grafted.grafted),
-                       grouped(result.grafted.cut), grouped(result.mesh.quads.size()));
-}
-
-std::string count_triangles(Run& run, const MeshResult& result) {
-    run.counts()["vertices"] = result.triangles.positions.size();
-    run.counts()["triangles"] = result.triangles.triangles.size();
-    run.counts()["tetrahedra"] = result.tetra.tetra;
-    run.counts()["samples"] = result.tetra.vertices;
-    run.counts()["crossed_tetrahedra"] = result.tetra.crossed;
-    run.counts()["snapped_vertices"] = result.tetra.snapped;
-    run.counts()["freed_vertices"] = result.tetra.freed;
-    run.counts()["lattice_grown"] = result.grown;
-    return fmt::format("{} triangles", grouped(result.triangles.triangles.size()));
 }
 
 void report_weights(Figures& counts, const GlobalWeights& weights) {
@@ -132,18 +93,15 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
     MeshResult result = run.stage("mesh", [&](const Context& ctx) {
         return mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx);
     });
-    const bool quads = flags.mesh.method == MeshMethod::quads;
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     std::string restored;
-    if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.mesh);
+    if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) {
-            quads ? write_mesh(output, result.mesh, {}, ctx) : write_mesh(output, result.triangles, {}, ctx);
-        }
-        if (!flags.cage.empty()) write_cage(flags.cage, result.cage.cage, ctx);
+        for (const auto& output : flags.outputs) write_surface(output, result, ctx);
+        if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) report_weights(run.counts(), *result.weights);
-    const std::string figures = quads ? count_quads(run, result) : count_triangles(run, result);
+    const std::string figures = count_surface(run, result);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()), figures, restored));
     return kDone;

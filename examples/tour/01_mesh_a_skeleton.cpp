@@ -15,10 +15,10 @@ int main() {
 
     const coppice::MeshResult result = coppice::mesh_skeleton(tree);
 
-    const coppice::QuadMesh& mesh = result.mesh;
+    const coppice::QuadMesh& mesh = result.quads().mesh;
     std::printf("%u nodes, %u tree\n", tree.size(), tree.tree_count());
     std::printf("%zu vertices, %zu quads\n", mesh.positions.size(), mesh.quads.size());
-    std::printf("the cage before subdivision: %zu quads\n", result.cage.cage.quads.size());
+    std::printf("the cage before subdivision: %zu quads\n", result.quads().cage.cage.quads.size());
     for (const coppice::NodeId n : coppice::nodes(tree)) {
         std::printf("node %u: radius %.2f m, %zu children%s\n", n.index(), tree.radius(n),
                     tree.children(n).size(), tree.is_tip(n) ? ", a tip" : "");

@@ -17,8 +17,8 @@ int main() {
     std::printf("%u segments, %u tips, %.1f m of branches\n", oak.segments, oak.tips, oak.length);
 
     const coppice::MeshResult result = coppice::mesh_skeleton(file.skeleton);
-    coppice::write_mesh("oak.glb", result.mesh);        // triangles, Y up, for viewers
-    coppice::write_mesh("oak.ply", result.mesh);        // quads
-    coppice::write_cage("oak.usda", result.cage.cage);  // to be refined where it is read
-    std::printf("%zu quads written\n", result.mesh.quads.size());
+    coppice::write_mesh("oak.glb", result.quads().mesh);        // triangles, Y up, for viewers
+    coppice::write_mesh("oak.ply", result.quads().mesh);        // quads
+    coppice::write_cage("oak.usda", result.quads().cage.cage);  // to be refined where it is read
+    std::printf("%zu quads written\n", result.quads().mesh.quads.size());
 }

@@ -9,7 +9,7 @@
 int main() {
     const coppice::Skeleton tree = coppice::random_tree(300, /*seed=*/1);
     const coppice::MeshResult result = coppice::mesh_skeleton(tree);
-    const coppice::PolygonMesh mesh = coppice::to_polygons(result.mesh);
+    const coppice::PolygonMesh mesh = coppice::to_polygons(result.quads().mesh);
 
     const coppice::SurfaceReport report = coppice::check_surface(mesh, &tree);
     std::printf("sound: %s\n", report.sound() ? "yes" : "no");

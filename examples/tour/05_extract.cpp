@@ -17,7 +17,7 @@ void judge(const char* what, const coppice::Skeleton& truth, const coppice::Skel
 
 int main() {
     const coppice::Skeleton truth = coppice::random_tree(100, /*seed=*/1);
-    const coppice::QuadMesh surface = coppice::mesh_skeleton(truth).mesh;
+    const coppice::QuadMesh surface = coppice::mesh_skeleton(truth).quads().mesh;
 
     const auto from_mesh = coppice::extract_from_mesh(coppice::to_polygons(surface));
     judge("from the mesh", truth, from_mesh.skeleton);

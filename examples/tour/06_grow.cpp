@@ -37,5 +37,5 @@ int main() {
     std::printf("%zu points, stopped: %s\n", points.points.size(), coppice::name_of(points.stop).data());
     std::printf("%u nodes grown, stopped: %s\n", grown.skeleton.size(), coppice::name_of(grown.stop).data());
     std::printf("trunk: radius %.3f m\n", tree.radius(coppice::NodeId(0)));
-    std::printf("%u nodes, %zu quads\n", tree.size(), result.mesh.quads.size());
+    std::printf("%u nodes, %zu quads\n", tree.size(), result.quads().mesh.quads.size());
 }

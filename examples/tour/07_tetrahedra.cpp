@@ -23,10 +23,10 @@ int main() {
     };
 
     const coppice::MeshResult quads = coppice::mesh_skeleton(cross);
-    judge("quads", coppice::to_polygons(quads.mesh));
+    judge("quads", coppice::to_polygons(quads.quads().mesh));
 
     coppice::MeshOptions options{.method = coppice::MeshMethod::tetrahedra};
     options.tetra.edge = 0.3f;  // of the triangles, in radii
     const coppice::MeshResult triangles = coppice::mesh_skeleton(cross, options);
-    judge("tetrahedra", coppice::to_polygons(triangles.triangles));
+    judge("tetrahedra", coppice::to_polygons(triangles.tetrahedra().mesh));
 }

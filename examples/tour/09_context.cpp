@@ -15,7 +15,7 @@ int main() {
     std::uint64_t first = 0;
     for (const unsigned threads : {1u, 2u, 7u}) {
         const coppice::Context ctx{.threads = threads};
-        const coppice::QuadMesh mesh = coppice::mesh_skeleton(tree, {}, ctx).mesh;
+        const coppice::QuadMesh mesh = coppice::mesh_skeleton(tree, {}, ctx).quads().mesh;
         coppice::Hash hash;
         for (const coppice::Vec3 p : mesh.positions) hash.add(p);
         if (threads == 1) first = hash.value();

@@ -42,7 +42,7 @@ void expect_spheres(const QuadMesh& mesh, const Skeleton& skeleton) {
     EXPECT_GT(shape(mesh).signed_volume, 0);
 }
 
-std::uint64_t hash_of(const MeshResult& result) {
+std::uint64_t hash_of(const QuadSurface& result) {
     return Hash()
         .add(std::span<const Vec3>(result.mesh.positions))
         .add(std::span<const Quad>(result.mesh.quads))
@@ -52,14 +52,15 @@ std::uint64_t hash_of(const MeshResult& result) {
 }
 
 void expect_same_bits(const Skeleton& skeleton) {
-    const std::uint64_t one = hash_of(mesh_skeleton(skeleton, {}, {.threads = 1}));
+    const std::uint64_t one = hash_of(mesh_skeleton(skeleton, {}, {.threads = 1}).quads());
     for (const unsigned threads : {2u, 7u}) {
-        EXPECT_EQ(hash_of(mesh_skeleton(skeleton, {}, {.threads = threads})), one) << threads << " threads";
+        EXPECT_EQ(hash_of(mesh_skeleton(skeleton, {}, {.threads = threads}).quads()), one)
+            << threads << " threads";
     }
 }
 
 SurfaceReport judge(const Skeleton& skeleton) {
-    return check_surface(to_polygons(mesh_skeleton(skeleton).mesh), &skeleton);
+    return check_surface(to_polygons(mesh_skeleton(skeleton).quads().mesh), &skeleton);
 }
 
 /// What a tree whose branches keep clear of each other must reach.
@@ -88,7 +89,7 @@ TEST_P(AcceptanceZoo, EverySkeletonGivesOneSphereForEachTree) {
         SCOPED_TRACE(name);
         MeshOptions options;
         options.levels = GetParam();
-        expect_spheres(mesh_skeleton(skeleton, options).mesh, skeleton);
+        expect_spheres(mesh_skeleton(skeleton, options).quads().mesh, skeleton);
     }
 }
 
@@ -107,7 +108,7 @@ TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
         for (const NodeId n : nodes(parted.skeleton)) {
             holes += parted.skeleton.is_root(n) && parted.skeleton.children(n).size() == 1 ? 1 : 0;
         }
-        const TopologyReport t = topology(mesh_skeleton(skeleton, options).mesh);
+        const TopologyReport t = topology(mesh_skeleton(skeleton, options).quads().mesh);
         EXPECT_EQ(t.open_edges, holes * 4 * (1u << options.levels));
         EXPECT_EQ(t.euler, static_cast<std::int64_t>(2 * skeleton.tree_count() - holes));
         EXPECT_EQ(t.components, skeleton.tree_count());
@@ -116,7 +117,7 @@ TEST(Acceptance, OpenBaseLeavesOneHoleInTreesThatBeginWithOneBranch) {
 }
 
 /// Rim and cap of one flat end against the disc of radius r about c across the plane's normal.
-void expect_disc(const MeshResult& result, int levels, const ClipPlane& clip, Vec3 c, float r) {
+void expect_disc(const QuadSurface& result, int levels, const ClipPlane& clip, Vec3 c, float r) {
     const std::size_t begin = std::size_t{clip.first_quad} << (2 * levels);
     const std::size_t end = begin + (std::size_t{clip.quad_count} << (2 * levels));
     std::vector<int> uses(result.mesh.positions.size(), 0);
@@ -150,7 +151,7 @@ TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
                 MeshOptions options;
                 options.levels = levels;
                 options.control = {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat};
-                const MeshResult result = mesh_skeleton(s, options);
+                const QuadSurface result = mesh_skeleton(s, options).quads();
                 expect_spheres(result.mesh, s);
                 ASSERT_EQ(result.cage.clip.size(), 2u);
                 const NodeId tip(s.size() - 1);
@@ -175,7 +176,7 @@ TEST(Acceptance, EverySkeletonInTheZooClosesWithFlatEnds) {
     options.control = {.tips = TipShape::flat, .base = BaseShape::flat};
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        expect_spheres(mesh_skeleton(skeleton, options).mesh, skeleton);
+        expect_spheres(mesh_skeleton(skeleton, options).quads().mesh, skeleton);
     }
 }
 
@@ -206,7 +207,7 @@ TEST(Acceptance, CrowdsOfBranchesAreClosed) {
         radius.push_back(0.05f);
     }
     const Skeleton skeleton(parent, position, radius);
-    const QuadMesh mesh = mesh_skeleton(skeleton).mesh;
+    const QuadMesh mesh = mesh_skeleton(skeleton).quads().mesh;
     const TopologyReport t = topology(mesh);
     EXPECT_TRUE(t.sound());
     EXPECT_EQ(t.components, 1u);
@@ -222,7 +223,7 @@ TEST(AcceptanceFiles, EverySkeletonGivesOneSphereForEachTree) {
     for (const fs::path& file : files) {
         SCOPED_TRACE(file.filename());
         const Skeleton skeleton = read_skeleton(file).skeleton;
-        expect_spheres(mesh_skeleton(skeleton).mesh, skeleton);
+        expect_spheres(mesh_skeleton(skeleton).quads().mesh, skeleton);
     }
 }
 

@@ -27,7 +27,7 @@ MeshOptions tetrahedra(int levels = 1) {
 }
 
 SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = tetrahedra()) {
-    return check_surface(to_polygons(mesh_skeleton(skeleton, options).triangles), &skeleton);
+    return check_surface(to_polygons(mesh_skeleton(skeleton, options).tetrahedra().mesh), &skeleton);
 }
 
 /// Closed, manifold, oriented, not inside out, and never through itself.
@@ -83,11 +83,11 @@ TEST(AcceptanceTetra, FlatEndsLieInTheirPlanes) {
     MeshOptions options = tetrahedra(3);
     options.tetra.edge = 0.15f;
     options.control.tips = TipShape::flat;
-    const MeshResult result = mesh_skeleton(bar, options);
-    const SurfaceReport r = check_surface(to_polygons(result.triangles), nullptr);
+    const TriMesh mesh = mesh_skeleton(bar, options).tetrahedra().mesh;
+    const SurfaceReport r = check_surface(to_polygons(mesh), nullptr);
     expect_solid(r);
     float low = 1, high = 0;
-    for (const Vec3 p : result.triangles.positions) {
+    for (const Vec3 p : mesh.positions) {
         low = std::min(low, p.z);
         high = std::max(high, p.z);
     }
@@ -96,7 +96,8 @@ TEST(AcceptanceTetra, FlatEndsLieInTheirPlanes) {
     const double cylinder = 3.14159265 * 0.25 * 0.25 * 2;
     EXPECT_NEAR(r.shape.signed_volume / cylinder, 1, 0.02);
     options.control = {.base = BaseShape::round};
-    const SurfaceReport round = check_surface(to_polygons(mesh_skeleton(bar, options).triangles), nullptr);
+    const SurfaceReport round =
+        check_surface(to_polygons(mesh_skeleton(bar, options).tetrahedra().mesh), nullptr);
     const double ball = 4.0 / 3 * 3.14159265 * 0.25 * 0.25 * 0.25;
     EXPECT_NEAR(round.shape.signed_volume / (cylinder + ball), 1, 0.04);
 }
@@ -105,19 +106,19 @@ TEST(AcceptanceTetra, EdgeMeansTheLengthOfEdgesWhateverTheLevels) {
     const Skeleton tree = random_tree(100, 3);
     for (const int levels : {1, 2, 3}) {
         MeshOptions options = tetrahedra(levels);
-        const std::size_t coarse = mesh_skeleton(tree, options).triangles.triangles.size();
+        const std::size_t coarse = mesh_skeleton(tree, options).tetrahedra().mesh.triangles.size();
         options.tetra.edge *= 0.5f;
-        const std::size_t fine = mesh_skeleton(tree, options).triangles.triangles.size();
+        const std::size_t fine = mesh_skeleton(tree, options).tetrahedra().mesh.triangles.size();
         EXPECT_NEAR(static_cast<double>(fine) / static_cast<double>(coarse), 4, 1) << levels << " levels";
     }
 }
 
 TEST(AcceptanceTetra, SameBitsForAnyNumberOfThreads) {
     const auto hash = [](const Skeleton& s, unsigned threads) {
-        const MeshResult r = mesh_skeleton(s, tetrahedra(), {.threads = threads});
+        const TriMesh mesh = mesh_skeleton(s, tetrahedra(), {.threads = threads}).tetrahedra().mesh;
         return Hash()
-            .add(std::span<const Vec3>(r.triangles.positions))
-            .add(std::span<const Triangle>(r.triangles.triangles))
+            .add(std::span<const Vec3>(mesh.positions))
+            .add(std::span<const Triangle>(mesh.triangles))
             .value();
     };
     for (const char* name : {"soma", "forest", "random_hard_2", "random_large_hard"}) {

@@ -41,8 +41,9 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-void mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                   const Context& ctx, Stages& stages, MeshResult& out) {
+QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                          std::optional<GlobalWeights>& weights, const Context& ctx, Stages& stages) {
+    QuadSurface out;
     const GraftResult grafted =
         stages.run("graft", 0.08f, [&] { return graft_branches(prepared, options.graft, ctx); });
     out.grafted = grafted.report;
@@ -52,9 +53,8 @@ void mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const 
     const auto tube = composed(grafted.tube, parted.tube);
     out.cage = stages.run("cage", 0.15f,
                           [&] { return build_control_mesh(parted.skeleton, source, options.control, ctx); });
-    ConvolutionField field = stages.run("weights", 0.2f, [&] {
-        return surface_field(grafted.skeleton, options, constraints, out.weights, ctx);
-    });
+    ConvolutionField field = stages.run(
+        "weights", 0.2f, [&] { return surface_field(grafted.skeleton, options, constraints, weights, ctx); });
     stages.run("field", 0.25f, [&] {
         field.set_regions(field_regions(out.cage, grafted.skeleton), {parted.skeleton, tube}, ctx);
         return true;
@@ -79,6 +79,7 @@ void mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const 
                             out.cage.clip, FieldRef(field), options.untangle, ctx);
         });
     }
+    return out;
 }
 
 }  // namespace
@@ -95,8 +96,11 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, 
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
-    const bool quads = options.method == MeshMethod::quads;
-    (quads ? mesh_by_quads : mesh_by_tetrahedra)(prepared.skeleton, constraints, options, ctx, stages, out);
+    if (options.method == MeshMethod::quads) {
+        out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, ctx, stages);
+    } else {
+        out.surface = mesh_by_tetrahedra(prepared.skeleton, constraints, options, out.weights, ctx, stages);
+    }
     return out;
 }
 

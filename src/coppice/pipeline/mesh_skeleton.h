@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "coppice/base/context.h"
@@ -10,7 +11,6 @@
 #include "coppice/cage/cage.h"
 #include "coppice/cage/graft.h"
 #include "coppice/cage/part.h"
-
 #include "coppice/field/field_options.h"
 #include "coppice/field/weights/global_weights.h"
 #include "coppice/mesh/control_mesh.h"
@@ -92,20 +92,37 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
 }
 
+/// What MeshMethod::quads makes.
+struct QuadSurface {
+    QuadMesh mesh;             ///< of at least one face
+    ControlMesh cage;          ///< the quads before subdivision
+    GraftReport grafted;       ///< branches that run through each other
+    PartReport parted;         ///< branch nodes that were moved
+    ProjectReport projected;   ///< how near the field's level the vertices are
+    UntangleReport untangled;  ///< folds found and taken out
+};
+
+/// What MeshMethod::tetrahedra makes.
+struct TetraSurface {
+    TriMesh mesh;             ///< of at least one face
+    MarchReport march;        ///< of the tetrahedra
+    std::uint32_t grown = 0;  ///< times the lattice of tetrahedra was enlarged to enclose the surface
+};
+
 /// A surface, and what every stage did.
 struct MeshResult {
-    QuadMesh mesh;                         ///< empty for tetrahedra
-    TriMesh triangles;                     ///< empty for quads
-    ControlMesh cage;                      ///< the quads before subdivision
-    PrepareReport prepared;                ///< changes to the skeleton
-    GraftReport grafted;                   ///< branches that run through each other
-    std::optional<GlobalWeights> weights;  ///< where options.field.weights asked for it
-    PartReport parted;                     ///< branch nodes that were moved
-    ProjectReport projected;               ///< how near the field's level the vertices are
-    UntangleReport untangled;              ///< folds found and taken out
-    MarchReport tetra;                     ///< of the tetrahedra
-    std::uint32_t grown = 0;  ///< times the lattice of tetrahedra was enlarged to enclose the surface
+    std::variant<QuadSurface, TetraSurface> surface;     ///< in the order of MeshMethod
+    PrepareReport prepared;                              ///< changes to the skeleton
+    std::optional<GlobalWeights> weights;                ///< where options.field.weights asked for it
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
+
+    /// The surface of quads; std::bad_variant_access when the method was another.
+    const QuadSurface& quads() const { return std::get<QuadSurface>(surface); }
+    QuadSurface& quads() { return std::get<QuadSurface>(surface); }  ///< the same, to change
+
+    /// The surface of triangles; std::bad_variant_access when the method was another.
+    const TetraSurface& tetrahedra() const { return std::get<TetraSurface>(surface); }
+    TetraSurface& tetrahedra() { return std::get<TetraSurface>(surface); }  ///< the same, to change
 };
 
 /// Wraps a skeleton in one closed surface of quads, one sphere per tree: prepares the skeleton, grafts
@@ -119,7 +136,8 @@ struct MeshResult {
 /// one body: the surface is closed, manifold and never crosses itself, but may have handles, and as many
 /// parts as the field has.
 ///
-/// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index.
+/// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index,
+/// and when tetrahedra find no surface because it is thinner than they are.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
 
 /// The same with global weights that are fitted to these points of the surface; chosen ones where there are

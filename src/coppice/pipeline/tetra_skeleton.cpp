@@ -38,8 +38,10 @@ std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
 
 }  // namespace
 
-void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                        const Context& ctx, Stages& stages, MeshResult& out) {
+TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
+                                const MeshOptions& options, std::optional<GlobalWeights>& weights,
+                                const Context& ctx, Stages& stages) {
+    TetraSurface out;
     check_fields(options.tetra, "tetra");
     if (options.control.base == BaseShape::open) {
         throw InvalidInput("mesh: tetrahedra make closed surfaces only; choose base flat or round");
@@ -54,7 +56,7 @@ void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, c
     const MarchOptions marching{options.tetra.tetra_levels, options.tetra.snap, options.tetra.refinements};
     Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(segments_of(prepared), sizes, ctx); });
     ConvolutionField field = stages.run(
-        "weights", 0.25f, [&] { return surface_field(prepared, options, constraints, out.weights, ctx); });
+        "weights", 0.25f, [&] { return surface_field(prepared, options, constraints, weights, ctx); });
     for (bool again = true; again;) {
         const TetraMesh& mesh = lattice.mesh();
         const std::vector<Box3> boxes = stages.run("regions", 0.4f, [&] {
@@ -65,16 +67,22 @@ void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, c
         const CutField cut(FieldRef(field), prepared, options.control, boxes, ctx);
         MarchResult marched =
             stages.run("march", 0.95f, [&] { return march(mesh, FieldRef(cut), marching, ctx); });
-        out.tetra = marched.report;
-        out.triangles = std::move(marched.mesh);
+        out.march = marched.report;
+        out.mesh = std::move(marched.mesh);
         again = !marched.open.empty();
         if (again) {
             ++out.grown;
             if (!lattice.grow(marched.open, ctx)) throw Error("mesh: the surface leaves the lattice");
         }
     }
-    out.triangles.origin = prepared.origin();
+    if (out.mesh.triangles.empty()) {
+        throw InvalidInput(
+            "mesh: nothing is left of the surface, which is thinner than the tetrahedra everywhere; choose "
+            "base round where a trunk is wider than long, a smaller edge, or method quads");
+    }
+    out.mesh.origin = prepared.origin();
     ctx.report(1);
+    return out;
 }
 
 }  // namespace coppice

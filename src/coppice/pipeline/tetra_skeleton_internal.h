@@ -5,8 +5,10 @@
 
 namespace coppice {
 
-/// The surface of the field of a prepared skeleton by tetrahedra: fills in triangles, tetra and the stages.
-void mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                        const Context& ctx, Stages& stages, MeshResult& out);
+/// The surface of the field of a prepared skeleton by tetrahedra; fills in the weights, where they are asked
+/// for, and the stages.
+TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
+                                const MeshOptions& options, std::optional<GlobalWeights>& weights,
+                                const Context& ctx, Stages& stages);
 
 }  // namespace coppice

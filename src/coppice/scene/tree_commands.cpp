@@ -149,11 +149,29 @@ SceneCommand loadtree_command() {
     return c;
 }
 
-double memory_of_mesh(const Skeleton& skeleton, int levels) {
+double memory_of_quads(const Skeleton& skeleton, int levels) {
     constexpr double kCageQuads = 5, kBytesOfQuad = 120;  // for each segment; for each quad
     double quads = kCageQuads * skeleton.size();
     for (int i = 0; i < levels; ++i) quads *= 4;
     return quads * kBytesOfQuad;
+}
+
+/// By the area of the tubes in triangles of the edge that is asked for.
+double memory_of_tetrahedra(const Skeleton& skeleton, const TetraOptions& options) {
+    constexpr double kTrianglesOfSquare = 6, kBytesOfTriangle = 200;  // of radius by radius; measured
+    double squares = 0;
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.is_root(n)) continue;
+        const Segment s = skeleton.segment(n);
+        squares += 2 * distance(Vec3d(s.a), Vec3d(s.b)) / (double{s.radius_a} + s.radius_b);
+    }
+    return (squares + skeleton.tree_count()) * kTrianglesOfSquare * kBytesOfTriangle /
+           (double{options.edge} * options.edge);
+}
+
+double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
+    return options.method == MeshMethod::quads ? memory_of_quads(skeleton, options.levels)
+                                               : memory_of_tetrahedra(skeleton, options.tetra);
 }
 
 SceneCommand mesh_command() {
@@ -166,14 +184,10 @@ SceneCommand mesh_command() {
     c.run = [](const SceneCall& call) {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         const auto options = call.options<MeshOptions>("mesh");
-        call.reserve(memory_of_mesh(skeleton, options.levels));
+        call.reserve(memory_of_mesh(skeleton, options));
         MeshResult result = mesh_skeleton(skeleton, options, call.context());
         Surface surface;
-        if (options.method == MeshMethod::quads) {
-            surface.mesh = std::move(result.mesh);
-        } else {
-            surface.mesh = std::move(result.triangles);
-        }
+        std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
         const std::uint64_t bytes = memory_of(surface);
         return makes(call.text("name"), std::move(surface), bytes);
     };

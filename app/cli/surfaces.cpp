@@ -1,0 +1,61 @@
+#include "surfaces.h"
+
+#include <fmt/format.h>
+
+#include "coppice/io/mesh/writer.h"
+#include "figures.h"
+#include "files.h"
+
+namespace coppice::cli {
+namespace {
+
+Figures counts_of(const GraftReport& r) {
+    Figures out;
+    out["grafted"] = r.grafted;
+    out["cut"] = r.cut;
+    out["buried"] = r.buried;
+    return out;
+}
+
+Figures counts_of(const PartReport& r) {
+    Figures out;
+    out["absorbed"] = r.absorbed;
+    out["advanced"] = r.advanced;
+    out["bundled"] = r.bundled;
+    out["swallowed"] = r.swallowed;
+    return out;
+}
+
+std::string count(Figures& counts, const QuadSurface& surface) {
+    counts["vertices"] = surface.mesh.positions.size();
+    counts["quads"] = surface.mesh.quads.size();
+    counts["cage_quads"] = surface.cage.cage.quads.size();
+    counts["branches_grafted"] = counts_of(surface.grafted);
+    counts["branches_parted"] = counts_of(surface.parted);
+    return fmt::format("{} grafted, {} cut; {} quads", grouped(surface.grafted.grafted),
+                       grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()));
+}
+
+std::string count(Figures& counts, const TetraSurface& surface) {
+    counts["vertices"] = surface.mesh.positions.size();
+    counts["triangles"] = surface.mesh.triangles.size();
+    counts["tetrahedra"] = surface.march.tetra;
+    counts["samples"] = surface.march.vertices;
+    counts["crossed_tetrahedra"] = surface.march.crossed;
+    counts["snapped_vertices"] = surface.march.snapped;
+    counts["freed_vertices"] = surface.march.freed;
+    counts["lattice_grown"] = surface.grown;
+    return fmt::format("{} triangles", grouped(surface.mesh.triangles.size()));
+}
+
+}  // namespace
+
+void write_surface(const std::filesystem::path& path, const MeshResult& result, const Context& ctx) {
+    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, {}, ctx); }, result.surface);
+}
+
+std::string count_surface(Run& run, const MeshResult& result) {
+    return std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "run.h"
+
+namespace coppice::cli {
+
+/// Writes the mesh of a surface, whichever method made it.
+void write_surface(const std::filesystem::path& path, const MeshResult& result, const Context& ctx);
+
+/// Puts the figures of a surface into the report; returns what to say of it.
+std::string count_surface(Run& run, const MeshResult& result);
+
+}  // namespace coppice::cli

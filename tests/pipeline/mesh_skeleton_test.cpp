@@ -1,0 +1,45 @@
+#include "coppice/pipeline/mesh_skeleton.h"
+
+#include <gtest/gtest.h>
+
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+Skeleton cone(Vec3 top, float radius, float radius_at_top) {
+    return Skeleton({NodeId::none(), NodeId(0)}, {{0, 0, 0}, top}, {radius, radius_at_top});
+}
+
+MeshOptions by(MeshMethod method) {
+    MeshOptions options;
+    options.method = method;
+    return options;
+}
+
+TEST(MeshSkeleton, HoldsTheSurfaceOfItsMethodAndNoOther) {
+    const Skeleton bar = cone({0, 0, 2}, 0.3f, 0.2f);
+    const MeshResult quads = mesh_skeleton(bar, by(MeshMethod::quads));
+    EXPECT_EQ(quads.surface.index(), static_cast<std::size_t>(MeshMethod::quads));
+    EXPECT_FALSE(quads.quads().mesh.quads.empty());
+    EXPECT_FALSE(quads.quads().cage.cage.quads.empty());
+    EXPECT_THROW(static_cast<void>(quads.tetrahedra()), std::bad_variant_access);
+    const MeshResult triangles = mesh_skeleton(bar, by(MeshMethod::tetrahedra));
+    EXPECT_EQ(triangles.surface.index(), static_cast<std::size_t>(MeshMethod::tetrahedra));
+    EXPECT_FALSE(triangles.tetrahedra().mesh.triangles.empty());
+    EXPECT_GT(triangles.tetrahedra().march.crossed, 0u);
+    EXPECT_THROW(static_cast<void>(triangles.quads()), std::bad_variant_access);
+}
+
+// Cut flat at its base, the cone is a hundred times as wide as high: less than the cells of the lattice.
+TEST(MeshSkeleton, RefusesASurfaceThinnerThanTheTetrahedra) {
+    const Skeleton wide = cone({0, 0, 1}, 100, 0.001f);
+    MeshOptions options = by(MeshMethod::tetrahedra);
+    const std::string said = test::error_of([&] { mesh_skeleton(wide, options); });
+    EXPECT_TRUE(said.starts_with("mesh: nothing is left of the surface")) << said;
+    options.control.base = BaseShape::round;
+    EXPECT_FALSE(mesh_skeleton(wide, options).tetrahedra().mesh.triangles.empty());
+}
+
+}  // namespace
+}  // namespace coppice
