@@ -83,7 +83,6 @@ void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressPart
 }  // namespace
 
 void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
-    if (mesh.triangle_count() == 0) throw Unsupported("glTF cannot hold a mesh without faces");
     const Sizes sizes{mesh.positions.size() * sizeof(Vec3), mesh.triangle_count() * sizeof(Triangle)};
     std::string text = describe(mesh, sizes).dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');

@@ -1,4 +1,4 @@
-// OBJ, PLY and STL.
+// OBJ and PLY.
 
 #include <fmt/format.h>
 
@@ -47,18 +47,6 @@ void write_ply_faces(AtomicFile& file, const MeshView& mesh, const Context& ctx)
     });
 }
 
-/// STL has 32-bit numbers and nowhere to put an origin: refuses what rounding would visibly damage.
-void check_stl_rounding(const MeshView& mesh) {
-    if (!mesh.has_origin()) return;
-    Box3 box;
-    for (const Vec3 p : mesh.positions) box.extend(p);
-    const double reach = length(mesh.origin) + box.diagonal();
-    if (reach * std::numeric_limits<float>::epsilon() > 1e-5 * box.diagonal()) {
-        throw Unsupported(
-            "STL has too few digits for coordinates that far from zero; write PLY or OBJ instead");
-    }
-}
-
 }  // namespace
 
 void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
@@ -93,28 +81,6 @@ void write_ply(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     }
     small_faces ? write_ply_faces<std::uint8_t>(file, mesh, ctx)
                 : write_ply_faces<std::uint32_t>(file, mesh, ctx);
-}
-
-void write_stl(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
-    if (mesh.triangle_count() > std::numeric_limits<std::uint32_t>::max()) {
-        throw Unsupported("STL holds at most 4294967295 triangles; write PLY or OBJ instead");
-    }
-    check_stl_rounding(mesh);
-    Chunk head;
-    head.reserve(84);
-    head.put(fmt::format("{:<80}", "Coppice, metres, Z up"));
-    head.put_raw(static_cast<std::uint32_t>(mesh.triangle_count()));
-    file.write(head.view());
-    const auto place = [&](std::uint32_t v) { return Vec3(mesh.origin + Vec3d(mesh.positions[v])); };
-    write_items(file, mesh.face_count, {}, ctx, [&](std::size_t f, Chunk& chunk) {
-        chunk.reserve(50 * (mesh.face(f).size() - 2));
-        for_each_triangle(mesh, f, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-            const std::array<Vec3, 3> p{place(a), place(b), place(c)};
-            chunk.put_raw(normalized(cross(p[1] - p[0], p[2] - p[0]), {}));
-            chunk.put_raw(p);
-            chunk.put_raw(std::uint16_t{0});
-        });
-    });
 }
 
 }  // namespace coppice::io_internal

@@ -24,7 +24,10 @@ std::vector<Vec3> smooth_normals(const MeshView& mesh) {
 
 namespace {
 
-void check_positions(const std::filesystem::path& path, const MeshView& mesh, const Context& ctx) {
+void check_mesh(const std::filesystem::path& path, const MeshView& mesh, const Context& ctx) {
+    if (mesh.face_count == 0) {
+        throw InvalidInput(fmt::format("cannot write {}: the mesh has no faces", path.string()));
+    }
     const std::size_t size = mesh.positions.size();
     const auto first_bad = [&](IndexRange range) {
         for (std::size_t i = range.begin; i < range.end; ++i) {
@@ -53,7 +56,7 @@ MeshFormat format_for(const std::filesystem::path& path, const MeshWriteOptions&
 template <class Write>
 void write_whole(const std::filesystem::path& path, const MeshView& mesh, const Context& ctx,
                  const Write& write) {
-    check_positions(path, mesh, ctx);
+    check_mesh(path, mesh, ctx);
     AtomicFile file(path);
     try {
         write(file);
