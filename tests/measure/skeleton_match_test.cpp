@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <limits>
 
 #include "coppice/measure/capsule_tree.h"
@@ -49,6 +50,30 @@ void expect_perfect(const SkeletonMatch& m) {
     EXPECT_EQ(m.junctions.percent(), 100);
     EXPECT_EQ(m.junctions.spurious(), 0u);
     EXPECT_EQ(m.tips_reached, 100);
+}
+
+/// Spokes of one metre from one node, evenly over the sphere.
+Skeleton star(std::uint32_t spokes) {
+    std::vector<NodeId> parents{kRoot};
+    std::vector<Vec3> positions{{}};
+    for (std::uint32_t i = 0; i < spokes; ++i) {
+        const double z = 1 - (2 * i + 1.0) / spokes, turn = 2.399963 * i, around = std::sqrt(1 - z * z);
+        parents.emplace_back(0);
+        positions.push_back(Vec3(Vec3d{around * std::cos(turn), around * std::sin(turn), z}));
+    }
+    return Skeleton(parents, positions, std::vector<float>(positions.size(), 0.01f));
+}
+
+// The boxes of the spokes lie over each other, so that each of the 200,000 samples would look at an eighth
+// of them: a minute of computing.
+TEST(SkeletonMatch, OfAStarTakesTimeInProportionToItsSize) {
+    const Skeleton s = star(100'000);
+    const std::clock_t start = std::clock();
+    const SkeletonMatch m = compare(s, s, {.step = 100});
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 20);
+    EXPECT_NEAR(m.covered_percent, 100, 1e-9);
+    EXPECT_NEAR(m.true_percent, 100, 1e-9);
+    EXPECT_NEAR(m.off_axis, 0, 1e-6);
 }
 
 TEST(SkeletonMatch, OfASkeletonWithItselfIsPerfect) {

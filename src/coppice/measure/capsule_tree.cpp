@@ -1,6 +1,7 @@
 #include "coppice/measure/capsule_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "coppice/base/parallel.h"
@@ -27,13 +28,64 @@ std::vector<Capsule> capsules_of(const Skeleton& skeleton, Vec3d origin) {
     return capsules;
 }
 
-std::vector<Box3> axis_boxes(std::span<const Capsule> capsules) {
-    std::vector<Box3> boxes(capsules.size());
+/// Where the pieces of an axis end: ever shorter towards both its ends, where the crowds are.
+std::vector<double> piece_ends(std::uint32_t halvings) {
+    constexpr int kOfHalving = 4;
+    std::vector<double> to_middle;  // from 0, without it
+    for (std::uint32_t h = halvings; h > 0; --h) {
+        const double least = std::ldexp(0.5, -static_cast<int>(h));
+        for (int k = 0; k < kOfHalving; ++k) to_middle.push_back(least * (1 + 1.0 * k / kOfHalving));
+    }
+    std::vector<double> ends = to_middle;
+    ends.push_back(0.5);
+    for (std::size_t k = to_middle.size(); k-- > 0;) ends.push_back(1 - to_middle[k]);
+    ends.push_back(1);
+    return ends;
+}
+
+std::vector<Box3> axis_boxes(std::span<const Capsule> capsules, std::span<const double> ends) {
+    std::vector<Box3> boxes(capsules.size() * ends.size());
     for (std::size_t i = 0; i < capsules.size(); ++i) {
-        extend_outward(boxes[i], capsules[i].a);
-        extend_outward(boxes[i], capsules[i].b());
+        const Capsule& c = capsules[i];
+        Vec3d from = c.a;
+        for (std::size_t k = 0; k < ends.size(); ++k) {
+            const Vec3d to = k + 1 == ends.size() ? c.b() : c.point(ends[k]);
+            Box3& box = boxes[i * ends.size() + k];
+            extend_outward(box, from);
+            extend_outward(box, to);
+            from = to;
+        }
     }
     return boxes;
+}
+
+/// Whether the boxes of many axes lie over each other, as in stars and knots, so that a query would have to
+/// look at a good part of them all.
+bool is_crowded(const BoxTree& boxes, std::span<const Capsule> capsules) {
+    constexpr std::size_t kLookedAt = 256;
+    constexpr std::size_t kMany = 32, kEnough = 4 * kMany;
+    const std::size_t count = std::min(capsules.size(), kLookedAt);
+    std::size_t seen = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        Box3 middle;
+        extend_outward(middle, capsules[k * capsules.size() / count].point(0.5));
+        std::size_t here = 0;
+        boxes.visit_overlapping(middle, [&](std::uint32_t) { return ++here < kEnough; });
+        seen += here;
+    }
+    return seen > kMany * count;
+}
+
+/// The pieces that axes are cut into where they are crowded: as many as are of use, or as memory bears.
+std::vector<double> crowd_pieces(std::size_t capsules) {
+    constexpr std::size_t kMost = std::size_t{1} << 23;
+    constexpr std::uint32_t kHalvings = 8;
+    std::vector<double> ends;
+    for (std::uint32_t h = kHalvings; h > 0; --h) {
+        ends = piece_ends(h);
+        if (capsules * ends.size() <= kMost) return ends;
+    }
+    return {1};
 }
 
 }  // namespace
@@ -49,14 +101,19 @@ double Capsule::distance_squared(Vec3d p) const {
 }
 
 CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
-    : capsules_(capsules_of(skeleton, origin)), boxes_(axis_boxes(capsules_), ctx) {
+    : capsules_(capsules_of(skeleton, origin)), boxes_(axis_boxes(capsules_, std::array{1.0}), ctx) {
+    if (is_crowded(boxes_, capsules_)) {
+        const std::vector<double> ends = crowd_pieces(capsules_.size());
+        pieces_ = static_cast<std::uint32_t>(ends.size());
+        boxes_ = BoxTree(axis_boxes(capsules_, ends), ctx);
+    }
     auto& levels = inverse_radius_squared_;
     levels.resize(boxes_.level_count());
     for (std::uint32_t l = 0; l < levels.size(); ++l) {
         levels[l].assign(boxes_.level(l).size(), std::numeric_limits<double>::infinity());
     }
     for (std::uint32_t place = 0; place < boxes_.size(); ++place) {
-        const Capsule& c = capsules_[boxes_.item(place)];
+        const Capsule& c = capsules_[capsule_of(boxes_.item(place))];
         const double r = std::max(c.radius_a, c.radius_b());
         levels[0][place] = 1 / (r * r);
     }
@@ -78,7 +135,8 @@ CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
         best = i;
     };
     if (hint != kNone) visit(hint);
-    boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, least, visit);
+    boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, least,
+                  [&](std::uint32_t piece) { visit(capsule_of(piece)); });
     return {best, std::sqrt(least)};
 }
 
@@ -86,7 +144,8 @@ bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
     double limit = rho * rho;
     bool found = false;
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
-                  [&](std::uint32_t i) {
+                  [&](std::uint32_t piece) {
+                      const std::uint32_t i = capsule_of(piece);
                       if (i == except || capsules_[i].rho_squared(p) >= rho * rho) return;
                       found = true;
                       limit = -1;

@@ -62,13 +62,14 @@ class CapsuleTree {
     double axis_distance(Vec3d p) const;
 
     /// Calls visit(capsule, distance squared) for the capsules whose axis lies within the root of
-    /// `limit_squared` of p, mostly from near to far; visit may lower the limit.
+    /// `limit_squared` of p, mostly from near to far, some of them more than once; visit may lower the limit.
     template <class Visit>
     void visit_near(Vec3d p, const double& limit_squared, const Visit& visit) const {
         const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
             return distance_squared(boxes_.level(l)[i], p);
         };
-        boxes_.search(to_box, limit_squared, [&](std::uint32_t i) {
+        boxes_.search(to_box, limit_squared, [&](std::uint32_t piece) {
+            const std::uint32_t i = capsule_of(piece);
             const double d2 = capsules_[i].distance_squared(p);
             if (d2 <= limit_squared) visit(i, d2);
         });
@@ -78,8 +79,11 @@ class CapsuleTree {
     double bound(std::uint32_t level, std::uint32_t i, Vec3d p) const {
         return distance_squared(boxes_.level(level)[i], p) * inverse_radius_squared_[level][i];
     }
+    std::uint32_t capsule_of(std::uint32_t piece) const { return piece / pieces_; }
+
     std::vector<Capsule> capsules_;
-    BoxTree boxes_;
+    std::uint32_t pieces_ = 1;  ///< that every axis is cut into, each with a box of its own
+    BoxTree boxes_;             ///< of the pieces, those of one axis after each other
     std::vector<std::vector<double>>
         inverse_radius_squared_;  ///< by level and box: of the greatest radius in it
 };

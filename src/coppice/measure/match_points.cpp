@@ -82,8 +82,11 @@ std::vector<std::uint32_t> match_points(std::span<const Vec3d> a, std::span<cons
                                         std::span<const Vec3d> b, const Context& ctx) {
     FreePoints left(b, ctx);
     std::vector<FreePoints::Nearest> first(a.size());
-    parallel_for(ctx, a.size(), kGrain, [&](std::size_t i) { first[i] = left.nearest(a[i], reach[i]); });
+    parallel_for(ctx, a.size(), kGrain, [&](std::size_t i) {
+        if (!ctx.stop.stop_requested()) first[i] = left.nearest(a[i], reach[i]);
+    });
 
+    ctx.throw_if_cancelled();
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> offers;
     const auto offer = [&](std::uint32_t i, const FreePoints::Nearest& nearest) {
         if (nearest.point != kNoMatch) offers.push({nearest.distance_squared, i, nearest.point});
@@ -92,6 +95,7 @@ std::vector<std::uint32_t> match_points(std::span<const Vec3d> a, std::span<cons
     std::vector<std::uint32_t> match(a.size(), kNoMatch);
     std::vector<int> tries(a.size());
     while (!offers.empty()) {
+        ctx.throw_if_cancelled();
         const Offer best = offers.top();
         offers.pop();
         if (left.is_free(best.b)) {

@@ -16,7 +16,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kGrain = 64;
-constexpr std::size_t kBlock = 1 << 14;   // [segments] between two looks at the stop token
+constexpr std::size_t kBlock = 1 << 13;   // [segments or samples] between two looks at the stop token
 constexpr double kMostSamples = 1 << 22;  // per skeleton, besides one for each segment
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -24,14 +24,12 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 /// The parts of the work, for progress.
 constexpr float kReferenceShare = 0.45f, kFoundShare = 0.9f;
 
-/// Runs body(i) for all i; looks at the stop token and reports between blocks.
+/// Runs body(i) for all i; looks at the stop token between blocks.
 template <class Body>
-void for_blocks(const Context& ctx, std::size_t count, float from, float to, const Body& body) {
+void for_blocks(const Context& ctx, std::size_t count, const Body& body) {
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
         ctx.throw_if_cancelled();
-        const std::size_t size = std::min(kBlock, count - begin);
-        parallel_for(ctx, size, kGrain, [&](std::size_t i) { body(begin + i); });
-        ctx.report(from + (to - from) * static_cast<float>(begin + size) / static_cast<float>(count));
+        parallel_for(ctx, std::min(kBlock, count - begin), kGrain, [&](std::size_t i) { body(begin + i); });
     }
 }
 
@@ -53,11 +51,29 @@ class Samples {
     std::uint32_t size() const { return first_.back(); }
     std::uint32_t first(std::size_t segment) const { return first_[segment]; }
 
-    /// Calls visit(sample, parameter on the segment).
+    /// Calls visit(sample, parameter on the segment); ends early when a stop was asked for.
     template <class Visit>
-    void for_each(std::size_t segment, const Visit& visit) const {
+    void for_each(std::size_t segment, const Context& ctx, const Visit& visit) const {
         const std::uint32_t count = first_[segment + 1] - first_[segment];
-        for (std::uint32_t k = 0; k < count; ++k) visit(first_[segment] + k, (k + 0.5) / count);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            if (k % kGrain == 0 && ctx.stop.stop_requested()) return;
+            visit(first_[segment] + k, (k + 0.5) / count);
+        }
+    }
+
+    /// Runs body(segment) for all segments; looks at the stop token and reports between blocks.
+    template <class Body>
+    void for_segments(const Context& ctx, float from, float to, const Body& body) const {
+        const std::size_t count = first_.size() - 1;
+        for (std::size_t begin = 0; begin < count;) {
+            std::size_t end = begin + 1;
+            while (end < count && end - begin < kBlock && first_[end + 1] - first_[begin] < kBlock) ++end;
+            parallel_for(ctx, end - begin, std::max<std::size_t>(1, (end - begin) / kGrain),
+                         [&](std::size_t i) { body(begin + i); });
+            ctx.throw_if_cancelled();
+            ctx.report(from + (to - from) * static_cast<float>(end) / static_cast<float>(count));
+            begin = end;
+        }
     }
     double share(std::size_t segment) const {  ///< of the segment's length, for each of its samples
         return 1.0 / (first_[segment + 1] - first_[segment]);
@@ -101,10 +117,10 @@ void judge_reference(const CapsuleTree& reference, const CapsuleTree& found, con
                      const Context& ctx, SkeletonMatch& out) {
     const Samples samples(reference, options.step);
     std::vector<double> error(samples.size(), kUnknown), covered(reference.size());
-    for_blocks(ctx, reference.size(), 0, kReferenceShare, [&](std::size_t i) {
+    samples.for_segments(ctx, 0, kReferenceShare, [&](std::size_t i) {
         const Capsule& c = reference.capsule(static_cast<std::uint32_t>(i));
         std::uint32_t hits = 0;
-        samples.for_each(i, [&](std::uint32_t sample, double t) {
+        samples.for_each(i, ctx, [&](std::uint32_t sample, double t) {
             const auto radius = radius_beside(found, c, t, options.within);
             if (!radius) return;
             ++hits;
@@ -129,10 +145,10 @@ void judge_found(const CapsuleTree& reference, const CapsuleTree& found, const C
         double inside = 0, rho = 0;  // [m] length inside, [m radius] integral of rho
     };
     std::vector<Part> parts(found.size());
-    for_blocks(ctx, found.size(), kReferenceShare, kFoundShare, [&](std::size_t i) {
+    samples.for_segments(ctx, kReferenceShare, kFoundShare, [&](std::size_t i) {
         const Capsule& c = found.capsule(static_cast<std::uint32_t>(i));
         std::uint32_t hint = CapsuleTree::kNone;
-        samples.for_each(i, [&](std::uint32_t, double t) {
+        samples.for_each(i, ctx, [&](std::uint32_t, double t) {
             const CapsuleTree::Nearest nearest = reference.nearest(c.point(t), hint);
             const double l = length(c.axis) * samples.share(i);
             hint = nearest.capsule;
@@ -162,7 +178,7 @@ template <class Distance>
 void measure_nodes(const Placed& nodes, const Context& ctx, const Distance& distance, Statistics& metres,
                    Statistics& radii) {
     std::vector<double> m(nodes.skeleton.size()), r(nodes.skeleton.size());
-    parallel_for(ctx, m.size(), kGrain, [&](std::size_t i) {
+    for_blocks(ctx, m.size(), [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
         std::tie(m[i], r[i]) = distance(nodes.position(n), n);
     });
@@ -227,7 +243,7 @@ void judge_landmarks(const Placed& reference, const Placed& found, const Capsule
                                 b.junctions.position.size(), ctx);
     const std::vector<double> reach = a.ends.reach(options.tip_reach);
     std::vector<char> reached(a.tips);
-    parallel_for(ctx, a.tips, kGrain, [&](std::size_t i) {
+    for_blocks(ctx, a.tips, [&](std::size_t i) {
         reached[i] = axes.axis_distance(a.ends.position[i]) <= reach[i] ? 1 : 0;
     });
     const auto count = static_cast<double>(std::count(reached.begin(), reached.end(), 1));
