@@ -77,6 +77,17 @@ TEST_F(FileTest, AppearsOnCommitOnly) {
     EXPECT_EQ(entries(), 1u);
 }
 
+// As when the process is killed: nobody is left to clean up.
+TEST_F(FileTest, WhatIsUnfinishedHasNoName) {
+    AtomicFile file(folder_ / "a");
+    file.write(std::string(1 << 20, 'x'));
+#ifdef __linux__
+    EXPECT_EQ(entries(), 0u);
+#endif
+    file.commit();
+    EXPECT_EQ(entries(), 1u);
+}
+
 TEST_F(FileTest, AnExceptionLeavesTheOldFile) {
     put(folder_ / "a", "old");
     try {

@@ -17,6 +17,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kGather = std::size_t{1} << 18;  // smaller pieces wait until this many bytes are there
+constexpr const char* kOwnDescriptors = "/proc/self/fd";
 constexpr std::size_t kTransfer = std::size_t{1} << 26;  // bytes per system call
 
 [[noreturn]] void fail(std::string_view action, const std::filesystem::path& path, std::string_view reason) {
@@ -40,7 +41,7 @@ std::string reason_of(int error) {
         case EDQUOT:
             return "no space is left on the disk";
         case EFBIG:
-            return "the file system does not hold files of that size";
+            return "it would be larger than files may be here (see ulimit -f)";
         case ENAMETOOLONG:
             return "its name is too long";
         default:
@@ -125,8 +126,8 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
         if (descriptor_ < 0) fail("write", target_, reason_of(errno));
         return;
     }
-    const auto folder = target_.parent_path();
-    open_unfinished(folder.empty() ? "." : folder);
+    folder_ = target_.has_parent_path() ? target_.parent_path() : ".";
+    open_unfinished();
     if (exists) static_cast<void>(::fchmod(descriptor_, status.st_mode & 07777));
 }
 
@@ -135,20 +136,44 @@ AtomicFile::~AtomicFile() {
     if (!unfinished_.empty()) ::unlink(unfinished_.c_str());
 }
 
-/// O_EXCL makes the name ours, also among several files and processes at work in one folder; mkstemp would
-/// ignore the umask.
-void AtomicFile::open_unfinished(const std::filesystem::path& folder) {
+/// Calls make(name) with one hidden name after the other until it returns true or fails for another reason
+/// than that the name is taken; mkstemp would ignore the umask. Several files and processes may be at work in
+/// one folder.
+template <class Make>
+bool AtomicFile::make_hidden(const Make& make) {
     for (unsigned attempt = 0;; ++attempt) {
-        auto name = folder / fmt::format(".coppice-{}-{}.part", ::getpid(), attempt);
-        descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor_ >= 0) {
+        auto name = folder_ / fmt::format(".coppice-{}-{}.part", ::getpid(), attempt);
+        if (make(name.c_str())) {
             unfinished_ = std::move(name);
-            return;
+            return true;
         }
-        if (errno == ENOENT) fail("write", target_, "its folder does not exist; create it first");
-        if (errno == EACCES) fail("write", target_, "its folder is not writable");
-        if (errno != EEXIST && errno != EINTR) fail("write", target_, reason_of(errno));
+        if (errno != EEXIST && errno != EINTR) return false;
     }
+}
+
+void AtomicFile::open_unfinished() {
+#ifdef O_TMPFILE
+    if (::access(kOwnDescriptors, X_OK) == 0)
+        descriptor_ = ::open(folder_.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) return;
+#endif
+    const bool made = make_hidden([&](const char* name) {
+        descriptor_ = ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        return descriptor_ >= 0;
+    });
+    if (made) return;
+    if (errno == ENOENT) fail("write", target_, "its folder does not exist; create it first");
+    if (errno == EACCES) fail("write", target_, "its folder is not writable");
+    fail("write", target_, reason_of(errno));
+}
+
+/// Names are only ever replaced by renaming, so the file gets a hidden one first.
+void AtomicFile::give_name() {
+    const std::string own = fmt::format("{}/{}", kOwnDescriptors, descriptor_);
+    const bool made = make_hidden([&](const char* name) {
+        return ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+    });
+    if (!made) fail("write", target_, reason_of(errno));
 }
 
 void AtomicFile::write(std::string_view text) {
@@ -183,8 +208,9 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
     flush();
+    if (!folder_.empty() && unfinished_.empty()) give_name();
     if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", target_, reason_of(errno));
-    if (unfinished_.empty()) return;
+    if (folder_.empty()) return;
     if (::rename(unfinished_.c_str(), target_.c_str()) != 0) fail("write", target_, reason_of(errno));
     unfinished_.clear();
 }

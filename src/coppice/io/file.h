@@ -26,8 +26,10 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t limit = k
 
 /// A file that appears whole or not at all.
 ///
-/// Bytes go to a hidden file beside the target; `commit` renames it over the target, and whatever ends
-/// earlier (an exception, a cancelled run) removes it, so the target is never half-written. A target that
+/// Bytes go to a file without a name in the target's folder; `commit` gives it the target's, and whatever
+/// ends earlier (an exception, a cancelled run, even a killed process) leaves nothing, so the target is never
+/// half-written. File systems that know no files without a name get a hidden one, which only a killed process
+/// leaves behind. A target that
 /// exists keeps its permissions; a link is followed; a device or pipe such as /dev/stdout is written
 /// straight. Every trouble is an `IoError` that names the target: a folder that is missing, not writable or
 /// in the target's place, a write-protected target, a full disk.
@@ -47,12 +49,16 @@ class AtomicFile {
     void commit();
 
   private:
-    void open_unfinished(const std::filesystem::path& folder);
+    void open_unfinished();
+    void give_name();
+    template <class Make>
+    bool make_hidden(const Make& make);
     void write_through(std::string_view bytes);
     void flush();
 
     std::filesystem::path target_;
-    std::filesystem::path unfinished_;  ///< empty when the target is written straight, and after `commit`
+    std::filesystem::path folder_;      ///< of the target; empty when that is written straight
+    std::filesystem::path unfinished_;  ///< the hidden name; empty without one, and after `commit`
     std::string gathered_;
     int descriptor_ = -1;
 };
