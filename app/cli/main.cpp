@@ -4,6 +4,7 @@
 #include <new>
 
 #include "command.h"
+#include "memory.h"
 #include "messages.h"
 #include "parser.h"
 #include "signals.h"
@@ -45,7 +46,7 @@ ExitCode run_program(std::span<const char* const> arguments) {
     } catch (const Error& error) {
         return fail(kBadInput, error.what());
     } catch (const std::bad_alloc&) {
-        return fail(kBadInput, "there is not enough memory for this input with these options");
+        return fail(kBadInput, out_of_memory_text());
     } catch (const std::exception& error) {
         return fail(kBadInput,
                     fmt::format("this should not happen, please report it: {}", error.what()).c_str());

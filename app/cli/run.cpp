@@ -12,6 +12,7 @@
 #include "coppice/io/file.h"
 #include "coppice/version.h"
 #include "files.h"
+#include "memory.h"
 #include "messages.h"
 
 namespace coppice::cli {
@@ -19,6 +20,11 @@ namespace {
 
 constexpr int kBarWidth = 30;
 constexpr Field kThreads{"threads", "threads to use; 0 takes all of the machine", Unit::none, 0, 1024};
+constexpr Field kMaxMemory{"max_memory",
+                           "MiB of memory that may be used; 0 takes all of the machine, for scenes 4096",
+                           Unit::none, 0, 1e6};
+
+unsigned threads_of_machine() { return std::max(1u, std::thread::hardware_concurrency()); }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -37,6 +43,7 @@ double rounded(double seconds) { return std::round(seconds * 1e6) / 1e6; }
 void add_common_options(OptionList& options, CommonFlags& flags) {
     const std::string group = "Running";
     options.value({kThreads, &flags.threads}, group);
+    options.value({kMaxMemory, &flags.max_memory}, group);
     options.file("--report", "FILE", flags.report,
                  "write times, counts, repairs and peak memory to this file as JSON", group);
     options.flag("--quiet", flags.quiet, "no progress and no summary", group);
@@ -48,12 +55,22 @@ Run::Run(std::string command, CommonFlags flags, Signals& signals)
       signals_(signals),
       terminal_(!flags_.quiet && isatty(STDERR_FILENO) != 0) {
     if (!flags_.report.empty()) check_output_folder(flags_.report);
+    if (flags_.max_memory != 0 && flags_.max_memory < kLeastMemory) {
+        throw UsageError(fmt::format("--max-memory takes 0 or a whole number from {}, not '{}'", kLeastMemory,
+                                     flags_.max_memory));
+    }
+    max_memory(memory_of_machine());
+}
+
+int Run::max_memory(int otherwise) {
+    const int most = flags_.max_memory != 0 ? flags_.max_memory : otherwise;
+    limit_memory(most, threads_of_machine());
+    return most;
 }
 
 Context Run::context(const std::string& stage) {
     Context ctx;
-    const unsigned available = std::max(1u, std::thread::hardware_concurrency());
-    ctx.threads = std::min(static_cast<unsigned>(flags_.threads), available);
+    ctx.threads = std::min(static_cast<unsigned>(flags_.threads), threads_of_machine());
     ctx.stop = signals_.token();
     ctx.throw_if_cancelled();
     if (terminal_) {
@@ -64,8 +81,13 @@ Context Run::context(const std::string& stage) {
     return ctx;
 }
 
+// Put down before the work, so that nothing is allocated when it ends, which may be for want of memory.
+Run::Clock::Clock(Run& run, const std::string& name) : run_(run), stage_(run.stages_.size()) {
+    run.stages_.emplace_back(name, 0);
+}
+
 Run::Clock::~Clock() {
-    run_.stages_.emplace_back(name_, seconds_since(start_));
+    run_.stages_[stage_].second = seconds_since(start_);
     run_.clear_progress();
 }
 

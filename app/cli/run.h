@@ -16,6 +16,7 @@ namespace coppice::cli {
 /// What every command takes.
 struct CommonFlags {
     int threads = 0;
+    int max_memory = 0;  ///< [MiB] 0 = what the machine has, for scenes their default
     std::filesystem::path report;
     bool quiet = false;
 };
@@ -40,6 +41,9 @@ class Run {
     /// What was to stop does not stop what comes after it.
     void forget_interrupt() { signals_.forget(); }
 
+    /// [MiB] that the process may take: what --max-memory says, or `otherwise`, to which it is held then.
+    int max_memory(int otherwise);
+
     Figures& counts() { return counts_; }
     Figures& repairs() { return repairs_; }
 
@@ -53,14 +57,14 @@ class Run {
   private:
     class Clock {
       public:
-        Clock(Run& run, std::string name) : run_(run), name_(std::move(name)) {}
+        Clock(Run& run, const std::string& name);
         ~Clock();
         Clock(const Clock&) = delete;
         Clock& operator=(const Clock&) = delete;
 
       private:
         Run& run_;
-        std::string name_;
+        std::size_t stage_;
         std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     };
 

@@ -16,7 +16,6 @@ namespace {
 struct RunFlags {
     std::vector<std::filesystem::path> scenes, outputs;
     bool reference = false;
-    int max_memory = SceneSettings{}.max_memory;
 };
 
 ExitCode run_scenes(Run& run, const RunFlags& flags) {
@@ -31,7 +30,7 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
         check_output_folder(output);
         if (commands) check_scene_output(*commands, output);
     }
-    Scene scene({.max_memory = flags.max_memory});
+    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory)});
     for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
     run.stage("write", [&](const Context& ctx) {
         std::vector<ObjectPtr> objects;
@@ -47,7 +46,6 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
 struct GrowFlags {
     std::filesystem::path scene;
     std::vector<std::filesystem::path> outputs;
-    int max_memory = SceneSettings{}.max_memory;
 };
 
 [[noreturn]] void refuse_without_tree(const std::filesystem::path& scene) {
@@ -67,7 +65,7 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     const auto commands = commands_of_files({&flags.scene, 1});
     const auto grows = [](const SceneCommand* c) { return c->name == "grow"; };
     if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
-    Scene scene({.max_memory = flags.max_memory, .outputs = false});
+    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory), .outputs = false});
     run_scene_file(run, scene, flags.scene);
     const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
     if (grown == scene.state().objects.end()) refuse_without_tree(flags.scene);
@@ -90,7 +88,6 @@ Command run_command() {
     options.files("-o,--output", "FILE", flags->outputs,
                   "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
     options.flag("--reference", flags->reference, "print the reference page of all commands");
-    options.value({kMaxMemory, &flags->max_memory}, "Running");
     return {"run", "Run scenes: crowns, points, growth and meshes by commands, one a line", options,
             [flags](Run& run, const GivenOptions&) { return run_scenes(run, *flags); }};
 }
@@ -101,7 +98,6 @@ Command grow_command() {
     options.file("scene", "SCENE", flags->scene, "scene to run (.coppice)");
     options.files("-o,--output", "SKELETON", flags->outputs,
                   "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
-    options.value({kMaxMemory, &flags->max_memory}, "Running");
     return {"grow", "Run a scene and write the tree that it grows last; it draws and saves nothing", options,
             [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
 }

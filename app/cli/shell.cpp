@@ -6,6 +6,7 @@
 #include "coppice/scene/reference.h"
 #include "coppice/scene/scene.h"
 #include "line_editor.h"
+#include "memory.h"
 #include "messages.h"
 #include "options.h"
 #include "scene_files.h"
@@ -15,7 +16,6 @@ namespace {
 
 struct ShellFlags {
     std::vector<std::filesystem::path> scenes;
-    int max_memory = SceneSettings{}.max_memory;
 };
 
 /// The exit code of an error, which the last failing line decides when lines come from a file or a pipe.
@@ -24,6 +24,7 @@ ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
         const auto lines = scene_lines(line, "the line");
         if (lines.empty()) return kDone;
         run.forget_interrupt();
+        renew_memory_limit();
         fmt::print("{}", run.stage("command", [&](const Context& ctx) { return scene.run(line, {}, ctx); }));
         std::fflush(stdout);
         return kDone;
@@ -40,7 +41,7 @@ ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
 }
 
 ExitCode shell(Run& run, const ShellFlags& flags) {
-    Scene scene({.max_memory = flags.max_memory});
+    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory)});
     for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
     scene.set_folder({});
     LineEditor editor("coppice> ", [&](std::string_view line) { return completions(line, scene.state()); });
@@ -66,7 +67,6 @@ Command shell_command() {
     const auto flags = std::make_shared<ShellFlags>();
     OptionList options;
     options.files("scenes", "SCENE", flags->scenes, "scenes to run first (.coppice)");
-    options.value({kMaxMemory, &flags->max_memory}, "Running");
     return {"shell", "Take commands of scenes one by one, with history and completion", options,
             [flags](Run& run, const GivenOptions&) { return shell(run, *flags); }};
 }

@@ -17,8 +17,12 @@ constexpr std::size_t kHugePage = std::size_t{2} << 20;
 void* allocate_large(std::size_t bytes) {
     if (bytes > static_cast<std::size_t>(-1) - kHugePage) throw std::bad_alloc();
     const std::size_t rounded = (bytes + kHugePage - 1) / kHugePage * kHugePage;
-    void* p = std::aligned_alloc(kHugePage, rounded);
-    if (p == nullptr) throw std::bad_alloc();
+    void* p = nullptr;
+    while ((p = std::aligned_alloc(kHugePage, rounded)) == nullptr) {
+        const std::new_handler handler = std::get_new_handler();  // as operator new does
+        if (handler == nullptr) throw std::bad_alloc();
+        handler();
+    }
 #ifdef __linux__
     madvise(p, rounded, MADV_HUGEPAGE);  // only advice: where it fails, small pages do
 #endif

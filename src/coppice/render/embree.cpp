@@ -10,6 +10,7 @@ namespace coppice {
 EmbreeDevice new_embree_device(const Context& ctx) {
     const auto config = fmt::format("threads={}", ctx.threads);
     EmbreeDevice device(rtcNewDevice(config.c_str()));
+    if (!device && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
     if (!device) throw Unsupported("the ray tracer does not run on this processor (Embree needs SSE2)");
     return device;
 }

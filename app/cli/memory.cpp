@@ -1,0 +1,80 @@
+#include "memory.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <string>
+#include <string_view>
+
+namespace coppice::cli {
+namespace {
+
+constexpr std::uint64_t kMebi = std::uint64_t{1} << 20;
+constexpr std::uint64_t kStack = 4 * kMebi;     // of a thread of oneTBB
+constexpr std::uint64_t kProgram = 16 * kMebi;  // of code and tables that are read from disk when first used
+constexpr std::uint64_t kReserve = 8 * kMebi;   // for ending in order
+
+std::atomic<std::uint64_t> most_data = 0;  // [bytes] 0 = there is no limit
+std::array<char, 128> text{"there is not enough memory for this input with these options"};
+
+/// A figure of /proc/self/status in bytes; 0 where there is none.
+std::uint64_t own_status(std::string_view key) {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        if (line.starts_with(key)) return 1024 * std::strtoull(line.c_str() + key.size(), nullptr, 10);
+    }
+    return 0;
+}
+
+void allow_data(std::uint64_t bytes) {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_DATA, &limit) != 0) return;
+    limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
+    setrlimit(RLIMIT_DATA, &limit);
+}
+
+/// Called by operator new when there is no memory: from now on the reserve may be used, so that whatever
+/// happens while the error travels up finds some.
+void on_exhaustion() {
+    allow_data(most_data);
+    throw std::bad_alloc();
+}
+
+}  // namespace
+
+int memory_of_machine() {
+    const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
+    const auto bytes = pages * static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
+    const std::uint64_t most = std::numeric_limits<int>::max();
+    return static_cast<int>(std::clamp<std::uint64_t>(bytes / kMebi, kLeastMemory, most));
+}
+
+void limit_memory(int mebibytes, unsigned threads) {
+    const std::uint64_t resident = own_status("VmRSS:"), data = own_status("VmData:");
+    if (resident == 0 || data == 0) return;
+    const std::uint64_t wanted = static_cast<std::uint64_t>(std::max(mebibytes, kLeastMemory)) * kMebi;
+    const std::uint64_t taken = std::min(wanted - 2 * kReserve, resident + kProgram);
+    most_data = data + threads * kStack + (wanted - taken);
+    const auto end =
+        fmt::format_to_n(text.begin(), text.size() - 1,
+                         "this needs more than the {} MiB of memory that --max-memory allows", mebibytes);
+    *end.out = '\0';
+    std::set_new_handler(on_exhaustion);
+    renew_memory_limit();
+}
+
+void renew_memory_limit() {
+    if (most_data != 0) allow_data(most_data - kReserve);
+}
+
+const char* out_of_memory_text() { return text.data(); }
+
+}  // namespace coppice::cli
