@@ -9,6 +9,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/io/file.h"
+#include "coppice/io/file_progress.h"
 #include "coppice/io/mesh/read_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -112,9 +113,10 @@ void MeshBuilder::weld(const Context& ctx) {
             order[v] = {key_of(vertices_[v]), static_cast<std::uint32_t>(v)};
     });
     radix_sort(ctx, order, 32, [](const KeyedVertex& v) { return v.key; });
-    ctx.throw_if_cancelled();
     std::vector<std::uint32_t> to(count);
+    FileProgress stop({.stop = ctx.stop}, 0);
     for (std::uint32_t begin = 0, end = 0; begin < count; begin = end) {
+        stop.at(begin);
         while (end < count && order[end].key == order[begin].key) ++end;
         std::sort(order.begin() + begin, order.begin() + end, [&](KeyedVertex a, KeyedVertex b) {
             const Vec3d &p = vertices_[a.vertex], &q = vertices_[b.vertex];
