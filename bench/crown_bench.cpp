@@ -25,19 +25,21 @@ namespace {
 constexpr int kFewestRuns = 3;
 
 /// What a run made, to compare runs by.
-struct Made {
+struct Outcome {
     std::uint64_t size = 0;
     std::uint64_t hash = 0;
 };
 
-Made made(const PointSet& points) {
+Outcome outcome_of(const PointSet& points) {
     return {points.size(), Hash().add(std::span<const Vec3>(points.positions)).value()};
 }
 
-Made made(const Skeleton& s) { return {s.size(), Hash().add(s.parents()).add(s.positions()).value()}; }
+Outcome outcome_of(const Skeleton& s) {
+    return {s.size(), Hash().add(s.parents()).add(s.positions()).value()};
+}
 
 /// A run times its work as "all", and its stages if it has any, and returns what it made.
-using Run = std::function<Made(Measures&)>;
+using Run = std::function<Outcome(Measures&)>;
 
 class Bench {
   public:
@@ -63,7 +65,7 @@ class Bench {
         reset_peak();
         const std::size_t before = resident_bytes();
         Measures measures(row.measures);
-        const Made expected = run(measures);
+        const Outcome expected = run(measures);
         const std::size_t peak = peak_resident_bytes();
         row.peak_bytes = peak > before ? peak - before : 0;
         row.size = expected.size;
@@ -107,7 +109,7 @@ void bench_boundary(Bench& bench) {
         stages.add("all", clock.seconds());
         stages.add("cache", built);
         stages.add("points", clock.seconds() - built);
-        return made(points);
+        return outcome_of(points);
     });
     plain.what = "the same, from the field itself";
     plain.goal.clear();
@@ -118,7 +120,7 @@ void bench_boundary(Bench& bench) {
             const SolidField field(solid);
             points = boundary_points(field, field.bounds_at(0.4f), bench.ctx());
         });
-        return made(points);
+        return outcome_of(points);
     });
 }
 
@@ -129,7 +131,7 @@ void bench_set(Bench& bench, const CrownResult& row, const Solid& solid, const G
             const SolidField field(solid);
             points = generate(FieldRef(field), field.surface_bounds(), options, bench.ctx()).points;
         });
-        return made(points);
+        return outcome_of(points);
     });
 }
 
@@ -192,19 +194,19 @@ void bench_field(Bench& bench) {
     };
     Buffer<float> values(points.size());
     CrownResult row{.what = "field values of that BlobTree", .goal = ">= 20 million/s", .unit = "values"};
-    bench.row(row, [&](Measures& stages) -> Made {
+    bench.row(row, [&](Measures& stages) -> Outcome {
         stages.time("all", [&] { over(points, values, [&](auto p, auto out) { field.values(p, out); }); });
         return {points.size(), Hash().add(std::span<const float>(values)).value()};
     });
     row.what = "field values at scattered points";
     row.goal.clear();
-    bench.row(row, [&](Measures& stages) -> Made {
+    bench.row(row, [&](Measures& stages) -> Outcome {
         stages.time("all", [&] { over(mixed, values, [&](auto p, auto out) { field.values(p, out); }); });
         return {points.size(), Hash().add(std::span<const float>(values)).value()};
     });
     Buffer<FieldSample> samples(points.size());
     row.what = "field values and gradients";
-    bench.row(row, [&](Measures& stages) -> Made {
+    bench.row(row, [&](Measures& stages) -> Outcome {
         stages.time("all",
                     [&] { over(points, samples, [&](auto p, auto out) { field.sample(0, p, out); }); });
         return {points.size(), Hash().add(std::span<const FieldSample>(samples)).value()};
@@ -217,11 +219,11 @@ void bench_growth(Bench& bench, std::size_t count, const CrownResult& row) {
     bench.row(row, [&](Measures& stages) {
         std::optional<GrowResult> grown;
         stages.time("all", [&] { grown = grow_in_ellipsoid(points, bench.ctx()); });
-        return made(grown->skeleton);
+        return outcome_of(grown->skeleton);
     });
 }
 
-Made mesh_crown(Measures& stages, const Context& ctx) {
+Outcome mesh_crown(Measures& stages, const Context& ctx) {
     PointSet points;
     std::optional<Skeleton> skeleton;
     QuadMesh mesh;

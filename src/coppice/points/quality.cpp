@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/random.h"
+#include "coppice/base/sort.h"
 #include "coppice/points/sampling/point_hash_internal.h"
 #include "coppice/spatial/kd_tree.h"
 
@@ -27,16 +29,24 @@ constexpr std::uint32_t kLook = 256;  // points whose pairs are counted between 
 constexpr float kDistances = 0.2f;
 constexpr float kDistribution = 0.6f;
 
-bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
+/// The points by x, then y, then z, each once.
+Buffer<Vec3> distinct(Buffer<Vec3> points, const Context& ctx) {
+    for (int axis = 2; axis >= 0; --axis) {
+        radix_sort(ctx, points, 32, [axis](Vec3 p) {
+            // Ordered as the numbers are; + 0.0f, since -0 and 0 are equal.
+            const auto bits = std::bit_cast<std::uint32_t>(p[axis] + 0.0f);
+            return bits >> 31 != 0 ? ~bits : bits | 1u << 31;
+        });
+    }
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    return points;
+}
 
 /// Points that lie on one another count as nearest at distance 0; the others are searched in a tree.
 void measure_distances(const PointSet& set, QualityReport& report, const Context& ctx) {
     if (set.size() < 2) return;
-    std::vector<Vec3> points(set.positions.begin(), set.positions.end());
-    std::sort(points.begin(), points.end(), before);
-    const auto end = std::unique(points.begin(), points.end());
-    const bool doubled = end != points.end();
-    points.erase(end, points.end());
+    const Buffer<Vec3> points = distinct(set.positions, ctx);
+    const bool doubled = points.size() < set.size();
     if (doubled && points.size() < 2) return;
     const KdTree tree(points, ctx);
     struct Sum {

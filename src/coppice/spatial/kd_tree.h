@@ -22,7 +22,7 @@ class KdTree {
 
     /// At least one point, at most 2^32 - 1, all finite. Throws Cancelled.
     explicit KdTree(std::span<const Vec3> points, const Context& ctx = {});
-    ~KdTree();
+    ~KdTree();                             ///< frees the tree, not the points
     KdTree(KdTree&&) noexcept;             ///< leaves a tree that may only be destroyed
     KdTree& operator=(KdTree&&) noexcept;  ///< as above
 
