@@ -27,18 +27,20 @@ TEST(Simplify, NodesThatNothingNeedsGoAndTheirSamplesGoTowardsTheTip) {
     EXPECT_EQ(samples.node, (std::vector<std::uint32_t>{0, 1, 1, 1, kNone}));
 }
 
-// Meshing merges forks nearer than half a radius; what was measured are two.
-TEST(Simplify, ForksNearEachOtherStayTwo) {
-    DraftTree t = stem({0, 1, 1.05, 2}, 0.2);  // a quarter of a radius apart
-    t.add(1, {0.6, 0, 1.3}, 0.05);
-    t.add(2, {-0.6, 0, 1.35}, 0.05);
-    FitSamples samples;
-    simplify(t, samples, 0.02);
-    ASSERT_EQ(t.size(), 6u);
-    const DraftLinks links(t);
-    std::uint32_t forks = 0;
-    for (std::uint32_t n = 0; n < t.size(); ++n) forks += links.children(n).size() > 1;
-    EXPECT_EQ(forks, 2u);
+TEST(Simplify, ForksNearerThanHalfARadiusAreOne) {
+    for (const double apart : {0.05, 0.15}) {  // a quarter of a radius, and three quarters
+        DraftTree t = stem({0, 1, 1 + apart, 2}, 0.2);
+        t.radius[2] = 0.21;
+        t.add(1, {0.6, 0, 1.3}, 0.05);
+        t.add(2, {-0.6, 0, 1.35}, 0.05);
+        FitSamples samples{{}, {}, {2}};
+        simplify(t, samples, 0.02);
+        const bool one = apart < 0.1;
+        ASSERT_EQ(t.size(), one ? 5u : 6u);
+        const std::uint32_t fork = samples.node[0];
+        EXPECT_EQ(t.position[fork], Vec3d(0, 0, 1 + apart));  // where the thicker one was
+        EXPECT_EQ(DraftLinks(t).children(fork).size(), one ? 3u : 2u);
+    }
 }
 
 TEST(Simplify, NothingIsRounded) {

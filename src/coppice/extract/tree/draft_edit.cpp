@@ -245,6 +245,38 @@ std::uint32_t unfold(DraftTree& tree, FitSamples& samples) {
     return count;
 }
 
+std::uint32_t merge_forks(DraftTree& tree, FitSamples& samples, double factor) {
+    const DraftLinks links(tree);
+    std::vector<std::uint32_t> fork(tree.size(), kNone);  // that a node is part of, or the next one rootward
+    std::vector<char> gone(tree.size(), 0);
+    std::uint32_t count = 0;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const std::uint32_t near = tree.parent[n] == kNone ? kNone : fork[tree.parent[n]];
+        fork[n] = near;
+        if (links.children(n).size() < 2) continue;
+        if (near == kNone || !(distance(tree.position[n], tree.position[near]) <
+                               factor * std::max(tree.radius[n], tree.radius[near]))) {
+            fork[n] = n;
+            continue;
+        }
+        if (tree.radius[n] > tree.radius[near]) {
+            tree.position[near] = tree.position[n];
+            tree.radius[near] = tree.radius[n];
+        }
+        for (std::uint32_t i = n; i != near && !gone[i]; i = tree.parent[i]) gone[i] = 1;
+        ++count;
+    }
+    if (count == 0) return 0;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const std::uint32_t parent = tree.parent[n];
+        if (!gone[n] && parent != kNone && gone[parent]) tree.parent[n] = fork[parent];
+    }
+    const auto new_of_old = sort_parents_first(tree, gone);
+    for (std::uint32_t& n : samples.node)
+        if (n != kNone) n = new_of_old[gone[n] ? fork[n] : n];
+    return count;
+}
+
 std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {
     constexpr double kBeside = 1.5, kRim = 0.7, kFlat = 0.25, kMoved = 0.1, kStraight = 1.2;  // [radius]
     struct End {

@@ -26,6 +26,11 @@ std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least);
 /// to the node below. Returns their number. O(nodes).
 std::uint32_t unfold(DraftTree& tree, FitSamples& samples);
 
+/// Makes one of a fork and the next fork rootward of it where they are nearer than `factor` times the larger
+/// radius: the thicker one stays in place and has the children of both, and the samples of what lies between.
+/// Returns the number of forks that went. O(nodes).
+std::uint32_t merge_forks(DraftTree& tree, FitSamples& samples, double factor);
+
 /// Moves every end along its axis to where its samples end, less its radius; where they end in a flat face,
 /// into that face, whose samples are then left out. Returns the number of ends moved by more than a tenth of
 /// their radius. O(samples + nodes).

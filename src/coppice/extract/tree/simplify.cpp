@@ -10,7 +10,8 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::uint32_t kNone = DraftTree::kNoParent;
-constexpr double kMinSpacing = 0.9;  // [radius] nodes nearer together have too few samples of their own
+constexpr double kForkSpacing = 0.5;  // [radius] nearer forks are one, which the measure told apart by chance
+constexpr double kMinSpacing = 0.9;   // [radius] nodes nearer together have too few samples of their own
 
 bool is_chain_node(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
     return tree.parent[n] != kNone && links.children(n).size() == 1;
@@ -72,6 +73,7 @@ void keep_leaders(const DraftTree& tree, const DraftLinks& links, std::vector<ch
 
 void simplify(DraftTree& tree, FitSamples& samples, double tolerance) {
     unfold(tree, samples);
+    merge_forks(tree, samples, kForkSpacing);
     const DraftLinks links(tree);
     std::vector<char> kept = choose_nodes(tree, links, tolerance);
     keep_leaders(tree, links, kept);
