@@ -71,7 +71,10 @@ Make by_grid(const Skeleton& skeleton, const Grid& grid, const Context& ctx) {
         made.faces = result.surface.triangles.size();
         made.sampled = grid.corners();
         made.stages = result.stages;
-        if (want_mesh) made.mesh = to_polygons(result.surface, skeleton.origin());
+        if (want_mesh) {
+            result.surface.origin = skeleton.origin();
+            made.mesh = to_polygons(result.surface);
+        }
         return made;
     };
 }

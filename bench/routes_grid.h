@@ -29,7 +29,7 @@ Grid cube_about(const Skeleton& skeleton, std::uint32_t corners);
 Grid box_about(const Skeleton& skeleton, float cell);
 
 struct GridResult {
-    TriangleSurface surface;
+    TriMesh surface;
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
 };
 

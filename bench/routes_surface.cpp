@@ -35,8 +35,8 @@ class FaceJudge {
         center = center * (1.0 / static_cast<double>(face.size()));
         FacePlace out;
         out.capsule = capsules_.nearest(center, hint).capsule;
-        const Capsule& c = capsules_.capsule(out.capsule);
-        out.radius = c.radius(std::clamp(c.parameter(center), 0.0, 1.0));
+        const RoundCone& c = capsules_.cone(out.capsule);
+        out.radius = c.foot(center).radius;
         out.least_angle = least_angle(face);
         return out;
     }
@@ -96,7 +96,7 @@ PartFigures part(std::span<const std::uint32_t> segments, const CapsuleTree& cap
     PartFigures out;
     double lengths = 0;
     for (const std::uint32_t s : segments) {
-        const Capsule& c = capsules.capsule(s);
+        const RoundCone& c = capsules.cone(s);
         chosen[s] = true;
         out.radius += c.radius(0.5) / static_cast<double>(segments.size());
         lengths += length(c.axis) / c.radius(0.5);
@@ -116,12 +116,6 @@ PartFigures part(std::span<const std::uint32_t> segments, const CapsuleTree& cap
 
 }  // namespace
 
-PolygonMesh to_polygons(const TriangleSurface& surface, Vec3d origin) {
-    return to_polygons(TriMesh{{surface.positions.begin(), surface.positions.end()},
-                               {surface.triangles.begin(), surface.triangles.end()},
-                               origin});
-}
-
 SurfaceFigures figures_of(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
     SurfaceFigures out;
     out.vertices = mesh.positions.size();
@@ -139,7 +133,7 @@ SurfaceFigures figures_of(const PolygonMesh& mesh, const Skeleton& skeleton, con
     std::vector<std::uint32_t> by_radius(capsules.size());
     std::iota(by_radius.begin(), by_radius.end(), 0u);
     std::stable_sort(by_radius.begin(), by_radius.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return capsules.capsule(a).radius(0.5) < capsules.capsule(b).radius(0.5);
+        return capsules.cone(a).radius(0.5) < capsules.cone(b).radius(0.5);
     });
     const std::size_t tenth = std::max<std::size_t>(1, by_radius.size() / kParts);
     out.thin = part(std::span(by_radius).first(tenth), capsules, sample, judge);

@@ -33,8 +33,6 @@ struct SurfaceFigures {
     bool shows_all() const { return report.coverage->missing == 0 && report.coverage->pinched == 0; }
 };
 
-PolygonMesh to_polygons(const TriangleSurface& surface, Vec3d origin);
-
 /// Judges a surface. Of more than a million faces, angles and edges are those of evenly spread ones.
 SurfaceFigures figures_of(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx);
 

@@ -59,9 +59,10 @@ Statistics fork_deviation(const QuadMesh& mesh, const Skeleton& skeleton, const 
     for (const Vec3 v : mesh.positions) {
         const CapsuleTree::Nearest nearest = capsules.nearest(Vec3d(v));
         if (nearest.capsule == CapsuleTree::kNone) continue;
-        const Capsule& c = capsules.capsule(nearest.capsule);
-        const Vec3d foot = c.point(std::clamp(c.parameter(Vec3d(v)), 0.0, 1.0));
-        if (near_branch(c.node, foot) || near_branch(skeleton.parent(c.node), foot))
+        const RoundCone& c = capsules.cone(nearest.capsule);
+        const Vec3d foot = c.point(c.foot(Vec3d(v)).t);
+        const NodeId child = capsules.node(nearest.capsule);
+        if (near_branch(child, foot) || near_branch(skeleton.parent(child), foot))
             deviation.push_back(nearest.rho - 1);
     }
     return statistics(std::move(deviation));

@@ -9,14 +9,14 @@ namespace {
 
 TEST(ClosestParameter, IsTheFootOfThePerpendicularWithinTheSegment) {
     const Vec3d a{1, 0, 0}, d{4, 0, 0};
-    EXPECT_EQ(closest_parameter({2, 7, 0}, a, d), 0.25);  // (2 - 1) / 4
-    EXPECT_EQ(closest_parameter({-3, 1, 0}, a, d), 0);    // before the start
-    EXPECT_EQ(closest_parameter({9, 1, 1}, a, d), 1);     // beyond the end
+    EXPECT_EQ(closest_parameter(Vec3d{2, 7, 0}, a, d), 0.25);  // (2 - 1) / 4
+    EXPECT_EQ(closest_parameter(Vec3d{-3, 1, 0}, a, d), 0);    // before the start
+    EXPECT_EQ(closest_parameter(Vec3d{9, 1, 1}, a, d), 1);     // beyond the end
 }
 
 TEST(ClosestParameter, OfASegmentWithoutLengthIsWhatIsAskedFor) {
-    EXPECT_EQ(closest_parameter({1, 2, 3}, {0, 0, 0}, {0, 0, 0}), 0);
-    EXPECT_EQ(closest_parameter({1, 2, 3}, {0, 0, 0}, {0, 0, 0}, 0.5), 0.5);
+    EXPECT_EQ(closest_parameter(Vec3d{1, 2, 3}, {0, 0, 0}, {0, 0, 0}), 0);
+    EXPECT_EQ(closest_parameter(Vec3d{1, 2, 3}, {0, 0, 0}, {0, 0, 0}, 0.5), 0.5);
 }
 
 TEST(SegmentDistance, WhereTheySkewPastEachOther) {

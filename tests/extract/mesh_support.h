@@ -75,17 +75,10 @@ struct CapsuleField {
     }
 };
 
-inline PolygonMesh to_mesh(const TriangleSurface& surface) {
-    PolygonMesh m;
-    m.positions.assign(surface.positions.begin(), surface.positions.end());
-    for (const auto& t : surface.triangles) m.add_face(t);
-    return m;
-}
-
 /// The surface of a skeleton in irregular triangles, closed.
 inline PolygonMesh surface_of(const Skeleton& skeleton, float cell) {
     const CapsuleField field{skeleton};
-    return to_mesh(polygonize(FieldRef(field), skeleton.bounds().inflated(2 * cell), {.cell = cell}));
+    return to_polygons(polygonize(FieldRef(field), skeleton.bounds().inflated(2 * cell), {.cell = cell}));
 }
 
 /// A trunk of 2 m that forks into two branches of 1.5 m, each 45 degrees off the trunk.

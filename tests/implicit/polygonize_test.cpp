@@ -14,7 +14,7 @@ namespace coppice {
 namespace {
 
 /// Every edge has one triangle on either side, and the triangles around every vertex form one ring.
-void expect_closed_manifold(const TriangleSurface& s) {
+void expect_closed_manifold(const TriMesh& s) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
         next;  // of edge (a, b): the third corner
     for (const auto& t : s.triangles) {
@@ -42,11 +42,11 @@ void expect_closed_manifold(const TriangleSurface& s) {
     }
 }
 
-int euler(const TriangleSurface& s) {
+int euler(const TriMesh& s) {
     return static_cast<int>(s.positions.size()) - static_cast<int>(s.triangles.size() / 2);
 }
 
-double volume(const TriangleSurface& s) {
+double volume(const TriMesh& s) {
     double sum = 0;
     for (const auto& t : s.triangles) {
         sum += dot(Vec3d(s.positions[t[0]]), cross(Vec3d(s.positions[t[1]]), Vec3d(s.positions[t[2]]))) / 6;
@@ -56,7 +56,7 @@ double volume(const TriangleSurface& s) {
 
 TEST(Polygonize, SphereHasItsVolumeAndLiesOnTheSurface) {
     const SolidField field(sphere({1, 2, 3}, {.radius = 2}));
-    const TriangleSurface s = polygonize(field, {.cell = 0.125f});
+    const TriMesh s = polygonize(field, {.cell = 0.125f});
     expect_closed_manifold(s);
     EXPECT_EQ(euler(s), 2);
     const double exact = 4.0 / 3 * std::numbers::pi * 8;
@@ -73,7 +73,7 @@ TEST(Polygonize, RefinementsBringVerticesNearer) {
                                                 sphere({}, {.radius = 1.3f, .influence = 1.6f})}));
     std::array<double, 3> worst{};
     for (const int n : {0, 1, 2}) {
-        const TriangleSurface s = polygonize(field, {.cell = 0.1f, .refinements = n * 3});
+        const TriMesh s = polygonize(field, {.cell = 0.1f, .refinements = n * 3});
         expect_closed_manifold(s);
         std::vector<float> v(s.positions.size());
         field.values(s.positions, v);
@@ -86,8 +86,7 @@ TEST(Polygonize, RefinementsBringVerticesNearer) {
 }
 
 TEST(Polygonize, TorusHasAHole) {
-    const TriangleSurface s =
-        polygonize(SolidField(circle({}, {1, 2, 3}, 2, {.radius = 0.5f})), {.cell = 0.1f});
+    const TriMesh s = polygonize(SolidField(circle({}, {1, 2, 3}, 2, {.radius = 0.5f})), {.cell = 0.1f});
     expect_closed_manifold(s);
     EXPECT_EQ(euler(s), 0);
     EXPECT_NEAR(volume(s), 2 * std::numbers::pi * 2 * std::numbers::pi * 0.25, 0.1);
@@ -100,7 +99,7 @@ TEST(Polygonize, RandomTreesAreClosedManifolds) {
         TreeMaker maker(500 + seed);
         const SolidField field(maker.tree(3).solid);
         if (field.surface_bounds().empty()) continue;
-        const TriangleSurface s = polygonize(field, {.cell = field.surface_bounds().diagonal() / 30});
+        const TriMesh s = polygonize(field, {.cell = field.surface_bounds().diagonal() / 30});
         expect_closed_manifold(s);
         drawn += !s.triangles.empty();
     }
@@ -115,8 +114,8 @@ TEST(Polygonize, SkippingBlocksChangesNothing) {
         const Box3 box = field.surface_bounds();
         if (box.empty()) continue;
         const float cell = box.diagonal() / 40;
-        const TriangleSurface skipping = polygonize(field, {.cell = cell});
-        const TriangleSurface all = polygonize(FieldRef(field), box, {.cell = cell});
+        const TriMesh skipping = polygonize(field, {.cell = cell});
+        const TriMesh all = polygonize(FieldRef(field), box, {.cell = cell});
         EXPECT_EQ(skipping.triangles.size(), all.triangles.size());
         EXPECT_NEAR(volume(skipping), volume(all), 0.02 * (1 + volume(all)));
     }
@@ -141,7 +140,7 @@ TEST(Polygonize, RegionsGiveWhatTheWholeBoxGives) {
     const Box3 box{{-0.8f, -0.9f, -1}, {1.1f, 0.7f, 1}};
     const PolygonizeOptions options{.cell = 0.03f};
     BallInRegions field;
-    const TriangleSurface all = polygonize(FieldRef(field), box, options);
+    const TriMesh all = polygonize(FieldRef(field), box, options);
     const float r = BallInRegions::kReach;
     // Two boxes that overlap: no block twice.
     const std::array near{Box3{{-r, -r, -r}, {0.1f, r, r}}, Box3{{-0.1f, -r, -r}, {r, r, r}}};
@@ -155,7 +154,7 @@ TEST(Polygonize, RegionsGiveWhatTheWholeBoxGives) {
     for (const Box3& b : regions.box) EXPECT_TRUE(b.inflated(1e-4f).overlaps({{-r, -r, -r}, {r, r, r}}));
     field.boxes = regions.box;
     for (const unsigned threads : {1u, 2u, 7u}) {
-        const TriangleSurface some = polygonize(FieldRef(field), box, regions, options, {.threads = threads});
+        const TriMesh some = polygonize(FieldRef(field), box, regions, options, {.threads = threads});
         EXPECT_EQ(some.triangles, all.triangles);
         EXPECT_EQ(some.positions, all.positions);
     }
@@ -194,7 +193,7 @@ struct Noise {
 
 TEST(Polygonize, EvenNoiseGivesAClosedManifold) {
     const Noise noise;
-    const TriangleSurface s = polygonize(FieldRef(noise), {{0, 0, 0}, {1, 1, 1}}, {.cell = 0.08f});
+    const TriMesh s = polygonize(FieldRef(noise), {{0, 0, 0}, {1, 1, 1}}, {.cell = 0.08f});
     expect_closed_manifold(s);
     EXPECT_GT(s.triangles.size(), 10000u);
     for (const auto& t : s.triangles) {
@@ -213,7 +212,7 @@ struct Full {
 
 TEST(Polygonize, ClosesWhatLeavesTheBox) {
     const Full full;
-    const TriangleSurface s = polygonize(FieldRef(full), {{0, 0, 0}, {1, 2, 3}}, {.cell = 0.125f});
+    const TriMesh s = polygonize(FieldRef(full), {{0, 0, 0}, {1, 2, 3}}, {.cell = 0.125f});
     expect_closed_manifold(s);
     EXPECT_EQ(euler(s), 2);
     EXPECT_GT(volume(s), 6);
@@ -223,10 +222,10 @@ TEST(Polygonize, ClosesWhatLeavesTheBox) {
 TEST(Polygonize, SameBitsForAnyNumberOfThreads) {
     TreeMaker maker(9);
     const SolidField field(maker.tree(4).solid);
-    const TriangleSurface one = polygonize(field, {}, {.threads = 1});
+    const TriMesh one = polygonize(field, {}, {.threads = 1});
     ASSERT_FALSE(one.triangles.empty());
     for (const unsigned threads : {2u, 7u}) {
-        const TriangleSurface more = polygonize(field, {}, {.threads = threads});
+        const TriMesh more = polygonize(field, {}, {.threads = threads});
         EXPECT_EQ(one.triangles, more.triangles);
         EXPECT_EQ(one.positions, more.positions);
     }

@@ -22,13 +22,13 @@ TEST(CapsuleTree, RhoByHand) {
     const CapsuleTree tree(fork(), {});
     ASSERT_EQ(tree.size(), 3u);
     const auto beside = tree.nearest({0, 3, 2});
-    EXPECT_EQ(tree.capsule(beside.capsule).node, NodeId(1));
+    EXPECT_EQ(tree.node(beside.capsule), NodeId(1));
     EXPECT_DOUBLE_EQ(beside.rho, 3);
     const auto taper = tree.nearest({0, 1.5, 6});  // the radius is 0.75 half way up the leader
-    EXPECT_EQ(tree.capsule(taper.capsule).node, NodeId(2));
+    EXPECT_EQ(tree.node(taper.capsule), NodeId(2));
     EXPECT_DOUBLE_EQ(taper.rho, 2);
     const auto lateral = tree.nearest({4, 0, 4.5});  // the lateral keeps its own radius
-    EXPECT_EQ(tree.capsule(lateral.capsule).node, NodeId(3));
+    EXPECT_EQ(tree.node(lateral.capsule), NodeId(3));
     EXPECT_DOUBLE_EQ(lateral.rho, 2);
     EXPECT_DOUBLE_EQ(tree.nearest({0, 0, 9}).rho, 2);  // beyond the tip
     EXPECT_DOUBLE_EQ(tree.nearest({1, 0, 4}).rho, 0);  // on the lateral's axis
@@ -96,7 +96,7 @@ TEST(CapsuleTree, AgreesWithTryingAll) {
         double least = 1e300, others = 1e300;
         std::uint32_t best = 0;
         for (std::uint32_t c = 0; c < tree.size(); ++c) {
-            const double rho2 = tree.capsule(c).rho_squared(p);
+            const double rho2 = tree.cone(c).foot(p).relative_squared();
             others = std::min(others, std::max(rho2, least));
             if (rho2 >= least) continue;
             least = rho2;
@@ -115,17 +115,10 @@ TEST(CapsuleTree, AgreesWithTryingAll) {
     }
 }
 
-Capsule axis(Vec3d a, Vec3d b) {
-    return {.a = a,
-            .axis = b - a,
-            .radius_a = 1,
-            .radius_step = 0,
-            .inverse_length_squared = a == b ? 0 : 1 / length_squared(b - a),
-            .node = {}};
-}
+RoundCone axis(Vec3d a, Vec3d b) { return round_cone(a, b, 1.0, 1.0); }
 
 TEST(Gap, OfSegments) {
-    const Capsule x = axis({0, 0, 0}, {4, 0, 0});
+    const RoundCone x = axis({0, 0, 0}, {4, 0, 0});
     const auto crossing = gap(x, axis({1, -2, 3}, {1, 2, 3}));
     EXPECT_DOUBLE_EQ(crossing.distance, 3);
     EXPECT_DOUBLE_EQ(crossing.s, 0.25);

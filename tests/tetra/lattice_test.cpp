@@ -88,7 +88,7 @@ class Locator {
 };
 
 /// Whether the point lies in some ball of the segment.
-bool covers(const Segment& s, Vec3d p) { return swallows(Cone(s, {}), 1, p, 0); }
+bool covers(const Segment& s, Vec3d p) { return swallows(growing_cone(s, {}), 1, p, 0); }
 
 /// A point on the rounded cone of a segment and the radius of the ball that touches it there.
 struct SurfacePoint {
@@ -178,10 +178,11 @@ TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
             const Vec3d middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
             const double reach = longest_edge(c);
             EXPECT_TRUE(std::ranges::any_of(segments, [&](const Segment& s) {
-                return thinnest_meeting(Cone(s, {}), double(options.outside), middle, reach).has_value();
+                return thinnest_meeting(growing_cone(s, {}), double(options.outside), middle, reach)
+                    .has_value();
             }));
             EXPECT_FALSE(std::ranges::any_of(segments, [&](const Segment& s) {
-                return swallows(Cone(s, {}), double(options.inside), middle, reach);
+                return swallows(growing_cone(s, {}), double(options.inside), middle, reach);
             }));
         }
     }

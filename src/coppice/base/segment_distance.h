@@ -7,9 +7,10 @@
 namespace coppice {
 
 /// Parameter in [0, 1] of the point of the segment from a to a + d that is closest to p; `none` where d is 0.
-inline double closest_parameter(Vec3d p, Vec3d a, Vec3d d, double none = 0) {
-    const double squared = length_squared(d);
-    return squared > 0 ? std::clamp(dot(p - a, d) / squared, 0.0, 1.0) : none;
+template <class T>
+T closest_parameter(BasicVec3<T> p, BasicVec3<T> a, BasicVec3<T> d, T none = 0) {
+    const T squared = length_squared(d);
+    return squared > 0 ? std::clamp(dot(p - a, d) / squared, T{0}, T{1}) : none;
 }
 
 /// Parameters in [0, 1] of the closest points of the segments a0 a1 and b0 b1; points without length are

@@ -3,6 +3,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/cage/crossings_internal.h"
+#include "coppice/skeleton/segment_cone.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::cage_internal {
@@ -62,18 +63,16 @@ class Search {
 }  // namespace
 
 Sight Insideness::see(const Part& host, const Segment& own, float at) const {
-    const Segment& h = host.segment;
-    const Vec3 p = lerp(own.a, own.b, at), axis = h.b - h.a;
-    const float t =
-        std::clamp(dot(p - h.a, axis) / std::max(length_squared(axis), 1e-30f), host.from, host.to);
-    const Vec3 across = p - lerp(h.a, h.b, t);
-    return {length(across) - least_distance(radius_at(h, t), radius_at(own, at)), t, across};
+    const auto cone = round_cone<float>(host.segment), own_cone = round_cone<float>(own);
+    const Vec3 p = own_cone.point(at);
+    const auto foot = cone.foot_at(std::clamp(cone.line_parameter(p), host.from, host.to), p);
+    return {foot.distance() - least_distance(foot.radius, own_cone.radius(at)), foot.t, foot.offset};
 }
 
 float Insideness::nearest(const Segment& own, const Part& host) {
-    const Segment& h = host.segment;
-    return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(lerp(h.a, h.b, host.from)),
-                                                 Vec3d(lerp(h.a, h.b, host.to)))
+    const auto cone = round_cone<float>(host.segment);
+    return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(cone.point(host.from)),
+                                                 Vec3d(cone.point(host.to)))
                                   .on_a);
 }
 

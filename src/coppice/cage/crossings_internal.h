@@ -27,8 +27,6 @@ struct Sight {
     Vec3 across;  ///< [m] from there to the point
 };
 
-inline float radius_at(const Segment& s, float t) { return s.radius_a + t * (s.radius_b - s.radius_a); }
-
 /// An axis is inside another one while it is nearer than the greater of that one's radius and a share of the
 /// sum of both radii.
 class Insideness {

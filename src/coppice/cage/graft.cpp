@@ -5,9 +5,11 @@
 #include <numeric>
 #include <utility>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/parallel.h"
 #include "coppice/cage/axes_internal.h"
 #include "coppice/cage/crossings_internal.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
 namespace {
@@ -16,7 +18,6 @@ using cage_internal::Axes;
 using cage_internal::Crossing;
 using cage_internal::kClear;
 using cage_internal::Part;
-using cage_internal::radius_at;
 
 // A piece shorter than this many radii does not show.
 constexpr float kLeastShown = 1.0f;
@@ -169,7 +170,7 @@ class Grafting {
     }
 
     float end_ahead_of(const Inside& in, float radius) const {
-        const float host = radius_at(s_.segment(in.host), in.host_t);
+        const float host = round_cone<float>(s_.segment(in.host)).radius(in.host_t);
         const float ahead = host + kEndAhead * radius - inside_.least_distance(host, radius);
         return in.from - std::max(0.0f, ahead) / std::max(in.approach, kFlattest);
     }
@@ -195,14 +196,14 @@ class Grafting {
     // A node instead of a place next to it.
     float snapped(std::span<const NodeId> chain, float arc) const {
         const Spot spot = spot_at(chain, arc);
-        const float near = kSnapEnd * radius_at(s_.segment(spot.segment), spot.t);
+        const float near = kSnapEnd * round_cone<float>(s_.segment(spot.segment)).radius(spot.t);
         const float start = start_of(spot.segment), end = axes_.arc(spot.segment);
         if (arc - start < near) return start;
         return end - arc < near ? end : arc;
     }
     float radius_on(std::span<const NodeId> chain, float arc) const {
         const Spot spot = spot_at(chain, arc);
-        return radius_at(s_.segment(spot.segment), spot.t);
+        return round_cone<float>(s_.segment(spot.segment)).radius(spot.t);
     }
     // The first node at or below a place, or the last one.
     std::span<const NodeId>::iterator below(std::span<const NodeId> chain, float arc) const {
@@ -257,7 +258,7 @@ class Grafting {
     std::uint32_t place_on(Spot spot) {
         const NodeId n = spot.segment;
         const float size = axes_.arc(n) - start_of(n);
-        float nearest = kSnap * radius_at(s_.segment(n), spot.t);
+        float nearest = kSnap * round_cone<float>(s_.segment(n)).radius(spot.t);
         std::uint32_t place = kNone;
         const auto consider = [&](float t, std::uint32_t p) {
             const float off = std::abs(t - spot.t) * size;
@@ -405,9 +406,9 @@ class Grafting {
                 above = new_id_[place];
             };
             for (const std::uint32_t c : cuts) {
-                const Segment g = s_.segment(n);
+                const auto g = round_cone<float>(s_.segment(n));
                 const float t = cut_[c].spot.t, start = start_of(n);
-                make(s_.size() + c, start + t * (axes_.arc(n) - start), lerp(g.a, g.b, t), radius_at(g, t));
+                make(s_.size() + c, start + t * (axes_.arc(n) - start), g.point(t), g.radius(t));
             }
             make(n.index(), axes_.arc(n), s_.position(n), s_.radius(n));
         }
@@ -436,16 +437,11 @@ class Grafting {
 
     // The tree of tubes before it is numbered: by new node, none for those that are not in it.
     struct TubeTree {
-        std::vector<NodeId> parent, roots, child;
-        std::vector<std::uint32_t> first_child;
-        std::span<const NodeId> children(NodeId n) const {
-            const std::uint32_t first = first_child[n.index()];
-            return std::span(child).subspan(first, first_child[n.index() + 1] - first);
-        }
+        std::vector<NodeId> parent, roots;
+        CompressedRows<NodeId> children;
     };
     TubeTree tube_tree() const {
-        TubeTree tree{std::vector<NodeId>(made_.size()), {}, {}, {}};
-        tree.first_child.resize(made_.size() + 1);
+        TubeTree tree{std::vector<NodeId>(made_.size()), {}, {}};
         for (std::uint32_t i = 0; i < made_.size(); ++i) {
             const Made& m = made_[i];
             if (m.in_tree != NodeId(i)) continue;
@@ -453,14 +449,13 @@ class Grafting {
                 tree.roots.push_back(NodeId(i));
             } else {
                 tree.parent[i] = parent_tube(m);
-                ++tree.first_child[tree.parent[i].index()];
             }
         }
-        tree.child.resize(exclusive_scan(std::span(tree.first_child)));
-        std::vector<std::uint32_t> next(tree.first_child);
-        for (std::uint32_t i = 0; i < made_.size(); ++i) {
-            if (tree.parent[i]) tree.child[next[tree.parent[i].index()]++] = NodeId(i);
-        }
+        tree.children = compress_rows<NodeId>(made_.size(), [&](const auto& put) {
+            for (std::uint32_t i = 0; i < made_.size(); ++i) {
+                if (tree.parent[i]) put(tree.parent[i].index(), NodeId(i));
+            }
+        });
         return tree;
     }
 
@@ -474,7 +469,7 @@ class Grafting {
             const NodeId n = stack.back();
             stack.pop_back();
             const Made& m = at(n);
-            const auto children = tree.children(n);
+            const auto children = tree.children[n.index()];
             id[n.index()] = NodeId(static_cast<std::uint32_t>(parent.size()));
             parent.push_back(m.parent ? id[tree.parent[n.index()].index()] : NodeId::none());
             source.push_back(m.attached && !children.empty() ? children[0] : n);

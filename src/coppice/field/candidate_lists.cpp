@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "coppice/base/error.h"
+#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/collect_lists_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -19,14 +20,6 @@ constexpr std::uint64_t kMinLimit = 256;
 constexpr std::size_t kLooked =
     4;  // times the longest list: of more segments that touch a box, some go unseen
 
-/// Spreads the low 10 bits of x over every third bit.
-std::uint32_t spread_bits(std::uint32_t x) {
-    x = (x | (x << 16)) & 0x030000ffu;
-    x = (x | (x << 8)) & 0x0300f00fu;
-    x = (x | (x << 4)) & 0x030c30c3u;
-    return (x | (x << 2)) & 0x09249249u;
-}
-
 /// The children of a node with many, sorted along a space-filling curve, under a tree of boxes.
 class Hub {
   public:
@@ -35,13 +28,13 @@ class Hub {
         for (const NodeId c : skeleton.children(node)) all.extend(supports[c.index()].box.center());
         const Vec3 size = all.size();
         const float scale = 1023 / std::max({size.x, size.y, size.z, 1e-30f});
-        std::vector<std::pair<std::uint32_t, NodeId>> keys;
+        std::vector<std::pair<std::uint64_t, NodeId>> keys;
         for (const NodeId c : skeleton.children(node)) {
             const Vec3 q = (supports[c.index()].box.center() - all.low) * scale;
             const auto cell = [](float x) {
-                return spread_bits(static_cast<std::uint32_t>(std::clamp(x, 0.0f, 1023.0f)));
+                return static_cast<std::uint32_t>(std::clamp(x, 0.0f, 1023.0f));
             };
-            keys.emplace_back(cell(q.x) | cell(q.y) << 1 | cell(q.z) << 2, c);
+            keys.emplace_back(morton_code(cell(q.x), cell(q.y), cell(q.z)), c);
         }
         std::sort(keys.begin(), keys.end());
         std::vector<Box3> level;

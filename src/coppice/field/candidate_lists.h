@@ -8,6 +8,7 @@
 #include "coppice/base/box.h"
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
+#include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -29,10 +30,8 @@ struct SegmentSupport {
 
 /// [m^2] From p to the axis of a support.
 inline float axis_distance_squared(const SegmentSupport& s, Vec3 p) {
-    const Vec3 axis = s.b - s.a, w = p - s.a;
-    const float along = dot(w, axis), length2 = length_squared(axis);
-    const float t = along <= 0 ? 0 : along >= length2 ? 1 : along / length2;
-    return length_squared(w - t * axis);
+    const Vec3 axis = s.b - s.a;
+    return length_squared(p - s.a - closest_parameter(p, s.a, axis) * axis);
 }
 
 /// Whether the capsule may reach the box: by boxes, then by the ball about the box, which is the closer test

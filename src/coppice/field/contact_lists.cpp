@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/collect_lists_internal.h"
@@ -45,25 +46,14 @@ class Kinship {
 };
 
 /// The segments that each tube wraps.
-class Contents {
-  public:
-    explicit Contents(const TubeTree& tubes) : first_(tubes.tree.size() + 1, 0) {
-        for (const NodeId t : tubes.tube) {
-            if (t) ++first_[t.index()];
-        }
-        segment_.resize(exclusive_scan(std::span(first_)));
-        std::vector<std::uint32_t> next(first_.begin(), first_.end());
+using Contents = CompressedRows<std::uint32_t>;
+Contents contents_of(const TubeTree& tubes) {
+    return compress_rows<std::uint32_t>(tubes.tree.size(), [&](const auto& put) {
         for (std::uint32_t s = 0; s < tubes.tube.size(); ++s) {
-            if (const NodeId t = tubes.tube[s]) segment_[next[t.index()]++] = s;
+            if (const NodeId t = tubes.tube[s]) put(t.index(), s);
         }
-    }
-    std::span<const std::uint32_t> of(std::size_t tube) const {
-        return std::span(segment_).subspan(first_[tube], first_[tube + 1] - first_[tube]);
-    }
-
-  private:
-    std::vector<std::uint32_t> first_, segment_;
-};
+    });
+}
 
 /// Where each tube has influence: the capsule of its one segment, the ball about several, its own line for
 /// none.
@@ -71,7 +61,7 @@ std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& 
                                           std::span<const SegmentSupport> segments, const Context& ctx) {
     std::vector<SegmentSupport> out(tree.size());
     parallel_for(ctx, tree.size(), kGrain * 16, [&](std::size_t i) {
-        const auto inside = contents.of(i);
+        const auto inside = contents[i];
         const NodeId n(static_cast<std::uint32_t>(i));
         if (inside.size() == 1) {
             out[i] = segments[inside[0]];
@@ -207,7 +197,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
                            std::span<const FieldRegion> regions, const TubeTree& tubes, const Context& ctx) {
     COPPICE_ASSERT(tubes.tree.size() == regions.size() && tubes.tube.size() == skeleton.size());
     const Kinship kinship(tubes.tree.parents());
-    const Contents contents(tubes);
+    const Contents contents = contents_of(tubes);
     const std::size_t longest = longest_list(regions.size());
     std::vector<FieldRegion> at_tubes(regions.begin(), regions.end());
     for (std::uint32_t r = 0; r < regions.size(); ++r) at_tubes[r].seed = NodeId(r);
@@ -224,7 +214,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
             for (std::uint64_t k = near.first[r]; k < near.first[r + 1]; ++k) {
                 const std::uint32_t t = near.segments[k];
                 if (!kinship.related(t, r)) continue;
-                for (const std::uint32_t s : contents.of(t)) {
+                for (const std::uint32_t s : contents[t]) {
                     const bool touches = t == r || may_touch(supports[s], box, center, half_diagonal);
                     if (touches && list.size() < longest) list.push_back(s);
                 }

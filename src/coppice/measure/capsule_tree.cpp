@@ -5,27 +5,29 @@
 #include <cmath>
 
 #include "coppice/base/parallel.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
 namespace {
 
-std::vector<Capsule> capsules_of(const Skeleton& skeleton, Vec3d origin) {
-    const Vec3d shift = skeleton.origin() - origin;
-    std::vector<Capsule> capsules;
-    capsules.reserve(skeleton.size() - skeleton.tree_count());
+std::vector<NodeId> nodes_with_parents(const Skeleton& skeleton) {
+    std::vector<NodeId> out;
+    out.reserve(skeleton.size() - skeleton.tree_count());
     for (const NodeId n : nodes(skeleton)) {
-        if (skeleton.is_root(n)) continue;
-        const Segment s = skeleton.segment(n);
-        const Vec3d axis = Vec3d(s.b) - Vec3d(s.a);
-        const double l2 = length_squared(axis);
-        capsules.push_back({.a = Vec3d(s.a) + shift,
-                            .axis = axis,
-                            .radius_a = s.radius_a,
-                            .radius_step = double{s.radius_b} - s.radius_a,
-                            .inverse_length_squared = l2 > 0 ? 1 / l2 : 0,
-                            .node = n});
+        if (!skeleton.is_root(n)) out.push_back(n);
     }
-    return capsules;
+    return out;
+}
+
+std::vector<RoundCone> cones_of(const Skeleton& skeleton, std::span<const NodeId> children, Vec3d origin) {
+    const Vec3d shift = skeleton.origin() - origin;
+    std::vector<RoundCone> cones;
+    cones.reserve(children.size());
+    for (const NodeId n : children) {
+        cones.push_back(round_cone(skeleton.segment(n)));
+        cones.back().a += shift;
+    }
+    return cones;
 }
 
 /// Where the pieces of an axis end: ever shorter towards both its ends, where the crowds are.
@@ -43,10 +45,10 @@ std::vector<double> piece_ends(std::uint32_t halvings) {
     return ends;
 }
 
-std::vector<Box3> axis_boxes(std::span<const Capsule> capsules, std::span<const double> ends) {
-    std::vector<Box3> boxes(capsules.size() * ends.size());
-    for (std::size_t i = 0; i < capsules.size(); ++i) {
-        const Capsule& c = capsules[i];
+std::vector<Box3> axis_boxes(std::span<const RoundCone> cones, std::span<const double> ends) {
+    std::vector<Box3> boxes(cones.size() * ends.size());
+    for (std::size_t i = 0; i < cones.size(); ++i) {
+        const RoundCone& c = cones[i];
         Vec3d from = c.a;
         for (std::size_t k = 0; k < ends.size(); ++k) {
             const Vec3d to = k + 1 == ends.size() ? c.b() : c.point(ends[k]);
@@ -61,14 +63,14 @@ std::vector<Box3> axis_boxes(std::span<const Capsule> capsules, std::span<const 
 
 /// Whether the boxes of many axes lie over each other, as in stars and knots, so that a query would have to
 /// look at a good part of them all.
-bool is_crowded(const BoxTree& boxes, std::span<const Capsule> capsules) {
+bool is_crowded(const BoxTree& boxes, std::span<const RoundCone> cones) {
     constexpr std::size_t kLookedAt = 256;
     constexpr std::size_t kMany = 32, kEnough = 4 * kMany;
-    const std::size_t count = std::min(capsules.size(), kLookedAt);
+    const std::size_t count = std::min(cones.size(), kLookedAt);
     std::size_t seen = 0;
     for (std::size_t k = 0; k < count; ++k) {
         Box3 middle;
-        extend_outward(middle, capsules[k * capsules.size() / count].point(0.5));
+        extend_outward(middle, cones[k * cones.size() / count].point(0.5));
         std::size_t here = 0;
         boxes.visit_overlapping(middle, [&](std::uint32_t) { return ++here < kEnough; });
         seen += here;
@@ -90,22 +92,14 @@ std::vector<double> crowd_pieces(std::size_t capsules) {
 
 }  // namespace
 
-double Capsule::rho_squared(Vec3d p) const {
-    const double t = std::clamp(parameter(p), 0.0, 1.0);
-    const double r = radius(t);
-    return length_squared(p - point(t)) / (r * r);
-}
-
-double Capsule::distance_squared(Vec3d p) const {
-    return length_squared(p - point(std::clamp(parameter(p), 0.0, 1.0)));
-}
-
 CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
-    : capsules_(capsules_of(skeleton, origin)), boxes_(axis_boxes(capsules_, std::array{1.0}), ctx) {
-    if (is_crowded(boxes_, capsules_)) {
-        const std::vector<double> ends = crowd_pieces(capsules_.size());
+    : nodes_(nodes_with_parents(skeleton)),
+      cones_(cones_of(skeleton, nodes_, origin)),
+      boxes_(axis_boxes(cones_, std::array{1.0}), ctx) {
+    if (is_crowded(boxes_, cones_)) {
+        const std::vector<double> ends = crowd_pieces(cones_.size());
         pieces_ = static_cast<std::uint32_t>(ends.size());
-        boxes_ = BoxTree(axis_boxes(capsules_, ends), ctx);
+        boxes_ = BoxTree(axis_boxes(cones_, ends), ctx);
     }
     auto& levels = inverse_radius_squared_;
     levels.resize(boxes_.level_count());
@@ -113,7 +107,7 @@ CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& 
         levels[l].assign(boxes_.level(l).size(), std::numeric_limits<double>::infinity());
     }
     for (std::uint32_t place = 0; place < boxes_.size(); ++place) {
-        const Capsule& c = capsules_[capsule_of(boxes_.item(place))];
+        const RoundCone& c = cones_[capsule_of(boxes_.item(place))];
         const double r = std::max(c.radius_a, c.radius_b());
         levels[0][place] = 1 / (r * r);
     }
@@ -129,7 +123,7 @@ CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
     std::uint32_t best = kNone;
     double least = kFarthest * kFarthest;
     const auto visit = [&](std::uint32_t i) {
-        const double rho2 = capsules_[i].rho_squared(p);
+        const double rho2 = cones_[i].foot(p).relative_squared();
         if (rho2 > least || (rho2 == least && i >= best)) return;
         least = rho2;
         best = i;
@@ -146,7 +140,7 @@ bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
                   [&](std::uint32_t piece) {
                       const std::uint32_t i = capsule_of(piece);
-                      if (i == except || capsules_[i].rho_squared(p) >= rho * rho) return;
+                      if (i == except || cones_[i].foot(p).relative_squared() >= rho * rho) return;
                       found = true;
                       limit = -1;
                   });
@@ -159,10 +153,10 @@ double CapsuleTree::axis_distance(Vec3d p) const {
     return std::sqrt(least);
 }
 
-SegmentGap gap(const Capsule& a, const Capsule& b) {
+SegmentGap gap(const RoundCone& a, const RoundCone& b) {
     const auto at = [&](double s, double t) { return SegmentGap{distance(a.point(s), b.point(t)), s, t}; };
-    const auto foot_on_a = [&](double t) { return std::clamp(a.parameter(b.point(t)), 0.0, 1.0); };
-    const auto foot_on_b = [&](double s) { return std::clamp(b.parameter(a.point(s)), 0.0, 1.0); };
+    const auto foot_on_a = [&](double t) { return a.foot(b.point(t)).t; };
+    const auto foot_on_b = [&](double s) { return b.foot(a.point(s)).t; };
     const double aa = length_squared(a.axis), bb = length_squared(b.axis), ab = dot(a.axis, b.axis);
     const double area = aa * bb - ab * ab;
     double s = 0;

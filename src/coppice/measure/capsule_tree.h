@@ -6,30 +6,11 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice {
-
-/// A segment in double precision, with what its queries need.
-struct Capsule {
-    Vec3d a;                        ///< [m] the parent's end
-    Vec3d axis;                     ///< [m] from there to the node's end
-    double radius_a;                ///< [m] at a
-    double radius_step;             ///< [m] the change from there to the node's end
-    double inverse_length_squared;  ///< 0 for a segment without length
-    NodeId node;                    ///< the lower node, which names the segment
-
-    Vec3d b() const { return a + axis; }                        ///< [m] the node's end
-    double radius_b() const { return radius_a + radius_step; }  ///< [m] at b
-    /// Where p falls on the line through the segment: 0 at a, 1 at b; 0 for a segment without length.
-    double parameter(Vec3d p) const { return dot(p - a, axis) * inverse_length_squared; }
-    Vec3d point(double t) const { return a + axis * t; }                  ///< [m] of the axis at a parameter
-    double radius(double t) const { return radius_a + radius_step * t; }  ///< [m] at a parameter
-    /// The square of rho: the distance from p to the segment over the radius at the foot.
-    double rho_squared(Vec3d p) const;
-    double distance_squared(Vec3d p) const;  ///< from p to the segment
-};
 
 /// The segments of a skeleton, found by rho: the distance from a point to the segment over the segment's
 /// radius at the foot. Capsules are numbered in the order of their lower nodes. Nodes without a segment are
@@ -43,8 +24,10 @@ class CapsuleTree {
     CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx = {});
 
     /// number of capsules
-    std::uint32_t size() const { return static_cast<std::uint32_t>(capsules_.size()); }
-    const Capsule& capsule(std::uint32_t i) const { return capsules_[i]; }  ///< i < size()
+    std::uint32_t size() const { return static_cast<std::uint32_t>(cones_.size()); }
+    const RoundCone& cone(std::uint32_t i) const { return cones_[i]; }  ///< i < size()
+    /// The child node of segment i, which names it.
+    NodeId node(std::uint32_t i) const { return nodes_[i]; }
 
     /// What `nearest` found.
     struct Nearest {
@@ -70,7 +53,7 @@ class CapsuleTree {
         };
         boxes_.search(to_box, limit_squared, [&](std::uint32_t piece) {
             const std::uint32_t i = capsule_of(piece);
-            const double d2 = capsules_[i].distance_squared(p);
+            const double d2 = length_squared(cones_[i].foot(p).offset);
             if (d2 <= limit_squared) visit(i, d2);
         });
     }
@@ -81,7 +64,8 @@ class CapsuleTree {
     }
     std::uint32_t capsule_of(std::uint32_t piece) const { return piece / pieces_; }
 
-    std::vector<Capsule> capsules_;
+    std::vector<NodeId> nodes_;
+    std::vector<RoundCone> cones_;
     std::uint32_t pieces_ = 1;  ///< that every axis is cut into, each with a box of its own
     BoxTree boxes_;             ///< of the pieces, those of one axis after each other
     std::vector<std::vector<double>>
@@ -95,6 +79,6 @@ struct SegmentGap {
     double t;         ///< where on the second
 };
 /// Of two segments, in the same frame. O(1).
-SegmentGap gap(const Capsule& a, const Capsule& b);
+SegmentGap gap(const RoundCone& a, const RoundCone& b);
 
 }  // namespace coppice

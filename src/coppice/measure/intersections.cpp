@@ -91,8 +91,8 @@ class Classifier {
     Kind kind(const PolygonMesh& mesh, FacePair pair) const {
         const std::uint32_t i = part(mesh, pair.first), j = part(mesh, pair.second);
         if (i == CapsuleTree::kNone || j == CapsuleTree::kNone) return Kind::local;
-        const Capsule &a = capsules_.capsule(i), &b = capsules_.capsule(j);
-        if (are_neighbours(a, b)) return Kind::local;
+        if (are_neighbours(i, j)) return Kind::local;
+        const RoundCone &a = capsules_.cone(i), &b = capsules_.cone(j);
         const SegmentGap g = gap(a, b);
         return g.distance < kClearance * (a.radius(g.s) + b.radius(g.t)) ? Kind::overlap : Kind::remote;
     }
@@ -105,10 +105,12 @@ class Classifier {
         return capsules_.nearest(sum / static_cast<double>(corners.size())).capsule;
     }
 
-    /// Climbs from both lower nodes to where they meet. The way leaves out the two segments themselves.
-    bool are_neighbours(const Capsule& s, const Capsule& t) const {
+    /// Climbs from both child nodes to where they meet. The way leaves out the two segments themselves.
+    bool are_neighbours(std::uint32_t i, std::uint32_t j) const {
+        const RoundCone &s = capsules_.cone(i), &t = capsules_.cone(j);
         const double reach = kNeighbourRadii * std::max({s.radius_a, s.radius_b(), t.radius_a, t.radius_b()});
-        NodeId a = s.node, b = t.node;
+        const NodeId first = capsules_.node(i), second = capsules_.node(j);
+        NodeId a = first, b = second;
         int hops = 0;
         double way = 0;
         while (a != b) {
@@ -116,7 +118,7 @@ class Classifier {
             NodeId& deeper = depth_[a] >= depth_[b] ? a : b;
             const NodeId above = skeleton_.parent(deeper);
             if (!above) return false;
-            if (deeper != s.node && deeper != t.node) {
+            if (deeper != first && deeper != second) {
                 way += distance(Vec3d(skeleton_.position(deeper)), Vec3d(skeleton_.position(above)));
             }
             deeper = above;

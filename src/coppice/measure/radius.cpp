@@ -30,7 +30,7 @@ struct Ends {
 std::vector<Ends> ends_of(const Skeleton& skeleton, const CapsuleTree& capsules) {
     std::vector<Ends> ends(capsules.size());
     for (std::uint32_t i = 0; i < ends.size(); ++i) {
-        const NodeId b = capsules.capsule(i).node, a = skeleton.parent(b);
+        const NodeId b = capsules.node(i), a = skeleton.parent(b);
         const bool branch_a = skeleton.children(a).size() > 1, branch_b = skeleton.children(b).size() > 1;
         const bool tip = skeleton.is_tip(b);
         ends[i] = {branch_a || skeleton.is_root(a), branch_b || tip, tip};
@@ -38,14 +38,14 @@ std::vector<Ends> ends_of(const Skeleton& skeleton, const CapsuleTree& capsules)
     return ends;
 }
 
-bool is_regular(const Capsule& c, const Ends& ends, Vec3d p) {
-    const double t = c.parameter(p), l = length(c.axis);
+bool is_regular(const RoundCone& c, const Ends& ends, Vec3d p) {
+    const double t = c.line_parameter(p), l = length(c.axis);
     if (!(t > 0 && t < 1)) return false;
     return !(ends.bare_a && t * l < kEndZone * c.radius_a) &&
            !(ends.bare_b && (1 - t) * l < kEndZone * c.radius_b());
 }
 
-double reach_beyond(const Capsule& c, Vec3d p) {
+double reach_beyond(const RoundCone& c, Vec3d p) {
     return dot(p - c.b(), c.axis) / std::max(1e-30, length(c.axis)) / c.radius_b();
 }
 
@@ -56,7 +56,7 @@ Statistics tip_reach(const PolygonMesh& mesh, const CapsuleTree& capsules, std::
     for (std::size_t v = 0; v < nearest.size(); ++v) {
         const std::uint32_t c = nearest[v].capsule;
         if (c == CapsuleTree::kNone || !ends[c].tip) continue;
-        reach[c] = std::max(reach[c], reach_beyond(capsules.capsule(c), Vec3d(mesh.positions[v])));
+        reach[c] = std::max(reach[c], reach_beyond(capsules.cone(c), Vec3d(mesh.positions[v])));
     }
     std::erase(reach, kNone);
     return statistics(std::move(reach));
@@ -86,7 +86,7 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton,
         const auto [c, rho] = nearest[v];
         if (c == CapsuleTree::kNone) continue;
         all.push_back(rho - 1);
-        if (is_regular(capsules.capsule(c), ends[c], Vec3d(mesh.positions[v]))) regular.push_back(rho - 1);
+        if (is_regular(capsules.cone(c), ends[c], Vec3d(mesh.positions[v]))) regular.push_back(rho - 1);
     }
     RadiusReport report;
     report.tip_reach = tip_reach(mesh, capsules, ends, nearest);
@@ -117,7 +117,7 @@ CoverageReport coverage(const SurfaceTree& surface, const CapsuleTree& capsules,
     constexpr double kNotFree = -1;
     std::vector<double> gap(capsules.size());
     parallel_for(ctx, gap.size(), 64, [&](std::size_t i) {
-        const Capsule& c = capsules.capsule(static_cast<std::uint32_t>(i));
+        const RoundCone& c = capsules.cone(static_cast<std::uint32_t>(i));
         const Vec3d middle = c.point(0.5);
         const bool free = !capsules.any_within(middle, kFree, static_cast<std::uint32_t>(i));
         gap[i] = free ? surface.distance(middle) / c.radius(0.5) : kNotFree;

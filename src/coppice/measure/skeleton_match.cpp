@@ -38,7 +38,7 @@ class Samples {
   public:
     Samples(const CapsuleTree& axes, double step) : first_(axes.size() + 1) {
         const auto wanted = [&](std::uint32_t i) {
-            const Capsule& c = axes.capsule(i);
+            const RoundCone& c = axes.cone(i);
             return length(c.axis) / (step * c.radius(0.5));
         };
         double all = 0;
@@ -84,16 +84,16 @@ class Samples {
 };
 
 /// The radius found beside a point of the reference; none when it is not covered.
-std::optional<double> radius_beside(const CapsuleTree& found, const Capsule& reference, double t,
+std::optional<double> radius_beside(const CapsuleTree& found, const RoundCone& reference, double t,
                                     double within) {
     const Vec3d p = reference.point(t), direction = normalized(reference.axis);
     const double r = reference.radius(t);
     double limit = within * r * within * r, least = kFar;
     std::uint32_t best = CapsuleTree::kNone;
     found.visit_near(p, limit, [&](std::uint32_t i, double d2) {
-        const Capsule& c = found.capsule(i);
-        const double along = dot(c.axis, direction);
-        const double turn = 1 - std::min(1.0, along * along * c.inverse_length_squared);
+        const RoundCone& c = found.cone(i);
+        const double along = dot(c.axis, direction), squared = length_squared(c.axis);
+        const double turn = squared > 0 ? 1 - std::min(1.0, along * along / squared) : 1;
         const double cost = d2 + r * r * turn;
         if (cost >= least) return;
         least = cost;
@@ -101,15 +101,15 @@ std::optional<double> radius_beside(const CapsuleTree& found, const Capsule& ref
         best = i;
     });
     if (best == CapsuleTree::kNone) return {};
-    const Capsule& c = found.capsule(best);
-    return c.radius(std::clamp(c.parameter(p), 0.0, 1.0));
+    const RoundCone& c = found.cone(best);
+    return c.foot(p).radius;
 }
 
 double percent(double part, double all) { return all > 0 ? std::min(100.0, 100 * part / all) : 0; }
 
 double total_length(const CapsuleTree& axes) {
     double sum = 0;
-    for (std::uint32_t i = 0; i < axes.size(); ++i) sum += length(axes.capsule(i).axis);
+    for (std::uint32_t i = 0; i < axes.size(); ++i) sum += length(axes.cone(i).axis);
     return sum;
 }
 
@@ -118,7 +118,7 @@ void judge_reference(const CapsuleTree& reference, const CapsuleTree& found, con
     const Samples samples(reference, options.step);
     std::vector<double> error(samples.size(), kUnknown), covered(reference.size());
     samples.for_segments(ctx, 0, kReferenceShare, [&](std::size_t i) {
-        const Capsule& c = reference.capsule(static_cast<std::uint32_t>(i));
+        const RoundCone& c = reference.cone(static_cast<std::uint32_t>(i));
         std::uint32_t hits = 0;
         samples.for_each(i, ctx, [&](std::uint32_t sample, double t) {
             const auto radius = radius_beside(found, c, t, options.within);
@@ -146,7 +146,7 @@ void judge_found(const CapsuleTree& reference, const CapsuleTree& found, const C
     };
     std::vector<Part> parts(found.size());
     samples.for_segments(ctx, kReferenceShare, kFoundShare, [&](std::size_t i) {
-        const Capsule& c = found.capsule(static_cast<std::uint32_t>(i));
+        const RoundCone& c = found.cone(static_cast<std::uint32_t>(i));
         std::uint32_t hint = CapsuleTree::kNone;
         samples.for_each(i, ctx, [&](std::uint32_t, double t) {
             const CapsuleTree::Nearest nearest = reference.nearest(c.point(t), hint);

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
-#include <limits>
 
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
@@ -28,44 +27,6 @@ struct Spoke {
     std::uint32_t outgoing : 1;
 };
 
-/// Disjoint sets that several threads may join at once. Roots are the least members, so the outcome does not
-/// depend on the order.
-class ConcurrentSets {
-  public:
-    explicit ConcurrentSets(std::uint32_t size) : parent_(size) {
-        for (std::uint32_t i = 0; i < size; ++i) parent_[i] = i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        for (;;) {
-            a = root(a);
-            b = root(b);
-            if (a == b) return;
-            if (a < b) std::swap(a, b);
-            std::uint32_t expected = a;
-            if (std::atomic_ref(parent_[a]).compare_exchange_strong(expected, b, std::memory_order_relaxed))
-                return;
-        }
-    }
-    std::uint64_t count() const {
-        std::uint64_t roots = 0;
-        for (std::uint32_t i = 0; i < parent_.size(); ++i) roots += parent_[i] == i;
-        return roots;
-    }
-
-  private:
-    std::uint32_t root(std::uint32_t i) {
-        for (;;) {
-            const std::uint32_t p = std::atomic_ref(parent_[i]).load(std::memory_order_relaxed);
-            if (p == i) return i;
-            std::uint32_t expected = p;
-            const std::uint32_t above = std::atomic_ref(parent_[p]).load(std::memory_order_relaxed);
-            std::atomic_ref(parent_[i]).compare_exchange_weak(expected, above, std::memory_order_relaxed);
-            i = above;
-        }
-    }
-    Buffer<std::uint32_t> parent_;
-};
-
 Buffer<Corner> corners_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
     Buffer<Corner> corners(mesh.corners.size());
     parallel_for(ctx, mesh.face_count(), kGrain, [&](std::size_t f) {
@@ -82,7 +43,7 @@ Buffer<Corner> corners_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
 /// Judges one vertex after the other, keeping its scratch.
 class FanJudge {
   public:
-    FanJudge(ConcurrentSets& parts, TopologyReport& report) : parts_(parts), report_(report) {}
+    FanJudge(ConcurrentDisjointSets& parts, TopologyReport& report) : parts_(parts), report_(report) {}
 
     void judge(std::span<const Corner> fan) {
         ++report_.vertices;
@@ -92,7 +53,8 @@ class FanJudge {
         for (std::size_t i = 0; i < spokes_.size();) {
             std::size_t end = i;
             while (end < spokes_.size() && spokes_[end].neighbour == spokes_[i].neighbour) ++end;
-            for (std::size_t k = i + 1; k < end; ++k) classes -= unite(spokes_[i].corner, spokes_[k].corner);
+            for (std::size_t k = i + 1; k < end; ++k)
+                classes -= fan_.join(spokes_[i].corner, spokes_[k].corner);
             judge_edge(fan, {spokes_.data() + i, end - i});
             i = end;
         }
@@ -102,9 +64,8 @@ class FanJudge {
   private:
     void gather(std::span<const Corner> fan) {
         spokes_.clear();
-        class_.resize(fan.size());
+        fan_.reset(fan.size());
         for (std::uint32_t i = 0; i < fan.size(); ++i) {
-            class_[i] = i;
             spokes_.push_back({fan[i].next, i, 1});
             spokes_.push_back({fan[i].previous, i, 0});
         }
@@ -128,21 +89,10 @@ class FanJudge {
             parts_.join(fan[edge[0].corner].face, fan[edge[k].corner].face);
     }
 
-    bool unite(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        class_[a] = b;
-        return a != b;
-    }
-    std::uint32_t find(std::uint32_t i) {
-        while (class_[i] != i) i = class_[i] = class_[class_[i]];
-        return i;
-    }
-
-    ConcurrentSets& parts_;
+    ConcurrentDisjointSets& parts_;
     TopologyReport& report_;
     std::vector<Spoke> spokes_;
-    std::vector<std::uint32_t> class_;
+    DisjointSets fan_;  // corners that share an edge
 };
 
 TopologyReport sum(TopologyReport a, const TopologyReport& b) {
@@ -179,7 +129,7 @@ void validate(const PolygonMesh& mesh) {
 
 TopologyReport topology(const PolygonMesh& mesh, const Context& ctx) {
     const Buffer<Corner> corners = corners_by_vertex(mesh, ctx);
-    ConcurrentSets parts(mesh.face_count());
+    ConcurrentDisjointSets parts(mesh.face_count());
     // A range judges the fans that begin in it, also where they end in the next.
     const auto judge_range = [&](IndexRange range) {
         TopologyReport report;
@@ -197,7 +147,7 @@ TopologyReport topology(const PolygonMesh& mesh, const Context& ctx) {
     auto report = parallel_reduce(ctx, corners.size(), kGrain, TopologyReport{}, judge_range, sum);
     report.faces = mesh.face_count();
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) report.quads += mesh.face(f).size() == 4;
-    report.components = parts.count();
+    report.components = parts.set_count();
     report.euler =
         static_cast<std::int64_t>(report.vertices + report.faces) - static_cast<std::int64_t>(report.edges);
     return report;

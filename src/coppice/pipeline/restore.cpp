@@ -106,8 +106,7 @@ class Restoration {
 
     template <class Visit>
     void visit_fan(std::size_t v, const Visit& visit) const {
-        for (std::uint32_t k = topology_.fan_first[v]; k < topology_.fan_first[v + 1]; ++k) {
-            const std::uint32_t half = topology_.fan[k];
+        for (const std::uint32_t half : topology_.fans[v]) {
             visit(half, topology_.corner(CageTopology::next(half)),
                   topology_.corner(CageTopology::prev(half)));
         }
@@ -128,8 +127,7 @@ class Restoration {
         const CapsuleTree::Nearest nearest = capsules_.nearest(p, hint);
         if (nearest.capsule == CapsuleTree::kNone || nearest.rho > kFarFromAxis) return 0;
         hint = nearest.capsule;
-        const Capsule& c = capsules_.capsule(nearest.capsule);
-        return c.radius(std::clamp(c.parameter(p), 0.0, 1.0));
+        return capsules_.cone(nearest.capsule).foot(p).radius;
     }
 
     void find_original() {

@@ -20,7 +20,7 @@ class Gatherer {
         PolygonizeOptions options;
         const Vec3 size = field.surface_bounds().size();
         options.cell = std::max({size.x, size.y, size.z}) / 128;
-        const TriangleSurface made = polygonize(field, options, ctx_);
+        const TriMesh made = polygonize(field, options, ctx_);
         PolygonMesh part;
         part.positions.assign(made.positions.begin(), made.positions.end());
         for (const auto& t : made.triangles) part.add_face(t);

@@ -201,11 +201,7 @@ SceneCommand polygonize_command() {
             const Vec3d n = size / cell;
             call.reserve(4 * kBytesOfCell * (n.x * n.y + n.y * n.z + n.z * n.x));
         }
-        const TriangleSurface made = polygonize(field, options, call.context());
-        TriMesh mesh;
-        mesh.positions.assign(made.positions.begin(), made.positions.end());
-        mesh.triangles.assign(made.triangles.begin(), made.triangles.end());
-        Surface surface{std::move(mesh)};
+        Surface surface{polygonize(field, options, call.context())};
         const std::uint64_t bytes = memory_of(surface);
         return makes(call.text("name"), std::move(surface), bytes);
     };

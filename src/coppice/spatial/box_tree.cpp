@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 
@@ -15,15 +16,6 @@ struct Place {
     std::uint64_t key;
     std::uint32_t item;
 };
-
-/// Puts two zeros after every bit; for numbers below 2^21.
-std::uint64_t spread_bits(std::uint64_t x) {
-    x = (x | x << 32) & 0x001f00000000ffffull;
-    x = (x | x << 16) & 0x001f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    return (x | x << 2) & 0x1249249249249249ull;
-}
 
 Vec3d center(const Box3& box) { return (Vec3d(box.low) + Vec3d(box.high)) * 0.5; }
 
@@ -43,10 +35,8 @@ BoxTree::BoxTree(std::span<const Box3> boxes, const Context& ctx) : item_(boxes.
     Buffer<Place> order(boxes.size());
     parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {
         const Vec3d cell = (center(boxes[i]) - low) * scale;
-        std::uint64_t key = 0;
-        for (int axis = 0; axis < 3; ++axis)
-            key |= spread_bits(static_cast<std::uint64_t>(cell[axis])) << axis;
-        order[i] = {key, static_cast<std::uint32_t>(i)};
+        const auto at = [&](int axis) { return static_cast<std::uint64_t>(cell[axis]); };
+        order[i] = {morton_code(at(0), at(1), at(2)), static_cast<std::uint32_t>(i)};
     });
     radix_sort(ctx, order, 3 * kBitsPerAxis, [](const Place& p) { return p.key; });
 

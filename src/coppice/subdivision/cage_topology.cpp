@@ -39,23 +39,6 @@ void check_quads(std::span<const Quad> quads, std::uint32_t vertex_count, const 
                     q[0], q[1], q[2], q[3], vertex_count));
 }
 
-// A counting sort: stable, so every fan is ascending.
-void build_fans(CageTopology& t, std::uint32_t vertex_count) {
-    t.fan_first.resize(std::size_t{vertex_count} + 1);
-    std::fill(t.fan_first.begin(), t.fan_first.end(), 0u);
-    for (const Quad& q : t.quads) {
-        for (const std::uint32_t v : q) ++t.fan_first[v];
-    }
-    exclusive_scan(std::span(t.fan_first));
-    t.fan.resize(4 * t.quads.size());
-    std::uint32_t half = 0;
-    for (const Quad& q : t.quads) {
-        for (const std::uint32_t v : q) t.fan[t.fan_first[v]++] = half++;
-    }
-    for (std::size_t v = vertex_count; v > 0; --v) t.fan_first[v] = t.fan_first[v - 1];
-    t.fan_first[0] = 0;
-}
-
 // What one range of lower vertices contributes.
 struct EdgeRun {
     std::vector<std::array<std::uint32_t, 2>> edges;
@@ -98,13 +81,12 @@ void pair_half_edges(std::span<const std::uint64_t> entries, std::uint32_t u, Ed
 
 EdgeRun edges_of_vertices(const CageTopology& t, IndexRange vertices) {
     EdgeRun run;
-    run.edges.reserve((t.fan_first[vertices.end] - t.fan_first[vertices.begin]) / 2 + 16);
+    run.edges.reserve((t.fans.first[vertices.end] - t.fans.first[vertices.begin]) / 2 + 16);
     std::vector<std::uint64_t> entries;
     for (std::size_t v = vertices.begin; v < vertices.end; ++v) {
         const auto u = static_cast<std::uint32_t>(v);
         entries.clear();
-        for (std::uint32_t k = t.fan_first[v]; k < t.fan_first[v + 1]; ++k) {
-            const std::uint32_t half = t.fan[k];
+        for (const std::uint32_t half : t.fans[v]) {
             const Quad& q = t.quads[half >> 2];
             const std::uint32_t to = q[(half + 1) & 3];
             const std::uint32_t from = q[(half + 3) & 3];
@@ -158,6 +140,15 @@ void mark_boundary(CageTopology& t) {
 
 }  // namespace
 
+CompressedRows<std::uint32_t> vertex_fans(std::span<const Quad> quads, std::uint32_t vertex_count) {
+    return compress_rows<std::uint32_t>(vertex_count, [&](const auto& put) {
+        std::uint32_t half = 0;
+        for (const Quad& q : quads) {
+            for (const std::uint32_t v : q) put(v, half++);
+        }
+    });
+}
+
 CageTopology build_cage_topology(std::span<const Quad> quads, std::uint32_t vertex_count,
                                  const Context& ctx) {
     if (quads.size() > kMaxFaces) {
@@ -167,7 +158,7 @@ CageTopology build_cage_topology(std::span<const Quad> quads, std::uint32_t vert
     check_quads(quads, vertex_count, ctx);
     CageTopology t;
     t.quads.assign(quads.begin(), quads.end());
-    build_fans(t, vertex_count);
+    t.fans = vertex_fans(quads, vertex_count);
     build_edges(t, ctx);
     mark_boundary(t);
     return t;

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "coppice/base/column.h"
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
 
@@ -21,14 +22,12 @@ struct CageTopology {
     Buffer<Quad> quads;                         ///< those given
     Buffer<std::array<std::uint32_t, 4>> side;  ///< per quad and side: 2 edge + (1 if the side runs backward)
     Buffer<std::array<std::uint32_t, 2>>
-        edge_half;  ///< per edge: forward and backward half-edge, or kNone at a boundary
-    Buffer<std::uint32_t>
-        fan_first;              ///< vertex v starts the half-edges fan[fan_first[v] .. fan_first[v + 1])
-    Buffer<std::uint32_t> fan;  ///< ascending within each vertex
-    Buffer<std::uint8_t> on_boundary;  ///< per vertex; empty when no edge is on a boundary
+        edge_half;                       ///< per edge: forward and backward half-edge, or kNone at a boundary
+    CompressedRows<std::uint32_t> fans;  ///< the half-edges that each vertex starts
+    Buffer<std::uint8_t> on_boundary;    ///< per vertex; empty when no edge is on a boundary
 
     /// those without quads included
-    std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(fan_first.size()) - 1; }
+    std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(fans.size()); }
     /// of one quad or two
     std::uint32_t edge_count() const { return static_cast<std::uint32_t>(edge_half.size()); }
     /// number of quads
@@ -48,8 +47,11 @@ struct CageTopology {
         return half == (pair[0] < pair[1] ? pair[0] : pair[1]);
     }
     /// True for the first half-edge of its start vertex's fan: that face counts the vertex as its own.
-    bool owns_vertex(std::uint32_t half) const { return fan[fan_first[corner(half)]] == half; }
+    bool owns_vertex(std::uint32_t half) const { return fans[corner(half)].front() == half; }
 };
+
+/// The half-edges that start at each vertex, ascending. O(n).
+CompressedRows<std::uint32_t> vertex_fans(std::span<const Quad> quads, std::uint32_t vertex_count);
 
 /// O(n), also with vertices of thousands of faces (n log n in their valence). Vertices without faces are
 /// allowed. Throws InvalidInput naming the quad or the edge when an index is out of range, a quad repeats a

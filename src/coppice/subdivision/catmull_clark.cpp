@@ -84,8 +84,7 @@ Vec3 refine_boundary_vertex(const CageTopology& cage, const PatchIndex<N>& index
     };
     Vec3 sum;
     float count = 0;
-    for (std::uint32_t k = cage.fan_first[v]; k < cage.fan_first[v + 1]; ++k) {
-        const std::uint32_t half = cage.fan[k];
+    for (const std::uint32_t half : cage.fans[v]) {
         const std::uint32_t before = CageTopology::prev(half);
         if (is_boundary(half)) {
             sum += in[index.along(half)];
@@ -102,17 +101,16 @@ Vec3 refine_boundary_vertex(const CageTopology& cage, const PatchIndex<N>& index
 template <int N>
 Vec3 refine_vertex(const CageTopology& cage, const PatchIndex<N>& index, std::uint32_t v,
                    std::span<const Vec3> in) {
-    const std::uint32_t begin = cage.fan_first[v];
-    const std::uint32_t end = cage.fan_first[v + 1];
-    if (begin == end) return in[v];
+    const auto fan = cage.fans[v];
+    if (fan.empty()) return in[v];
     if (!cage.closed() && cage.on_boundary[v] != 0) return refine_boundary_vertex<N>(cage, index, v, in);
     Vec3 along;
     Vec3 across;
-    for (std::uint32_t k = begin; k < end; ++k) {
-        along += in[index.along(cage.fan[k])];
-        across += in[index.across(cage.fan[k])];
+    for (const std::uint32_t half : fan) {
+        along += in[index.along(half)];
+        across += in[index.across(half)];
     }
-    const float per_valence = 1.0f / static_cast<float>(end - begin);
+    const float per_valence = 1.0f / static_cast<float>(fan.size());
     return (1 - 1.75f * per_valence) * in[v] + per_valence * per_valence * (1.5f * along + 0.25f * across);
 }
 

@@ -134,8 +134,8 @@ class PatchStars {
             const auto& pair = cage_.edge_half[(vertex - edges_) / (n_ - 1)];
             return (pair[0] < pair[1] ? pair[0] : pair[1]) >> 2;
         }
-        const std::uint32_t begin = cage_.fan_first[vertex];
-        return begin == cage_.fan_first[vertex + 1] ? CageTopology::kNone : cage_.fan[begin] >> 2;
+        const auto fan = cage_.fans[vertex];
+        return fan.empty() ? CageTopology::kNone : fan[0] >> 2;
     }
 
     bool on_boundary(std::uint32_t vertex) const {
@@ -161,9 +161,7 @@ class PatchStars {
             if (forward != CageTopology::kNone) visit_side(forward, along, visit);
             if (backward != CageTopology::kNone) visit_side(backward, n_ - along, visit);
         } else {
-            for (std::uint32_t k = cage_.fan_first[vertex]; k < cage_.fan_first[vertex + 1]; ++k) {
-                visit(QuadCorner{beside(cage_.fan[k], 0), cage_.fan[k] & 3});
-            }
+            for (const std::uint32_t half : cage_.fans[vertex]) visit(QuadCorner{beside(half, 0), half & 3});
         }
     }
 

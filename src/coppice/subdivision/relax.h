@@ -4,6 +4,7 @@
 #include <span>
 
 #include "coppice/base/column.h"
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
 
@@ -24,9 +25,7 @@ class TangentialRelaxation {
     Vec3 relaxed(std::uint32_t vertex, std::span<const Vec3> positions, float weight) const;
 
     std::span<const Quad> quads_;
-    Buffer<std::uint32_t>
-        fan_first_;  // vertex v starts the half-edges fan_[fan_first_[v] .. fan_first_[v + 1])
-    Buffer<std::uint32_t> fan_;
+    CompressedRows<std::uint32_t> fans_;  // the half-edges that each vertex starts
 };
 
 }  // namespace coppice

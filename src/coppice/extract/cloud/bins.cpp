@@ -1,31 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "coppice/base/parallel.h"
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/extract/cloud/tree_internal.h"
 #include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
-
-/// Sets that grow together; the lowest member names a set.
-class Sets {
-  public:
-    explicit Sets(std::size_t count) : above_(count) { std::iota(above_.begin(), above_.end(), 0u); }
-    std::uint32_t find(std::uint32_t i) {
-        while (above_[i] != i) i = above_[i] = above_[above_[i]];
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        above_[std::max(a, b)] = std::min(a, b);
-    }
-
-  private:
-    std::vector<std::uint32_t> above_;
-};
 
 class Binner {
   public:
@@ -72,7 +54,7 @@ class Binner {
         for (std::uint32_t i = 0; i < heads.size(); ++i) piece[heads[i]] = i;
         std::vector<std::uint32_t> piece_of(points_.size(), kNone);
         for (const std::uint32_t p : paths_.order) piece_of[p] = piece[set_.find(p)];
-        const Rows members = group_by(piece_of, heads.size());
+        const auto members = group_by(piece_of, heads.size());
         const std::uint32_t first = tree.size();
         for (const std::uint32_t p : paths_.order) tree.node_of_point[p] = first + piece_of[p];
         std::vector<std::uint32_t> below;
@@ -80,16 +62,16 @@ class Binner {
             poll_stop(ctx_, i);
             below.clear();
             Vec3d sum;
-            for (const std::uint32_t p : members.of(i)) {
+            for (const std::uint32_t p : members[i]) {
                 sum += Vec3d(points_[p]);
                 if (paths_.parent[p] == kNone) continue;
                 const std::uint32_t from = tree.node_of_point[paths_.parent[p]];
                 if (from != first + i) below.push_back(from);
             }
-            const auto count = static_cast<double>(members.of(i).size());
+            const auto count = static_cast<double>(members[i].size());
             const std::uint32_t n = tree.add(most_frequent(below), sum / count);
             double squared = 0;
-            for (const std::uint32_t p : members.of(i))
+            for (const std::uint32_t p : members[i])
                 squared += length_squared(Vec3d(points_[p]) - tree.position[n]);
             tree.radius[n] = std::sqrt(squared / count);
         }
@@ -116,24 +98,10 @@ class Binner {
     std::span<const float> spacing_;
     const Context& ctx_;
     std::vector<std::uint32_t> level_;
-    Sets set_;
+    DisjointSets set_;
 };
 
 }  // namespace
-
-Rows group_by(std::span<const std::uint32_t> key, std::size_t rows) {
-    Rows out;
-    out.first.assign(rows + 1, 0);
-    for (const std::uint32_t k : key) {
-        if (k != kNone) ++out.first[k];
-    }
-    out.item.resize(exclusive_scan(std::span(out.first)));
-    std::vector<std::uint32_t> next = out.first;
-    for (std::uint32_t i = 0; i < key.size(); ++i) {
-        if (key[i] != kNone) out.item[next[key[i]]++] = i;
-    }
-    return out;
-}
 
 std::vector<std::uint32_t> axis_children(const CloudTree& tree, std::vector<double>& longest) {
     std::vector<std::uint32_t> child(tree.size(), kNone);

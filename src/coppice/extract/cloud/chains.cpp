@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/strand_internal.h"
 
@@ -20,10 +20,8 @@ double rise_of(const DraftTree& tree, const Cover& cover, std::uint32_t point, V
     double rise = cover.distance[point];
     std::uint32_t n = owner;
     for (int k = 0; n != kNone && k < kSegments; n = tree.parent[n], ++k) {
-        const std::uint32_t q = tree.parent[n] == kNone ? n : tree.parent[n];
-        const Vec3d a = tree.position[q], d = tree.position[n] - a;
-        const double t = closest_parameter(p, a, d, 1);
-        rise = std::min(rise, distance(p, a + d * t) - std::min(tree.radius[n], tree.radius[q]));
+        const RoundCone cone = axis_cone(tree, n);
+        rise = std::min(rise, cone.foot(p).distance() - std::min(cone.radius_a, cone.radius_b()));
     }
     return rise;
 }

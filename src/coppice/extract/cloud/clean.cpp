@@ -4,6 +4,8 @@
 #include <cstddef>
 
 #include "coppice/base/box.h"
+#include "coppice/base/median.h"
+#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/extract/cloud/clean_internal.h"
@@ -13,21 +15,11 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::size_t kGrain = 16384;
-constexpr double kCells = 2097151;  // 2^21 - 1 along each axis, so that three numbers fit 63 bits
 
 Box3 bounds_of(std::span<const Vec3> points) {
     Box3 box;
     for (const Vec3 p : points) box.extend(p);
     return box;
-}
-
-/// Puts two zeros between the lowest 21 bits.
-std::uint64_t spread(std::uint64_t x) {
-    x = (x | x << 32) & 0x001f00000000ffffull;
-    x = (x | x << 16) & 0x001f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    return (x | x << 2) & 0x1249249249249249ull;
 }
 
 double widest(const Box3& box) {
@@ -41,15 +33,15 @@ bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y <
 
 Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Context& ctx) {
     const Box3 box = bounds_of(points);
-    edge = std::max(edge, widest(box) / kCells);
+    constexpr double kLast = kMortonCells - 1;
+    edge = std::max(edge, widest(box) / kLast);
     Buffer<CubePlace> place(points.size());
     stoppable_for(ctx, points.size(), kGrain, [&](std::size_t i) {
-        std::uint64_t key = 0;
-        for (int axis = 0; axis < 3; ++axis) {
+        const auto cell = [&](int axis) {
             const double at = (double{points[i][axis]} - double{box.low[axis]}) / edge;
-            key |= spread(static_cast<std::uint64_t>(std::clamp(at, 0.0, kCells))) << axis;
-        }
-        place[i] = {key, static_cast<std::uint32_t>(i)};
+            return static_cast<std::uint64_t>(std::clamp(at, 0.0, kLast));
+        };
+        place[i] = {morton_code(cell(0), cell(1), cell(2)), static_cast<std::uint32_t>(i)};
     });
     radix_sort(ctx, place, 63, [](const CubePlace& p) { return p.key; });
     return place;
@@ -124,17 +116,9 @@ std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, co
     stoppable_for(ctx, n, kGrain, [&](std::size_t i) {
         std::array<float, kNear> about{};
         for (std::uint32_t k = 0; k < near; ++k) about[k] = mean[neighbours.of(i)[k]];
-        std::nth_element(about.begin(), about.begin() + near / 2, about.begin() + near);
-        stray[i] = mean[i] > factor * about[near / 2];
+        stray[i] = mean[i] > factor * median_in_place(std::span(about).first(near));
     });
     return stray;
-}
-
-float median(std::span<const float> values) {
-    Buffer<float> sorted(values.begin(), values.end());
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return *middle;
 }
 
 }  // namespace coppice::extract_internal

@@ -34,9 +34,6 @@ Buffer<Vec3> thinned_to(Buffer<Vec3> points, std::size_t limit, const Context& c
 /// The distance to the `rank`-th neighbour of every point [m].
 Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank);
 
-/// Of one value or more; of an even number the upper one of the two in the middle. O(n).
-float median(std::span<const float> values);
-
 /// Marks points that lie far from everything: their mean distance to the six nearest is more than `factor`
 /// times what is usual about those, so that a density that falls with distance is no reason.
 std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, const Context& ctx);

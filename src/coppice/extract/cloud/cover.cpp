@@ -2,8 +2,10 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
 #include "coppice/extract/stage_internal.h"
@@ -29,30 +31,12 @@ constexpr double kLeastShare = 0.35;  // of its points, which it must explain
 constexpr double kThin = 0.08;        // [spacing] thinner branches within reach of others are not believed
 constexpr std::size_t kGrain = 4096;
 
-/// The segment that ends at a node, as a cone with round ends.
-struct Cone {
-    Vec3d a, d;
-    double ra, rb;
-    Cone(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
-        const std::uint32_t q = tree.parent[n] == kNone ? n : tree.parent[n];
-        a = tree.position[q];
-        d = tree.position[n] - a;
-        rb = tree.radius[n];
-        ra = links.leader(q) == n ? tree.radius[q] : rb;
-    }
-    double distance(Vec3d p, double& radius) const {
-        const double t = closest_parameter(p, a, d, 1);
-        radius = ra + (rb - ra) * t;
-        return length(p - a - d * t) - radius;
-    }
-};
-
 /// All segments of a tree, found by place.
 class Cones {
   public:
     Cones(const DraftTree& tree, const DraftLinks& links, const Context& ctx)
         : cones_(cones_of(tree, links)), index_(boxes_of(cones_), ctx) {}
-    const Cone& operator[](std::uint32_t n) const { return cones_[n]; }
+    const RoundCone& operator[](std::uint32_t n) const { return cones_[n]; }
     /// Visits those whose surface may be within reach of p.
     template <class Visit>
     void visit(Vec3 p, float reach, const Visit& visit) const {
@@ -60,20 +44,20 @@ class Cones {
     }
 
   private:
-    static std::vector<Cone> cones_of(const DraftTree& tree, const DraftLinks& links) {
-        std::vector<Cone> cones;
-        for (std::uint32_t n = 0; n < tree.size(); ++n) cones.emplace_back(tree, links, n);
+    static std::vector<RoundCone> cones_of(const DraftTree& tree, const DraftLinks& links) {
+        std::vector<RoundCone> cones;
+        for (std::uint32_t n = 0; n < tree.size(); ++n) cones.push_back(surface_cone(tree, links, n));
         return cones;
     }
-    static std::vector<Box3> boxes_of(std::span<const Cone> cones) {
+    static std::vector<Box3> boxes_of(std::span<const RoundCone> cones) {
         std::vector<Box3> boxes;
-        for (const Cone& c : cones) {
-            const auto r = static_cast<float>(1.0001 * std::max(c.ra, c.rb));
-            boxes.push_back(capsule_box(Vec3(c.a), Vec3(c.a + c.d), r));
+        for (const RoundCone& c : cones) {
+            const auto r = static_cast<float>(1.0001 * std::max(c.radius_a, c.radius_b()));
+            boxes.push_back(capsule_box(Vec3(c.a), Vec3(c.b()), r));
         }
         return boxes;
     }
-    std::vector<Cone> cones_;
+    std::vector<RoundCone> cones_;
     BoxTree index_;
 };
 
@@ -86,9 +70,7 @@ double noise_of(std::span<const float> distance, std::span<const float> radius,
             off.push_back(std::abs(distance[i]));
     }
     if (off.size() < kEnough) return 0;
-    const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-    std::nth_element(off.begin(), middle, off.end());
-    return 1.4826 * *middle;
+    return 1.4826 * median_in_place(off);
 }
 
 /// What explains a point, what would without that, and what the first is worth: from 0 to 1.
@@ -109,8 +91,8 @@ class RivalFinder {
         double best = kInfinity, next = kInfinity, best_radius = 0, next_radius = 0;
         Rivals out;
         cones_.visit(point, static_cast<float>(kRivalLook * spacing), [&](std::uint32_t n) {
-            double r = 0;
-            const double d = cones_[n].distance(p, r);
+            const RoundCone::Foot foot = cones_[n].foot(p);
+            const double d = foot.signed_distance(), r = foot.radius;
             if (d < best) {
                 if (out.first != kNone && branch_[out.first] != branch_[n]) {
                     next = best;
@@ -170,11 +152,11 @@ Cover claim_points(const DraftTree& tree, FitSamples& samples, std::span<const f
         double best = std::numeric_limits<double>::infinity();
         const Vec3d p(samples.positions[i]);
         cones.visit(samples.positions[i], static_cast<float>(kLook * spacing[i]), [&](std::uint32_t n) {
-            double r = 0;
-            const double d = cones[n].distance(p, r);
+            const RoundCone::Foot foot = cones[n].foot(p);
+            const double d = foot.signed_distance();
             if (!(d < best || (d == best && n < samples.node[i]))) return;
             best = d;
-            radius[i] = static_cast<float>(r);
+            radius[i] = static_cast<float>(foot.radius);
             samples.node[i] = n;
         });
         cover.distance[i] = static_cast<float>(best);
@@ -200,7 +182,7 @@ std::uint32_t drop_needless(DraftTree& tree, FitSamples& samples, std::span<cons
         rivals[i] = finder.find(samples.positions[i], spacing[i]);
         if (rivals[i].first != kNone) key[i] = branch[rivals[i].first];
     });
-    const Rows members = group_by(key, tree.size());
+    const auto members = group_by(key, tree.size());
     struct Candidate {
         double gain;
         std::uint32_t tip;
@@ -211,13 +193,13 @@ std::uint32_t drop_needless(DraftTree& tree, FitSamples& samples, std::span<cons
         Candidate c{0, n};
         bool near = true;
         double about = 0;
-        for (const std::uint32_t i : members.of(n)) {
+        for (const std::uint32_t i : members[n]) {
             c.gain += rivals[i].gain;
             about += spacing[i];
             near = near && rivals[i].second != kNone;
         }
         // A branch without points explains nothing as it is.
-        const auto points = static_cast<double>(std::max<std::size_t>(members.of(n).size(), 1));
+        const auto points = static_cast<double>(std::max<std::size_t>(members[n].size(), 1));
         if (near && tree.radius[n] < kThin * about / points) c.gain = 0;
         order.push_back(c);
     }
@@ -227,14 +209,13 @@ std::uint32_t drop_needless(DraftTree& tree, FitSamples& samples, std::span<cons
     for (const Candidate& c : order) {
         // A rival that has gone itself explains nothing.
         double gain = 0;
-        for (const std::uint32_t i : members.of(c.tip))
+        for (const std::uint32_t i : members[c.tip])
             if (c.gain > 0)
                 gain += rivals[i].second != kNone && gone[rivals[i].second] ? 1.0 : double{rivals[i].gain};
-        if (gain >= std::max(kLeastGain, kLeastShare * static_cast<double>(members.of(c.tip).size())))
-            continue;
+        if (gain >= std::max(kLeastGain, kLeastShare * static_cast<double>(members[c.tip].size()))) continue;
         for (std::uint32_t n = c.tip; tree.parent[n] != kNone && branch[n] == c.tip; n = tree.parent[n])
             gone[n] = 1;
-        for (const std::uint32_t i : members.of(c.tip)) rivals[i].first = rivals[i].second;
+        for (const std::uint32_t i : members[c.tip]) rivals[i].first = rivals[i].second;
         ++count;
     }
     const auto new_of_old = sort_parents_first(tree, gone);

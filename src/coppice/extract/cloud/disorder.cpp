@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/clean_internal.h"
 #include "coppice/extract/stage_internal.h"

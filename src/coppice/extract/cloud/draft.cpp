@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "coppice/base/median.h"
 #include "coppice/extract/cloud/clean_internal.h"
 #include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"

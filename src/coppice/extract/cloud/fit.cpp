@@ -84,7 +84,7 @@ class AxisFitter {
     /// Points of one node as seen along the axis at `eye`, `way` [m] off.
     void add(std::uint32_t node, std::uint32_t eye, double weight, std::vector<PlanePoint>& plane) const {
         const Vec3d u = perpendicular(direction_[eye]), v = cross(direction_[eye], u), t = direction_[node];
-        for (const std::uint32_t i : members_.of(node)) {
+        for (const std::uint32_t i : members_[node]) {
             Vec3d off = Vec3d(points_[i]) - tree_.position[node];
             off -= t * dot(off, t);
             plane.push_back({dot(off, u), dot(off, v), weight});
@@ -124,7 +124,7 @@ class AxisFitter {
     std::vector<double> longest_;
     std::vector<std::uint32_t> next_;
     std::vector<Vec3d> direction_;
-    Rows members_;
+    CompressedRows<std::uint32_t> members_;
 };
 
 /// Draws nodes to the middle of their neighbours along the axis, those with poor fits farther.

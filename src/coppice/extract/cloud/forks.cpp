@@ -3,7 +3,7 @@
 #include <limits>
 #include <numeric>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/draft_internal.h"
 
 namespace coppice::extract_internal {
@@ -102,10 +102,7 @@ class ForkSettler {
             const Vec3d p = tree_.position[n];
             bool inside = false;
             visit_host(fork, p, [&](std::uint32_t q) {
-                const Vec3d a = tree_.position[tree_.parent[q]], d = tree_.position[q] - a;
-                const double t = closest_parameter(p, a, d, 1);
-                const double r = std::lerp(tree_.radius[tree_.parent[q]], tree_.radius[q], t);
-                inside = inside || distance(p, a + d * t) <= r;
+                inside = inside || axis_cone(tree_, q).foot(p).signed_distance() <= 0;
             });
             if (!inside) break;
             gone_[n] = 1;
@@ -130,13 +127,13 @@ class ForkSettler {
         visit_host(fork, start, [&](std::uint32_t q) {
             const std::uint32_t above = tree_.parent[q];
             if (gone_[q] || gone_[above]) return;
+            const RoundCone cone = axis_cone(tree_, q);
             // The first segment of another lateral is about to move: only its end will do.
             for (int k = next_[above] == q ? 0 : kPlaces; k <= kPlaces; ++k) {
                 const double t = static_cast<double>(k) / kPlaces;
-                const Vec3d at = lerp(tree_.position[above], tree_.position[q], t), way = start - at;
+                const Vec3d at = cone.point(t), way = start - at;
                 const double l = length(way), cost = l + kBend * (l - dot(way, direction));
-                if (cost < best.cost)
-                    best = {q, t, at, std::lerp(tree_.radius[above], tree_.radius[q], t), cost};
+                if (cost < best.cost) best = {q, t, at, cone.radius(t), cost};
             }
         });
         return best;

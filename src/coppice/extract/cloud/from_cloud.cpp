@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/median.h"
 #include "coppice/extract/cloud/clean_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/graph_internal.h"

@@ -6,6 +6,8 @@
 #include <queue>
 #include <utility>
 
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/base/parallel.h"
 #include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -32,27 +34,6 @@ void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> i
     }
     for (const Link& link : more) visit(link.from, link.to, link.length);
 }
-
-class Sets {
-  public:
-    explicit Sets(std::size_t count) : above_(count) {
-        for (std::size_t i = 0; i < count; ++i) above_[i] = static_cast<std::uint32_t>(i);
-    }
-    std::uint32_t find(std::uint32_t i) {
-        while (above_[i] != i) i = above_[i] = above_[above_[i]];
-        return i;
-    }
-    bool join(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        if (a == b) return false;
-        above_[std::max(a, b)] = std::min(a, b);
-        return true;
-    }
-
-  private:
-    std::vector<std::uint32_t> above_;
-};
 
 /// Nearest points of other parts, by a tree of boxes that knows which boxes belong to one part alone.
 class NearestOther {
@@ -115,21 +96,6 @@ class NearestOther {
     std::vector<std::vector<std::uint32_t>> part_;  ///< of each box of a level; kNone = several
 };
 
-/// The points of each part one after the other.
-struct Members {
-    std::vector<std::uint32_t> first, point;
-    Members(std::span<const std::uint32_t> used, std::span<const std::uint32_t> part_of, std::size_t parts)
-        : first(parts + 1), point(used.size()) {
-        for (const std::uint32_t i : used) ++first[part_of[i]];
-        exclusive_scan(std::span(first));
-        std::vector<std::uint32_t> next = first;
-        for (const std::uint32_t i : used) point[next[part_of[i]]++] = i;
-    }
-    std::span<const std::uint32_t> of(std::size_t part) const {
-        return {point.data() + first[part], point.data() + first[part + 1]};
-    }
-};
-
 }  // namespace
 
 Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
@@ -184,16 +150,18 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
     std::vector<Link> bridges;
     if (parts.size.size() < 2) return bridges;
     NearestOther nearest(points, ignored, ctx);
-    Sets sets(parts.size.size());
+    DisjointSets sets(parts.size.size());
     std::vector<std::uint32_t> part_of = parts.of;
-    const Members members(nearest.used(), parts.of, parts.size.size());
+    const auto members = compress_rows<std::uint32_t>(parts.size.size(), [&](const auto& put) {
+        for (const std::uint32_t p : nearest.used()) put(parts.of[p], p);
+    });
     for (bool joined = true; joined;) {
         for (std::uint32_t i = 0; i < part_of.size(); ++i) part_of[i] = sets.find(parts.of[i]);
         nearest.set_parts(part_of);
         std::vector<Link> best(parts.size.size(), {kNone, kNone, 0});
         stoppable_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
             double squared = limit * limit;
-            for (const std::uint32_t p : members.of(part)) {
+            for (const std::uint32_t p : members[part]) {
                 std::uint32_t found = kNone;
                 nearest.search(p, squared, found);
                 if (found != kNone) best[part] = {p, found, static_cast<float>(std::sqrt(squared))};

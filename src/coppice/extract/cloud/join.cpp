@@ -56,10 +56,10 @@ class Joiner {
     DraftTree& tree_;
     FitSamples& samples_;
     std::span<const float> spacing_;
-    std::uint32_t tube_count_;         // nodes of tubes; roots and chains come after them
-    std::vector<std::uint32_t> tube_;  // per node of a tube: its first one
-    Rows ends_, points_;               // of each tube
-    std::vector<double> length_;       // [m] of each tube
+    std::uint32_t tube_count_;                     // nodes of tubes; roots and chains come after them
+    std::vector<std::uint32_t> tube_;              // per node of a tube: its first one
+    CompressedRows<std::uint32_t> ends_, points_;  // of each tube
+    std::vector<double> length_;                   // [m] of each tube
     Strand strand_;
 };
 
@@ -84,7 +84,7 @@ std::uint32_t Joiner::end_near(std::uint32_t point) const {
     if (above != kNone && distance(tree_.position[above], p) < distance(tree_.position[best], p))
         best = above;
     double nearest = kNearEnd * (tree_.radius[best] + double{spacing_[point]});
-    for (const std::uint32_t e : ends_.of(tube_[samples_.node[point]])) {
+    for (const std::uint32_t e : ends_[tube_[samples_.node[point]]]) {
         const double d = distance(tree_.position[e], p);
         if (d >= nearest) continue;
         nearest = d;
@@ -116,7 +116,7 @@ bool Joiner::hang(std::uint32_t entry, const Paths& paths) {
     const std::uint32_t end = end_near(entry), base = strand_.trace(paths.parent[entry], paths);
     const std::uint32_t owner = samples_.node[base];
     if (is_bundle(entry, end, owner)) {
-        for (const std::uint32_t p : points_.of(tube_[samples_.node[entry]])) samples_.node[p] = kNone;
+        for (const std::uint32_t p : points_[tube_[samples_.node[entry]]]) samples_.node[p] = kNone;
         return false;
     }
     root_at(tree_, end);

@@ -24,17 +24,6 @@ struct CloudTree : DraftTree {
     }
 };
 
-/// Numbers in rows: children of nodes, points of nodes.
-struct Rows {
-    std::vector<std::uint32_t> first, item;
-    std::span<const std::uint32_t> of(std::size_t row) const {
-        return {item.data() + first[row], item.data() + first[row + 1]};
-    }
-};
-
-/// Items i with key[i] = row, in order of i; kNone belongs nowhere.
-Rows group_by(std::span<const std::uint32_t> key, std::size_t rows);
-
 /// For every node the child that continues its axis, that with the longest way to a tip, or kNone; `longest`
 /// takes that way [m].
 std::vector<std::uint32_t> axis_children(const CloudTree& tree, std::vector<double>& longest);

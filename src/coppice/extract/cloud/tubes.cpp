@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/fit_internal.h"
 #include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -105,16 +105,12 @@ void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spa
 }
 
 /// The part of the axis between a node and its parent, as tubes claim points.
-struct Tube {
-    Vec3d a, d;
-    double ra, rb;
-    explicit Tube(const CloudTree& tree, std::uint32_t n)
-        : a(tree.position[tree.parent[n]]),
-          d(tree.position[n] - a),
-          // A thin branch does not start as thick as what it leaves.
-          ra(std::min(tree.radius[tree.parent[n]], 1.5 * tree.radius[n])),
-          rb(tree.radius[n]) {}
-};
+RoundCone tube_at(const CloudTree& tree, std::uint32_t n) {
+    const std::uint32_t q = tree.parent[n];
+    // A thin branch does not start as thick as what it leaves.
+    const double start = std::min(tree.radius[q], 1.5 * tree.radius[n]);
+    return round_cone(tree.position[q], tree.position[n], start, tree.radius[n]);
+}
 
 /// Gives the points on kept branches to them, and takes the others back.
 void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& ctx) {
@@ -122,9 +118,9 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
     std::vector<std::uint32_t> owner;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (tree.parent[n] == kNone) continue;
-        const Tube tube(tree, n);
-        const auto reach = static_cast<float>((1 + kSlack) * std::max(tube.ra, tube.rb));
-        boxes.push_back(capsule_box(Vec3(tube.a), Vec3(tube.a + tube.d), reach * 1.0001f));
+        const RoundCone tube = tube_at(tree, n);
+        const auto reach = static_cast<float>((1 + kSlack) * std::max(tube.radius_a, tube.radius_b()));
+        boxes.push_back(capsule_box(Vec3(tube.a), Vec3(tube.b()), reach * 1.0001f));
         owner.push_back(n);
     }
     const BoxTree index(boxes, ctx);
@@ -134,12 +130,11 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
         const Vec3d p(points[i]);
         index.visit_overlapping({points[i], points[i]}, [&](std::uint32_t item) {
             const std::uint32_t n = owner[item];
-            const Tube tube(tree, n);
-            const double t = closest_parameter(p, tube.a, tube.d);
-            const double rho = length(p - tube.a - tube.d * t) / std::lerp(tube.ra, tube.rb, t);
+            const RoundCone::Foot foot = tube_at(tree, n).foot(p);
+            const double rho = foot.distance() / foot.radius;
             if (rho > best || (rho == best && found != kNone)) return;
             best = rho;
-            found = t < 0.5 ? tree.parent[n] : n;
+            found = foot.t < 0.5 ? tree.parent[n] : n;
         });
         tree.node_of_point[i] = found;
     });

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "coppice/base/error.h"
+#include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/extract/mesh/cholesky_internal.h"
@@ -132,12 +133,8 @@ void measure_radii(const Surface& s, const Context& ctx, Contraction& c) {
         for (const std::uint32_t m : links.children(n)) look(m);
         distances[n].push_back(best);
     }
-    parallel_for(ctx, t.size(), 256, [&](std::size_t n) {
-        auto& d = distances[n];
-        const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() / 2);
-        std::nth_element(d.begin(), middle, d.end());
-        c.tree.radius[n] = *middle;
-    });
+    parallel_for(ctx, t.size(), 256,
+                 [&](std::size_t n) { c.tree.radius[n] = median_in_place(distances[n]); });
     double least = 0;
     for (const double r : c.tree.radius) least = std::max(least, 1e-4 * r);
     for (double& r : c.tree.radius) r = std::max(r, least);

@@ -1,4 +1,5 @@
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/median.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
 
 #include <algorithm>
@@ -61,9 +62,7 @@ void Stringing::keep_rings(std::uint32_t c) {
     const RingChain& chain = f_.chains[c];
     std::vector<double> spreads;
     for (std::uint32_t i = chain.first; i < chain.end; ++i) spreads.push_back(f_.rings[i].spread);
-    const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 2);
-    std::nth_element(spreads.begin(), middle, spreads.end());
-    const double limit = std::max(kRound, kLeastRound * *middle);
+    const double limit = std::max(kRound, kLeastRound * median_in_place(spreads));
     for (std::uint32_t i = chain.end; i-- > chain.first;) {
         strand_[i] = c;
         if (f_.rings[i].spread <= limit || i == chain.first) strands_[c].rings.push_back(i);
@@ -84,9 +83,9 @@ Stringing::Window Stringing::window(const Strand& o, std::uint32_t ring) const {
 void Stringing::drop_rings_inside(Strand& s, const Strand& o, Window w) const {
     const auto inside = [&](Vec3d p) {
         for (std::uint32_t k = w.begin; k < w.end; ++k) {
-            const Vec3d a = o.points[k], d = o.points[std::min(k + 1, o.last())] - a;
-            const double t = closest_parameter(p, a, d);
-            if (distance(p, o.at(k + t)) < o.radius_at(k + t)) return true;
+            const std::uint32_t next = std::min(k + 1, o.last());
+            const RoundCone cone = round_cone(o.points[k], o.points[next], o.radii[k], o.radii[next]);
+            if (cone.foot(p).signed_distance() < 0) return true;
         }
         return false;
     };

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <numeric>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/parallel.h"
 #include "coppice/extract/mesh/surface_internal.h"
 
@@ -15,13 +15,9 @@ Vec3d area_normal(const Surface& s, std::uint32_t t) {
 
 /// The half-edges that leave each vertex, and how often its edges are used in either direction.
 void list_outgoing(Surface& s) {
-    s.first_out.assign(s.size() + 1, 0);
-    for (const Triangle& t : s.triangles)
-        for (const std::uint32_t v : t) ++s.first_out[v + 1];
-    std::partial_sum(s.first_out.begin(), s.first_out.end(), s.first_out.begin());
-    s.out.resize(3 * s.triangles.size());
-    std::vector<std::uint32_t> next(s.first_out.begin(), s.first_out.end() - 1);
-    for (std::uint32_t h = 0; h < s.out.size(); ++h) s.out[next[s.from(h)]++] = h;
+    s.out = compress_rows<std::uint32_t>(s.size(), [&](const auto& put) {
+        for (std::uint32_t h = 0; h < 3 * s.triangles.size(); ++h) put(s.from(h), h);
+    });
 }
 
 /// Of the half-edges of one edge with more than two triangles, pairs the two that continue each other best:
@@ -49,18 +45,14 @@ SurfaceFindings pair_edges(Surface& s) {
     };
     constexpr std::size_t kMostCompared = 16;  // beyond, an edge is no surface: any pair will do
     SurfaceFindings found;
-    std::vector<Edge> edges;
     std::vector<std::uint32_t> group;
     s.twin.assign(3 * s.triangles.size(), kNone);
-    std::vector<std::uint32_t> first(s.size() + 1, 0);
-    for (std::uint32_t h = 0; h < s.twin.size(); ++h) ++first[std::min(s.from(h), s.to(h)) + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    edges.resize(s.twin.size());
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::uint32_t h = 0; h < s.twin.size(); ++h)
-        edges[next[std::min(s.from(h), s.to(h))]++] = {std::max(s.from(h), s.to(h)), h};
+    auto edges = compress_rows<Edge>(s.size(), [&](const auto& put) {
+        for (std::uint32_t h = 0; h < s.twin.size(); ++h)
+            put(std::min(s.from(h), s.to(h)), Edge{std::max(s.from(h), s.to(h)), h});
+    });
     for (std::uint32_t v = 0; v < s.size(); ++v) {
-        const auto run = std::span(edges).subspan(first[v], first[v + 1] - first[v]);
+        const std::span<Edge> run = edges[v];
         std::sort(run.begin(), run.end(), [](const Edge& a, const Edge& b) {
             return a.other != b.other ? a.other < b.other : a.half_edge < b.half_edge;
         });

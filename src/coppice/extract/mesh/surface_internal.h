@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
 
@@ -17,11 +18,11 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
 /// triangle t to the next. Edges of more than two triangles are taken apart: at most two of them are
 /// neighbours, the others end there; their vertices stay common.
 struct Surface {
-    Buffer<Vec3> positions;                     ///< [m] every one is used by a triangle
-    std::vector<Triangle> triangles;            ///< three different corners each
-    std::vector<std::uint32_t> twin;            ///< per half-edge: that of the neighbour, kNone at a border
-    std::vector<std::uint32_t> first_out, out;  ///< per vertex: the half-edges that leave it
-    std::vector<std::uint32_t> component;       ///< per vertex: pieces joined by common vertices, from 0
+    Buffer<Vec3> positions;                ///< [m] every one is used by a triangle
+    std::vector<Triangle> triangles;       ///< three different corners each
+    std::vector<std::uint32_t> twin;       ///< per half-edge: that of the neighbour, kNone at a border
+    CompressedRows<std::uint32_t> out;     ///< per vertex: the half-edges that leave it
+    std::vector<std::uint32_t> component;  ///< per vertex: pieces joined by common vertices, from 0
     std::uint32_t component_count = 0;
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(positions.size()); }
@@ -29,9 +30,7 @@ struct Surface {
     std::uint32_t to(std::uint32_t h) const { return triangles[h / 3][(h % 3 + 1) % 3]; }
     static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
-    std::span<const std::uint32_t> outgoing(std::uint32_t v) const {
-        return std::span(out).subspan(first_out[v], first_out[v + 1] - first_out[v]);
-    }
+    std::span<const std::uint32_t> outgoing(std::uint32_t v) const { return out[v]; }
 };
 
 /// What taking a mesh's edges apart came upon.

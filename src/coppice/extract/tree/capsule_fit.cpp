@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/extract/stage_internal.h"
 
 namespace coppice {
@@ -19,19 +20,15 @@ using Vec4 = std::array<double, 4>;
 using Mat4 = std::array<Vec4, 4>;
 
 /// Where a sample lies against the segment that ends at a node.
-struct Foot {
-    double t = 1, distance = 0, radius = 0;
-    Vec3d direction;  ///< unit, from the axis to the sample
-    double residual() const { return distance - radius; }
-};
-
 class Fit {
   public:
     Fit(DraftTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx)
         : t_(tree), s_(samples), options_(options), ctx_(ctx), links_(tree), first_radius_(tree.radius) {}
 
     void run();
-    Foot foot(std::uint32_t n, Vec3d p) const;
+    RoundCone::Foot foot(std::uint32_t n, std::size_t i) const {
+        return surface_cone(t_, links_, n).foot(Vec3d(s_.positions[i]));
+    }
     void assign();
 
   private:
@@ -42,7 +39,6 @@ class Fit {
     };
     double score(std::uint32_t n, std::size_t i) const;
     Block block(std::uint32_t n) const;
-    void group();
     void solve(const std::vector<Block>& blocks);
 
     DraftTree& t_;
@@ -50,30 +46,16 @@ class Fit {
     const FitOptions& options_;
     const Context& ctx_;
     DraftLinks links_;
-    std::vector<std::uint32_t> first_, sorted_;  // samples by node
+    CompressedRows<std::uint32_t> samples_of_;  // each node
     std::vector<double> first_radius_;
 };
 
-Foot Fit::foot(std::uint32_t n, Vec3d p) const {
-    const std::uint32_t q = t_.parent[n];
-    const Vec3d b = t_.position[n], a = q == kNone ? b : t_.position[q];
-    const double rb = t_.radius[n], ra = q == kNone || links_.leader(q) != n ? rb : t_.radius[q];
-    const Vec3d d = b - a;
-    Foot f;
-    f.t = closest_parameter(p, a, d, 1);
-    const Vec3d v = p - lerp(a, b, f.t);
-    f.distance = length(v);
-    f.direction = f.distance > 0 ? v / f.distance : Vec3d{};
-    f.radius = ra + (rb - ra) * f.t;
-    return f;
-}
-
 /// The depth in the segment; segments whose surface faces the other way count as far.
 double Fit::score(std::uint32_t n, std::size_t i) const {
-    const Foot f = foot(n, Vec3d(s_.positions[i]));
-    double score = f.residual();
+    const RoundCone::Foot f = foot(n, i);
+    double score = f.signed_distance();
     if (!s_.normals.empty()) {
-        const double facing = dot(f.direction, Vec3d(s_.normals[i]));
+        const double facing = dot(normalized(f.offset, {}), Vec3d(s_.normals[i]));
         score += std::max(0.0, 0.3 - facing) * f.radius;
     }
     return score;
@@ -106,39 +88,26 @@ void Fit::assign() {
     });
 }
 
-void Fit::group() {
-    first_.assign(t_.size() + 1, 0);
-    for (const std::uint32_t n : s_.node)
-        if (n != kNone) ++first_[n + 1];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    sorted_.resize(first_.back());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::uint32_t i = 0; i < s_.node.size(); ++i)
-        if (s_.node[i] != kNone) sorted_[next[s_.node[i]]++] = i;
-}
-
 Fit::Block Fit::block(std::uint32_t n) const {
     Block out;
     const std::uint32_t q = t_.parent[n];
     const bool tapers = q != kNone && links_.leader(q) == n;
-    for (std::uint32_t k = first_[n]; k < first_[n + 1]; ++k) {
-        const std::uint32_t i = sorted_[k];
-        const Foot f = foot(n, Vec3d(s_.positions[i]));
-        if (!(f.distance > 0)) continue;
-        const double e = f.residual() / f.radius, x = e / options_.robust;
+    for (const std::uint32_t i : samples_of_[n]) {
+        const RoundCone::Foot f = foot(n, i);
+        if (!(f.distance() > 0)) continue;
+        const Vec3d d = normalized(f.offset, {});
+        const double r = f.signed_distance(), x = r / f.radius / options_.robust;
         double w = 1 / (1 + x * x);
         w *= w;
         if (!s_.normals.empty() && length_squared(s_.normals[i]) > 0) {
-            const double facing = std::max(0.0, dot(f.direction, Vec3d(s_.normals[i])));
+            const double facing = std::max(0.0, dot(d, Vec3d(s_.normals[i])));
             w *= facing * facing;
         }
         w /= f.radius * f.radius;
         const double share = q == kNone ? 1 : f.t;
-        const Vec3d d = f.direction;
         const Vec4 jc{-d.x * share, -d.y * share, -d.z * share, tapers ? -share : -1.0};
         const double other = 1 - share;
         const Vec4 jp{-d.x * other, -d.y * other, -d.z * other, tapers ? -other : 0.0};
-        const double r = f.residual();
         for (int a = 0; a < 4; ++a) {
             for (int b = 0; b < 4; ++b) {
                 out.cc[a][b] += w * jc[a] * jc[b];
@@ -246,7 +215,7 @@ void Fit::run() {
     for (int k = 0; k < options_.iterations; ++k) {
         links_.update_leaders(t_);
         assign();
-        group();
+        samples_of_ = group_by(s_.node, t_.size());
         extract_internal::stoppable_for(
             ctx_, t_.size(), 64, [&](std::size_t n) { blocks[n] = block(static_cast<std::uint32_t>(n)); });
         solve(blocks);
@@ -270,7 +239,7 @@ std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& sample
     const Fit fit(copy, same, options, ctx);
     extract_internal::stoppable_for(ctx, out.size(), kGrain, [&](std::size_t i) {
         if (samples.node[i] != kNone)
-            out[i] = static_cast<float>(fit.foot(samples.node[i], Vec3d(samples.positions[i])).residual());
+            out[i] = static_cast<float>(fit.foot(samples.node[i], i).signed_distance());
     });
     return out;
 }

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "coppice/base/median.h"
+
 namespace coppice::extract_internal {
 namespace {
 
@@ -59,12 +61,6 @@ bool taubin(std::span<const PlanePoint> points, Circle& out) {
     return std::isfinite(out.r);
 }
 
-double median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// One step of Gauss-Newton with Tukey's weights at `scale`; false where the points do not tell.
 bool improve(std::span<const PlanePoint> points, double scale, Circle& c) {
     std::array<double, 6> a{};  // xx xy xr yy yr rr
@@ -103,7 +99,7 @@ double scale_of(std::span<const PlanePoint> points, const Circle& c, std::vector
     scratch.clear();
     for (const PlanePoint& p : points) scratch.push_back(std::abs(std::hypot(p.x - c.x, p.y - c.y) - c.r));
     // 4.685 standard deviations, as read from the median; never so narrow that rounding decides.
-    return std::max(4.685 * 1.4826 * median(scratch), 0.02 * c.r);
+    return std::max(4.685 * 1.4826 * median_in_place(scratch), 0.02 * c.r);
 }
 
 }  // namespace

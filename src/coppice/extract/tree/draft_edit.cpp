@@ -5,7 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -69,15 +70,6 @@ std::uint32_t inner_node(const DraftTree& t, const DraftLinks& links, std::uint3
     return n;
 }
 
-struct Foot {
-    double t, distance, radius;
-};
-Foot foot_on(const DraftTree& t, std::uint32_t n, Vec3d p) {
-    const Vec3d a = t.position[t.parent[n]], d = t.position[n] - a;
-    const double k = closest_parameter(p, a, d, 1);
-    return {k, distance(p, a + d * k), t.radius[t.parent[n]] + (t.radius[n] - t.radius[t.parent[n]]) * k};
-}
-
 /// Where the end of one tree may hang on a segment of another.
 struct Joint {
     double cost;  // distance in radii of the segment
@@ -112,9 +104,10 @@ std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint3
         index.visit_overlapping(at, [&](std::uint32_t item) {
             const std::uint32_t n = lower[item];
             if (root[n] == root[e]) return;
-            const Foot f = foot_on(tree, n, tree.position[e]);
-            if (f.distance >= reach * std::max(f.radius, r) || r > kMuchThicker * f.radius) return;
-            const double cost = f.distance / f.radius + std::max(0.0, r / f.radius - kThicker);
+            const RoundCone::Foot f = axis_cone(tree, n).foot(tree.position[e]);
+            const double d = f.distance();
+            if (d >= reach * std::max(f.radius, r) || r > kMuchThicker * f.radius) return;
+            const double cost = d / f.radius + std::max(0.0, r / f.radius - kThicker);
             if (cost < best.cost || (cost == best.cost && n < best.segment)) best = {cost, e, n, f.t};
         });
         if (best.segment != kNone) joints.push_back(best);
@@ -127,18 +120,8 @@ std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint3
 
 /// Takes away joints between trees that are joined already.
 void keep_a_forest(std::vector<Joint>& joints, std::span<const std::uint32_t> root) {
-    std::vector<std::uint32_t> set(root.size());
-    std::iota(set.begin(), set.end(), 0u);
-    const auto find = [&](std::uint32_t n) {
-        while (set[n] != n) n = set[n] = set[set[n]];
-        return n;
-    };
-    std::erase_if(joints, [&](const Joint& j) {
-        const std::uint32_t a = find(root[j.end]), b = find(root[j.segment]);
-        if (a == b) return true;
-        set[a] = b;
-        return false;
-    });
+    DisjointSets trees(root.size());
+    std::erase_if(joints, [&](const Joint& j) { return !trees.join(root[j.end], root[j.segment]); });
 }
 
 /// Adds a node for every joint on its segment; sorts the joints along segments and returns their nodes.
@@ -200,8 +183,8 @@ std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least) {
         if (fork == kNone) continue;
         double rise = std::numeric_limits<double>::infinity();
         const auto look = [&](std::uint32_t n) {
-            const Foot f = foot_on(tree, n, tree.position[tip]);
-            rise = std::min(rise, f.distance + tree.radius[tip] - f.radius);
+            const RoundCone::Foot f = axis_cone(tree, n).foot(tree.position[tip]);
+            rise = std::min(rise, f.distance() + tree.radius[tip] - f.radius);
         };
         if (tree.parent[fork] != kNone) look(fork);
         for (const std::uint32_t c : links.children(fork))

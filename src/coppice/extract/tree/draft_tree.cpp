@@ -1,18 +1,10 @@
 #include "coppice/extract/tree/draft_tree.h"
 
-#include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace coppice {
 
-DraftLinks::DraftLinks(const DraftTree& t) : first_(t.size() + 1, 0), child_(t.size()), leader_(t.size()) {
-    for (const std::uint32_t q : t.parent)
-        if (q != DraftTree::kNoParent) ++first_[q + 1];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::uint32_t n = 0; n < t.size(); ++n)
-        if (t.parent[n] != DraftTree::kNoParent) child_[next[t.parent[n]]++] = n;
+DraftLinks::DraftLinks(const DraftTree& t) : children_(group_by(t.parent, t.size())), leader_(t.size()) {
     update_leaders(t);
 }
 
@@ -22,6 +14,18 @@ void DraftLinks::update_leaders(const DraftTree& t) {
         for (const std::uint32_t c : children(n))
             if (leader_[n] == DraftTree::kNoParent || t.radius[c] > t.radius[leader_[n]]) leader_[n] = c;
     }
+}
+
+RoundCone axis_cone(const DraftTree& t, std::uint32_t n) {
+    const std::uint32_t q = t.parent[n] == DraftTree::kNoParent ? n : t.parent[n];
+    return round_cone(t.position[q], t.position[n], t.radius[q], t.radius[n]);
+}
+
+RoundCone surface_cone(const DraftTree& t, const DraftLinks& links, std::uint32_t n) {
+    const std::uint32_t q = t.parent[n];
+    const double r = t.radius[n];
+    if (q == DraftTree::kNoParent) return round_cone(t.position[n], t.position[n], r, r);
+    return round_cone(t.position[q], t.position[n], links.leader(q) == n ? t.radius[q] : r, r);
 }
 
 void root_at(DraftTree& tree, std::uint32_t end) {

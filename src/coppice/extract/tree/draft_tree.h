@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/round_cone.h"
 #include "coppice/base/vec.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -37,15 +39,19 @@ class DraftLinks {
     void update_leaders(const DraftTree& tree);
 
     /// In order of index.
-    std::span<const std::uint32_t> children(std::uint32_t n) const {
-        return std::span(child_).subspan(first_[n], first_[n + 1] - first_[n]);
-    }
-    std::uint32_t leader(std::uint32_t n) const { return leader_[n]; }         ///< kNoParent for a tip
-    bool is_tip(std::uint32_t n) const { return first_[n] == first_[n + 1]; }  ///< whether it has no children
+    std::span<const std::uint32_t> children(std::uint32_t n) const { return children_[n]; }
+    std::uint32_t leader(std::uint32_t n) const { return leader_[n]; }  ///< kNoParent for a tip
+    bool is_tip(std::uint32_t n) const { return children(n).empty(); }  ///< whether it has no children
 
   private:
-    std::vector<std::uint32_t> first_, child_, leader_;
+    CompressedRows<std::uint32_t> children_;
+    std::vector<std::uint32_t> leader_;
 };
+
+/// The segment that ends at n, with the radii of its two nodes; of a root the ball about it.
+RoundCone axis_cone(const DraftTree& tree, std::uint32_t n);
+/// The same as a part of the surface: only the leader starts with the radius of its parent.
+RoundCone surface_cone(const DraftTree& tree, const DraftLinks& links, std::uint32_t n);
 
 /// Makes `end` the root of its tree, by turning the way from it to the root round. The order of nodes is left
 /// alone: see `sort_parents_first`.

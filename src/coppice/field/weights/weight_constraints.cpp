@@ -8,8 +8,8 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/field/weights/weight_constraints_internal.h"
+#include "coppice/skeleton/segment_cone.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice {
@@ -48,8 +48,8 @@ class Cones {
     bool hold(Vec3 p, NodeId except) const {
         bool held = false;
         boxes_.visit_overlapping(capsule_box(p, p, 0), [&](std::uint32_t i) {
-            const Foot f = foot(i, p);
-            held = names_[i] != except && f.distance < kInside * f.radius;
+            const RoundCone::Foot f = foot(i, p);
+            held = names_[i] != except && f.distance() < kInside * f.radius;
             return !held;
         });
         return held;
@@ -65,8 +65,7 @@ class Cones {
             return d > 0 ? std::sqrt(d) * (1 - 1e-6) : -std::numeric_limits<double>::infinity();
         };
         boxes_.search(bound, best, [&](std::uint32_t i) {
-            const Foot f = foot(i, p);
-            const double d = f.distance - f.radius;
+            const double d = foot(i, p).signed_distance();
             if (d > best || (d == best && i > name)) return;
             best = d;
             name = i;
@@ -75,10 +74,6 @@ class Cones {
     }
 
   private:
-    struct Foot {
-        double distance, radius;
-    };
-
     static std::vector<Box3> boxes(const Skeleton& skeleton, std::span<const NodeId> names) {
         std::vector<Box3> boxes(names.size());
         for (std::size_t i = 0; i < names.size(); ++i) {
@@ -88,11 +83,8 @@ class Cones {
         return boxes;
     }
 
-    Foot foot(std::uint32_t i, Vec3 p) const {
-        const Segment s = segment_of(skeleton_, names_[i]);
-        const Vec3d a(s.a), axis = Vec3d(s.b) - a, w = Vec3d(p) - a;
-        const double t = closest_parameter(Vec3d(p), a, axis);
-        return {length(w - axis * t), s.radius_a + t * (double{s.radius_b} - s.radius_a)};
+    RoundCone::Foot foot(std::uint32_t i, Vec3 p) const {
+        return round_cone(segment_of(skeleton_, names_[i])).foot(Vec3d(p));
     }
 
     const Skeleton& skeleton_;
@@ -121,17 +113,17 @@ std::vector<std::uint64_t> circle_counts(const Skeleton& skeleton, std::span<con
 
 /// The points of one segment, each circle turned against the last by half the angle between points.
 void place_circles(const Segment& s, NodeId name, std::span<WeightConstraint> out) {
-    const Vec3d a(s.a), axis = Vec3d(s.b) - a;
-    const Vec3d u = normalized(axis);
+    const RoundCone cone = round_cone(s);
+    const Vec3d u = normalized(cone.axis);
     const Vec3d right = perpendicular(u), up = cross(u, right);
     const std::size_t circles = out.size() / kAround;
     for (std::size_t c = 0; c < circles; ++c) {
         const double t = (static_cast<double>(c) + 0.5) / static_cast<double>(circles);
-        const double radius = s.radius_a + t * (double{s.radius_b} - s.radius_a);
+        const double radius = cone.radius(t);
         for (std::uint32_t k = 0; k < kAround; ++k) {
             const double angle = 2 * std::numbers::pi * (k + (c % 2 == 0 ? 0.0 : 0.5)) / kAround;
             const Vec3d p =
-                a + axis * t + right * (radius * std::cos(angle)) + up * (radius * std::sin(angle));
+                cone.point(t) + right * (radius * std::cos(angle)) + up * (radius * std::sin(angle));
             out[c * kAround + k] = {Vec3(p), name};
         }
     }

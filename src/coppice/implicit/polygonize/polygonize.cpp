@@ -246,7 +246,7 @@ class Joiner {
             index_[blocks[i].block] = static_cast<std::uint32_t>(i);
     }
 
-    TriangleSurface join() {
+    TriMesh join() {
         check_sides();
         parallel_for(ctx_, blocks_.size(), 16, [&](std::size_t i) { count_owned(i); });
         std::vector<std::size_t> first_vertex, first_triangle;
@@ -254,7 +254,7 @@ class Joiner {
             first_vertex.push_back(b.owned);
             first_triangle.push_back(b.triangles.size());
         }
-        TriangleSurface out;
+        TriMesh out;
         const std::size_t vertices = exclusive_scan(std::span(first_vertex));
         if (vertices >= kEmpty) throw InvalidInput("polygonize: more than 2^32 vertices; make cell greater");
         out.positions.resize(vertices);
@@ -355,7 +355,7 @@ class Joiner {
         for (const std::uint32_t key : b.keys) b.owned += owner(self, key).block == self;
     }
 
-    void number_owned(std::size_t i, std::size_t first, TriangleSurface& out) {
+    void number_owned(std::size_t i, std::size_t first, TriMesh& out) {
         const auto self = static_cast<std::uint32_t>(i);
         BlockSurface& b = blocks_[i];
         b.ids.assign(b.keys.size(), kNone);
@@ -376,7 +376,7 @@ class Joiner {
         return other.ids[static_cast<std::size_t>(found - other.keys.begin())];
     }
 
-    void number_rest(std::size_t i, std::size_t first, TriangleSurface& out) const {
+    void number_rest(std::size_t i, std::size_t first, TriMesh& out) const {
         for (const auto& t : blocks_[i].triangles) {
             const auto self = static_cast<std::uint32_t>(i);
             out.triangles[first++] = {id_of(self, t[0]), id_of(self, t[1]), id_of(self, t[2])};
@@ -391,7 +391,7 @@ class Joiner {
 };
 
 /// Cuts the given blocks, each as the region of its place, and joins what they hold.
-TriangleSurface cut_blocks(const Cut& cut, std::span<const std::size_t> candidates, const Context& ctx) {
+TriMesh cut_blocks(const Cut& cut, std::span<const std::size_t> candidates, const Context& ctx) {
     constexpr std::size_t kGrain = 8;
     std::vector<std::vector<BlockSurface>> found((candidates.size() + kGrain - 1) / kGrain);
     parallel_with_progress(ctx, candidates.size(), kGrain, [&](IndexRange r) {
@@ -411,8 +411,7 @@ TriangleSurface cut_blocks(const Cut& cut, std::span<const std::size_t> candidat
 
 }  // namespace
 
-TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options,
-                           const Context& ctx) {
+TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
     const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostBlocks);
     std::vector<std::size_t> all(lattice.block_count());
@@ -445,8 +444,8 @@ PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
     return out;
 }
 
-TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
-                           const PolygonizeOptions& options, const Context& ctx) {
+TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
+                   const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
     const BlockLattice lattice = cover(box, options.cell, "polygonize", kMostSparseBlocks);
     if (!regions.block.empty() && regions.block.back() >= lattice.block_count()) {
@@ -458,7 +457,7 @@ TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegi
     return cut_blocks({lattice, values, field.level(), box, options.refinements}, regions.block, ctx);
 }
 
-TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& options, const Context& ctx) {
+TriMesh polygonize(const SolidField& field, const PolygonizeOptions& options, const Context& ctx) {
     check_fields(options, "polygonize");
     const BlockLattice lattice = cover(field.surface_bounds(), options.cell, "polygonize", kMostBlocks);
     const auto ranges = block_ranges(lattice, field, ctx);

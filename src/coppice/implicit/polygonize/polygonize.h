@@ -1,8 +1,6 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/implicit/solid/solid_field.h"
+#include "coppice/mesh/mesh.h"
 
 namespace coppice {
 
@@ -32,12 +31,6 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
         o.refinements);
 }
 
-/// Triangles, counterclockwise seen from outside.
-struct TriangleSurface {
-    std::vector<Vec3> positions;                          ///< [m]
-    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< numbers of positions
-};
-
 /// The surface of a field as triangles: every cell is cut into six tetrahedra that match those of its
 /// neighbours [Freudenthal1942], and every tetrahedron by at most two triangles. One vertex lies on each edge
 /// that the surface crosses, so that the result is closed, manifold and free of self-intersections whatever
@@ -48,8 +41,8 @@ struct TriangleSurface {
 /// disagree on a point, as the surface would have a crack. The result has the same bits for any number of
 /// threads. Every cell of the box is sampled: O((side / cell)^3). InvalidInput for more than 2,000,000 blocks
 /// of 512 cells; Cancelled.
-TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options = {},
-                           const Context& ctx = {});
+TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeOptions& options = {},
+                   const Context& ctx = {});
 
 /// Some of the blocks of 8 x 8 x 8 cells that a box is cut into: the regions of a field that has a list of
 /// what matters in each.
@@ -65,12 +58,11 @@ PolygonizeRegions regions_touching(const Box3& box, std::span<const Box3> near,
 
 /// The same as above, with the same options, where no block but those of `regions` holds anything of the
 /// solid: the others are not sampled. Block i is sampled as region i of the field.
-TriangleSurface polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
-                           const PolygonizeOptions& options = {}, const Context& ctx = {});
+TriMesh polygonize(FieldRef field, const Box3& box, const PolygonizeRegions& regions,
+                   const PolygonizeOptions& options = {}, const Context& ctx = {});
 
 /// The same for a solid, in the box of its surface. Blocks whose range of values excludes the level are not
 /// sampled: O((side / cell)^2) in the main.
-TriangleSurface polygonize(const SolidField& field, const PolygonizeOptions& options = {},
-                           const Context& ctx = {});
+TriMesh polygonize(const SolidField& field, const PolygonizeOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -5,78 +5,65 @@
 #include <optional>
 #include <span>
 
+#include "coppice/base/round_cone.h"
 #include "coppice/base/vec.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 
-/// A segment from its thinner end on: balls about low + t along of radius radius + t growth, t in [0, 1].
-/// Relative to some corner of space, in double precision.
-struct Cone {
-    Vec3d low, along;
-    double radius = 0, growth = 0;
-    double along_squared = 0;
+// Queries on a round cone, relative to some corner of space, whose balls grow from a to b: growth >= 0. With
+// `times`, all its balls are so many times as large.
 
-    Cone() = default;
-    Cone(const Segment& s, Vec3d corner) {
-        const bool turned = s.radius_b < s.radius_a;
-        const Vec3d a = Vec3d(s.a) - corner, b = Vec3d(s.b) - corner;
-        low = turned ? b : a;
-        along = turned ? a - b : b - a;
-        radius = std::min(s.radius_a, s.radius_b);
-        growth = std::max(s.radius_a, s.radius_b) - radius;
-        along_squared = length_squared(along);
-    }
+/// A segment from its thinner end on.
+inline RoundCone growing_cone(const Segment& s, Vec3d corner) {
+    const Vec3d a = Vec3d(s.a) - corner, b = Vec3d(s.b) - corner;
+    return s.radius_b < s.radius_a ? round_cone<double>(b, a, s.radius_b, s.radius_a)
+                                   : round_cone<double>(a, b, s.radius_a, s.radius_b);
+}
 
-    /// Parameter of the point of the axis that is nearest.
-    double nearest(Vec3d p) const {
-        return along_squared > 0 ? std::clamp(dot(p - low, along) / along_squared, 0.0, 1.0) : 0.0;
-    }
-    /// Parameter of the ball, of those `times` as large, to whose surface p is nearest: beyond the foot of p
-    /// on the axis, towards the thicker end, as the cone's flank is aslant.
-    double facing(Vec3d p, double times) const {
-        const double g = times * growth, steep = along_squared - g * g;
-        if (steep <= 0) return 1;
-        const Vec3d w = p - low;
-        const double foot = dot(w, along) / along_squared;
-        if (g <= 0) return std::clamp(foot, 0.0, 1.0);
-        const double away = std::sqrt(std::max(0.0, length_squared(w) - foot * foot * along_squared) / steep);
-        return std::clamp(foot + away * g / std::sqrt(along_squared), 0.0, 1.0);
-    }
-    double radius_at(double t) const { return radius + t * growth; }
+/// Parameter of the ball to whose surface p is nearest: beyond the foot of p on the axis, towards the thicker
+/// end, as the cone's flank is aslant.
+inline double nearest_ball(const RoundCone& cone, double times, Vec3d p) {
+    const double squared = length_squared(cone.axis), g = times * cone.growth, steep = squared - g * g;
+    if (steep <= 0) return 1;
+    const double foot = cone.line_parameter(p);
+    if (g <= 0) return std::clamp(foot, 0.0, 1.0);
+    const double away = std::sqrt(std::max(0.0, length_squared(p - cone.a) - foot * foot * squared) / steep);
+    return std::clamp(foot + away * g / std::sqrt(squared), 0.0, 1.0);
+}
 
-    /// Greatest n . p over the points p of the balls `times` as large, for n of length n_length.
-    double support(Vec3d n, double n_length, double times) const {
-        return dot(low, n) + times * radius * n_length +
-               std::max(0.0, dot(along, n) + times * growth * n_length);
-    }
-};
+/// Greatest n . p over the points p of the balls, for n of length n_length (the support function).
+inline double support(const RoundCone& cone, double times, Vec3d n, double n_length) {
+    return dot(cone.a, n) + times * cone.radius_a * n_length +
+           std::max(0.0, dot(cone.axis, n) + times * cone.growth * n_length);
+}
 
 /// Radius of the thinnest ball of the cone that, `times` as large, meets the ball about `center`; none when
 /// all miss it. The condition |center - low - t along| <= times (radius + t growth) + reach, squared, is a
 /// quadratic in t of which the first root counts.
-inline std::optional<double> thinnest_meeting(const Cone& cone, double times, Vec3d center, double reach) {
-    const Vec3d w = center - cone.low;
-    const double r = times * cone.radius + reach, g = times * cone.growth;
+inline std::optional<double> thinnest_meeting(const RoundCone& cone, double times, Vec3d center,
+                                              double reach) {
+    const Vec3d w = center - cone.a;
+    const double r = times * cone.radius_a + reach, g = times * cone.growth;
     const double c = dot(w, w) - r * r;
-    if (c <= 0) return cone.radius;
-    const double b = dot(w, cone.along) + r * g, a = cone.along_squared - g * g;
+    if (c <= 0) return cone.radius_a;
+    const double b = dot(w, cone.axis) + r * g, a = length_squared(cone.axis) - g * g;
     const double under_root = b * b - a * c;
     if (under_root < 0 || (b <= 0 && a >= 0)) return std::nullopt;
     const double down = b + std::sqrt(under_root);
     if (!(c <= down)) return std::nullopt;
-    return cone.radius_at(c / down);
+    return cone.radius(c / down);
 }
 
 /// Whether the ball about `center` lies within one of the balls of the cone, `times` as large.
-inline bool swallows(const Cone& cone, double times, Vec3d center, double reach) {
+inline bool swallows(const RoundCone& cone, double times, Vec3d center, double reach) {
     // From the thicker end on.
-    const double g = times * cone.growth, r = times * (cone.radius + cone.growth) - reach;
+    const double g = times * cone.growth, r = times * cone.radius_b() - reach;
     if (r <= 0) return false;
-    const Vec3d w = center - cone.low - cone.along;
+    const Vec3d w = center - cone.a - cone.axis;
     const double c = dot(w, w) - r * r;
     if (c <= 0) return true;
-    const double b = -dot(w, cone.along) - r * g, a = cone.along_squared - g * g;
+    const double b = -dot(w, cone.axis) - r * g, a = length_squared(cone.axis) - g * g;
     const double under_root = b * b - a * c;
     if (under_root < 0) return false;
     const double down = b + std::sqrt(under_root);
@@ -87,10 +74,10 @@ inline bool swallows(const Cone& cone, double times, Vec3d center, double reach)
 /// convex body around `middle`; lowest(n, |n|) is the least n . p over the body's points. May be false
 /// although they are apart.
 template <class Lowest>
-bool parted(const Cone& cone, double times, Vec3d middle, const Lowest& lowest) {
-    const Vec3d n = middle - (cone.low + cone.facing(middle, times) * cone.along);
+bool parted(const RoundCone& cone, double times, Vec3d middle, const Lowest& lowest) {
+    const Vec3d n = middle - cone.point(nearest_ball(cone, times, middle));
     const double n_length = length(n);
-    return n_length > 0 && lowest(n, n_length) > cone.support(n, n_length, times);
+    return n_length > 0 && lowest(n, n_length) > support(cone, times, n, n_length);
 }
 
 }  // namespace coppice

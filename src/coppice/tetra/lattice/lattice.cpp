@@ -13,9 +13,10 @@ namespace {
 
 constexpr std::size_t kGrain = 1 << 12;
 
-Buffer<Cone> cones_of(std::span<const Segment> segments, Vec3d corner, const Context& ctx) {
-    Buffer<Cone> cones(segments.size());
-    parallel_for(ctx, segments.size(), kGrain, [&](std::size_t i) { cones[i] = Cone(segments[i], corner); });
+Buffer<RoundCone> cones_of(std::span<const Segment> segments, Vec3d corner, const Context& ctx) {
+    Buffer<RoundCone> cones(segments.size());
+    parallel_for(ctx, segments.size(), kGrain,
+                 [&](std::size_t i) { cones[i] = growing_cone(segments[i], corner); });
     return cones;
 }
 
@@ -45,7 +46,7 @@ struct Lattice::State {
 Lattice::Lattice(std::span<const Segment> segments, const LatticeOptions& options, const Context& ctx) {
     check_fields(options, "lattice");
     const LatticeCube cube = lattice_cube(segments, options);
-    const Buffer<Cone> cones = cones_of(segments, cube.low, ctx);
+    const Buffer<RoundCone> cones = cones_of(segments, cube.low, ctx);
     LatticeSizing sizing = size_cells(cones, cube, options, ctx);
     LatticeCells cells(Octree(std::move(sizing.split), ctx), ctx);
     SlotMasks masks = select_tetra(cells, sizing, cones, cube, options, ctx);

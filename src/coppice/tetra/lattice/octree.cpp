@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/tetra/lattice/octree_internal.h"
@@ -10,7 +11,6 @@ namespace {
 
 using Keys = Buffer<std::uint64_t>;
 constexpr std::size_t kGrain = 1 << 12;
-constexpr std::uint64_t kEveryThird = 0x1249249249249249ull;
 
 /// For the octants of a cell that are split, the steps from that cell to where all cells must be split: those
 /// that touch a split octant.
@@ -36,7 +36,7 @@ void visit_steps(std::uint64_t key, unsigned level, std::uint32_t steps, const V
     std::array<std::array<std::uint64_t, 3>, 3> part{};
     std::uint32_t outside = 0;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        const std::uint64_t mask = (kEveryThird << axis) & within;
+        const std::uint64_t mask = (kMortonAxis << axis) & within;
         const std::uint64_t here = key & mask;
         part[axis] = {(here - (std::uint64_t{1} << axis)) & mask, here,
                       ((here | ~mask) + (std::uint64_t{1} << axis)) & mask};

@@ -30,7 +30,7 @@ Buffer<std::uint32_t> sizing_nodes(const Octree& octree, const LatticeSizing& si
 
 class Selection {
   public:
-    Selection(const LatticeCells& cells, const LatticeSizing& sizing, std::span<const Cone> cones,
+    Selection(const LatticeCells& cells, const LatticeSizing& sizing, std::span<const RoundCone> cones,
               const LatticeCube& cube, const LatticeOptions& options, const Context& ctx)
         : cells_(cells),
           sizing_(sizing),
@@ -69,9 +69,7 @@ class Selection {
         double least = outside;
         std::uint32_t deepest = kShell;
         for (const std::uint32_t s : segments) {
-            const Cone& cone = cones_[s];
-            const double t = cone.nearest(p), r = cone.radius_at(t);
-            const double square = length_squared(p - cone.low - t * cone.along) / (r * r);
+            const double square = cones_[s].foot(p).relative_squared();
             if (square < least) {
                 least = square;
                 deepest = s;
@@ -152,7 +150,7 @@ class Selection {
 
     const LatticeCells& cells_;
     const LatticeSizing& sizing_;
-    std::span<const Cone> cones_;
+    std::span<const RoundCone> cones_;
     const LatticeOptions& options_;
     double unit_;
     Buffer<std::uint32_t> node_;   ///< of sizing, per leaf
@@ -161,8 +159,9 @@ class Selection {
 
 }  // namespace
 
-SlotMasks select_tetra(const LatticeCells& cells, const LatticeSizing& sizing, std::span<const Cone> cones,
-                       const LatticeCube& cube, const LatticeOptions& options, const Context& ctx) {
+SlotMasks select_tetra(const LatticeCells& cells, const LatticeSizing& sizing,
+                       std::span<const RoundCone> cones, const LatticeCube& cube,
+                       const LatticeOptions& options, const Context& ctx) {
     const Selection selection(cells, sizing, cones, cube, options, ctx);
     SlotMasks masks(cells.leaf_count());
     parallel_for_ranges(ctx, masks.size(), kGrain, [&](IndexRange range) {

@@ -16,8 +16,9 @@ namespace coppice {
 using SlotMasks = Buffer<std::uint64_t>;
 
 /// Those that the surface may cross.
-SlotMasks select_tetra(const LatticeCells& cells, const LatticeSizing& sizing, std::span<const Cone> cones,
-                       const LatticeCube& cube, const LatticeOptions& options, const Context& ctx);
+SlotMasks select_tetra(const LatticeCells& cells, const LatticeSizing& sizing,
+                       std::span<const RoundCone> cones, const LatticeCube& cube,
+                       const LatticeOptions& options, const Context& ctx);
 
 /// All there are.
 SlotMasks all_tetra(const LatticeCells& cells, const Context& ctx);

@@ -85,7 +85,7 @@ enum class Fate : std::uint8_t { leaf, split, too_small };
 
 class Sizing {
   public:
-    Sizing(std::span<const Cone> cones, const LatticeCube& cube, const LatticeOptions& options,
+    Sizing(std::span<const RoundCone> cones, const LatticeCube& cube, const LatticeOptions& options,
            const Context& ctx)
         : cones_(cones), cube_(cube), options_(options), ctx_(ctx) {}
 
@@ -166,7 +166,7 @@ class Sizing {
         };
         std::uint32_t thin = kNone;
         for (std::size_t k = open_first_[parent]; k < open_first_[parent + 1]; ++k) {
-            const Cone& cone = cones_[open_[k]];
+            const RoundCone& cone = cones_[open_[k]];
             const auto radius = thinnest_meeting(cone, options_.outside, center, reach);
             if (!radius || parted(cone, options_.outside, center, lowest)) continue;
             if (swallows(cone, options_.inside, center, reach)) {
@@ -192,7 +192,7 @@ class Sizing {
             throw InvalidInput(
                 fmt::format("lattice: segment {} has a radius of {:.3g} m, too thin for coordinates of "
                             "{:.3g} m; make it thicker",
-                            thin, cones_[thin].radius, cube_.side));
+                            thin, cones_[thin].radius_a, cube_.side));
         }
         const std::size_t before = out_.segments.size();
         out_.segments.resize(before + exclusive_scan<std::size_t>(kept));
@@ -226,7 +226,7 @@ class Sizing {
         open_place_ = std::move(place);
     }
 
-    std::span<const Cone> cones_;
+    std::span<const RoundCone> cones_;
     const LatticeCube& cube_;
     const LatticeOptions& options_;
     const Context& ctx_;
@@ -264,8 +264,8 @@ LatticeCube lattice_cube(std::span<const Segment> segments, const LatticeOptions
     return cube;
 }
 
-LatticeSizing size_cells(std::span<const Cone> cones, const LatticeCube& cube, const LatticeOptions& options,
-                         const Context& ctx) {
+LatticeSizing size_cells(std::span<const RoundCone> cones, const LatticeCube& cube,
+                         const LatticeOptions& options, const Context& ctx) {
     return Sizing(cones, cube, options, ctx).run();
 }
 

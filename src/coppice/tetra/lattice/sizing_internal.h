@@ -47,7 +47,7 @@ struct LatticeSizing {
 /// `options.outside` times as thick, unless one segment, `options.inside` times as thick, swallows them (such
 /// a leaf names that segment alone). Cones are relative to the cube's lower corner. Throws InvalidInput when
 /// cells would be too small or too many. Some 20 ns for each meeting of a segment with a cell of any level.
-LatticeSizing size_cells(std::span<const Cone> cones, const LatticeCube& cube, const LatticeOptions& options,
-                         const Context& ctx);
+LatticeSizing size_cells(std::span<const RoundCone> cones, const LatticeCube& cube,
+                         const LatticeOptions& options, const Context& ctx);
 
 }  // namespace coppice
