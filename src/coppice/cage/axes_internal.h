@@ -11,7 +11,7 @@
 namespace coppice::cage_internal {
 
 /// The axes of a skeleton: chains that follow the leader, each from a root or branch node to a tip. Segments
-/// are ranked as they would be laid down if the thickest one that springs from those already there came next;
+/// are ranked as if the thickest one that springs from those already ranked came next;
 /// axes are numbered by the rank of their first segments.
 class Axes {
   public:
@@ -44,7 +44,7 @@ class Axes {
     std::span<const NodeId> nodes_of(std::uint32_t axis) const {
         return std::span(nodes_).subspan(first_[axis], first_[axis + 1] - first_[axis]);
     }
-    /// The axis of the segment above a node that is not a root.
+    /// The axis of the segment that ends at a node that is not a root.
     std::uint32_t axis_of(NodeId n) const { return axis_[n.index()]; }
     /// [m] The way along the axis from its beginning to the node.
     float arc(NodeId n) const { return arc_[n.index()]; }

@@ -23,8 +23,8 @@ float greatest_radius(const Segment& s) { return std::max(s.radius_a, s.radius_b
 
 class Search {
   public:
-    Search(const Skeleton& s, const Axes& axes, const Insideness& inside)
-        : s_(s), axes_(axes), inside_(inside), root_(s.size()) {
+    Search(const Skeleton& s, const Axes& axes, const Enclosure& enclosure)
+        : s_(s), axes_(axes), enclosure_(enclosure), root_(s.size()) {
         for (const NodeId n : nodes(s)) root_[n.index()] = s.is_root(n) ? n : root_[s.parent(n).index()];
     }
 
@@ -37,7 +37,7 @@ class Search {
             const float way = axes_.arc(a) - axes_.arc(b) - distance(own.a, own.b);
             if (way < kNeighbours * (greatest_radius(own) + greatest_radius(host.segment))) return;
         }
-        if (inside_.see(host, own, Insideness::nearest(own, host)).gap >= 0) return;
+        if (enclosure_.clearance(host, own, nearest_parameter(own, host)).gap >= 0) return;
         out.push_back({a, b, is_ordinary(a, b, own, host)});
     }
 
@@ -47,46 +47,46 @@ class Search {
         const NodeId base = s_.parent(a);
         if (!axes_.is_first(a) || (b != base && s_.parent(b) != base)) return false;
         const float gap = kClear * own.radius_b;
-        const Sight end = inside_.see(host, own, 1);
+        const Clearance end = enclosure_.clearance(host, own, 1);
         if (end.gap < gap) return false;
         const auto is_before_end = [&](float t) { return b == base ? t > 0.0f : t < 1.0f; };
         return is_before_end(end.t) ||
-               is_before_end(inside_.see(host, own, inside_.leave(host, own, 0, 1, gap)).t);
+               is_before_end(enclosure_.clearance(host, own, enclosure_.exit(host, own, 0, 1, gap)).t);
     }
 
     const Skeleton& s_;
     const Axes& axes_;
-    const Insideness& inside_;
+    const Enclosure& enclosure_;
     std::vector<NodeId> root_;
 };
 
 }  // namespace
 
-Sight Insideness::see(const Part& host, const Segment& own, float at) const {
+Clearance Enclosure::clearance(const Part& host, const Segment& own, float at) const {
     const auto cone = round_cone<float>(host.segment), own_cone = round_cone<float>(own);
     const Vec3 p = own_cone.point(at);
     const auto foot = cone.foot_at(std::clamp(cone.line_parameter(p), host.from, host.to), p);
     return {foot.distance() - least_distance(foot.radius, own_cone.radius(at)), foot.t, foot.offset};
 }
 
-float Insideness::nearest(const Segment& own, const Part& host) {
+float nearest_parameter(const Segment& own, const Part& host) {
     const auto cone = round_cone<float>(host.segment);
     return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(cone.point(host.from)),
                                                  Vec3d(cone.point(host.to)))
                                   .on_a);
 }
 
-float Insideness::leave(const Part& host, const Segment& own, float in, float out, float gap) const {
+float Enclosure::exit(const Part& host, const Segment& own, float in, float out, float gap) const {
     for (int i = 0; i < kBisections; ++i) {
         const float middle = 0.5f * (in + out);
-        (see(host, own, middle).gap < gap ? in : out) = middle;
+        (clearance(host, own, middle).gap < gap ? in : out) = middle;
     }
     return out;
 }
 
-std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const Insideness& inside,
+std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const Enclosure& enclosure,
                                      const Context& ctx) {
-    const Search search(s, axes, inside);
+    const Search search(s, axes, enclosure);
     std::vector<Box3> boxes(s.size());
     parallel_for(ctx, s.size(), kGrain, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
@@ -107,7 +107,7 @@ std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const 
     std::vector<Crossing> all;
     for (const auto& f : found) all.insert(all.end(), f.begin(), f.end());
     std::sort(all.begin(), all.end(), [](const Crossing& x, const Crossing& y) {
-        return x.junior != y.junior ? x.junior < y.junior : x.senior < y.senior;
+        return x.segment != y.segment ? x.segment < y.segment : x.host < y.host;
     });
     return all;
 }

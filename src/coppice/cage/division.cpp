@@ -8,7 +8,7 @@ namespace coppice::cage_internal {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-// So many sites are laid with care; more are stacked around the second site, one after the other.
+// So many sites are placed with care; more are stacked around the second site, one after the other.
 constexpr std::size_t kMostWeighed = 48;
 // Ways to open a corner that are tried in earnest.
 constexpr std::size_t kTried = 6;

@@ -27,8 +27,8 @@ struct GraftResult {
 
 /// Lets every branch begin where it leaves the others. A branch whose axis runs inside another one needs no
 /// tube there, and must not have one: two tubes that cross have no closed surface of sphere type without
-/// self-intersections. So axes are laid down one by one, thick before thin, each after the one it springs
-/// from; what lies inside those already laid is left to their tubes, and each piece that shows springs from
+/// self-intersections. So axes get their tubes one by one, thick before thin, each after the one it springs
+/// from; what lies inside those that have theirs is left to them, and each piece that shows springs from
 /// the branch it leaves, as if grafted there. A piece that enters another branch ends at its bark.
 ///
 /// An axis is inside another one while it is nearer than the greater of that one's radius and `depth` times

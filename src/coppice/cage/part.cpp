@@ -53,10 +53,10 @@ class Parting {
         for (const NodeId n : nodes(s_)) halve_lone_segment(n);
         for (const NodeId n : nodes(s_)) {
             if (n.index() % 4096 == 0) ctx_.throw_if_cancelled();
-            settle(n);
+            resolve(n);
         }
-        // Nodes made by `settle` follow the given ones and may be settled further.
-        for (std::uint32_t i = s_.size(); i < node_.size(); ++i) settle(NodeId(i));
+        // Nodes added by `resolve` follow the given ones and may be resolved further.
+        for (std::uint32_t i = s_.size(); i < node_.size(); ++i) resolve(NodeId(i));
         for (std::uint32_t i = 0, size = static_cast<std::uint32_t>(node_.size()); i < size; ++i)
             shift(NodeId(i));
         return finish();
@@ -113,7 +113,7 @@ class Parting {
     }
 
     // Each step removes a node, moves a branch towards the tips or lessens the children of n, so this ends.
-    void settle(NodeId n) {
+    void resolve(NodeId n) {
         if (kids(n).size() > kMostChildren) return;
         while (kids(n).size() > 1 && (absorb_one(n) || advance_one(n) || bundle_one(n))) {
         }

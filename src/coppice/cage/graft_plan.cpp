@@ -1,0 +1,281 @@
+#include "coppice/cage/graft_plan_internal.h"
+
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "coppice/base/compressed_rows.h"
+#include "coppice/cage/segment_cuts_internal.h"
+
+namespace coppice::cage_internal {
+namespace {
+
+// A piece shorter than this many radii does not show.
+constexpr float kLeastShown = 1.0f;
+constexpr float kLeastTip = 0.5f;  // the same for one with a tip
+// A piece that enters another branch ends so many of its radii ahead of the bark: its round end reaches it.
+constexpr float kEndAhead = 0.5f;
+// A branch that enters at a flatter angle, by its cosine, is taken to enter at this one.
+constexpr float kFlattest = 0.5f;
+// From the place where it leaves a branch, a piece is traced back to that branch's axis by at most this many
+// times the distance to it: flatter laterals would run inside for long.
+constexpr float kMostTracedBack = 1.2f;
+// The end of a piece nearer to a node than this many radii is moved there.
+constexpr float kSnapEnd = 0.3f;
+// So many branches that hide the same place are looked at.
+constexpr std::ptrdiff_t kMostHosts = 16;
+constexpr std::uint32_t kAxesPerLook = 1024;  // whether the work is cancelled
+
+struct Input {
+    const AxisGeometry& axes;
+    const Enclosure& enclosure;
+    const Skeleton& skeleton() const { return axes.skeleton; }
+};
+
+using Chain = std::span<const NodeId>;
+
+bool is_enclosed(const GraftPlan& plan, NodeId n) {
+    return static_cast<bool>(plan.enclosed_at[n.index()].segment);
+}
+
+Part visible_part(const Input& in, const GraftPlan& plan, NodeId n) {
+    const auto [from, to] = plan.visible[n.index()];
+    return {in.skeleton().segment(n), from, to};
+}
+
+// ---- where an axis lies inside others
+
+void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId host_node,
+                   std::vector<EnclosedInterval>& out) {
+    if (plan.visible[host_node.index()].empty()) return;
+    const Enclosure& enclosure = in.enclosure;
+    const Segment own = in.skeleton().segment(n);
+    const Part host = visible_part(in, plan, host_node);
+    const float nearest = nearest_parameter(own, host);
+    if (enclosure.clearance(host, own, nearest).gap >= 0) return;
+    const float clear = kClear * own.radius_b;
+    const float enter = enclosure.clearance(host, own, 0).gap < 0 ? 0 : enclosure.exit(host, own, nearest, 0);
+    const float exit = enclosure.clearance(host, own, 1).gap < clear
+                           ? 1
+                           : enclosure.exit(host, own, nearest, 1, clear);
+    const float start = in.axes.start(n), size = in.axes.axes.arc(n) - start;
+    const Vec3 outward = normalized(enclosure.clearance(host, own, enter).offset);
+    out.push_back({start + enter * size, start + exit * size, host_node,
+                   enclosure.clearance(host, own, exit).t,
+                   std::max(0.0f, -dot(normalized(own.b - own.a), outward))});
+}
+
+std::vector<EnclosedInterval> enclosed_intervals(const Input& in, const GraftPlan& plan,
+                                                 const CompressedRows<Crossing>& crossings, Chain chain) {
+    std::vector<EnclosedInterval> out;
+    for (const NodeId n : chain) {
+        for (const Crossing& c : crossings[n.index()]) find_enclosed(in, plan, n, c.host, out);
+    }
+    std::sort(out.begin(), out.end(), [](const EnclosedInterval& a, const EnclosedInterval& b) {
+        return a.from != b.from ? a.from < b.from : a.to < b.to;
+    });
+    return out;
+}
+
+// ---- where pieces begin and end
+
+// A node instead of a point next to it.
+float snapped(const Input& in, Chain chain, float arc) {
+    const AxisPoint p = in.axes.at(chain, arc);
+    const float near = kSnapEnd * in.axes.radius(p);
+    const float start = in.axes.start(p.segment), end = in.axes.axes.arc(p.segment);
+    if (arc - start < near) return start;
+    return end - arc < near ? end : arc;
+}
+
+float radius_on(const Input& in, Chain chain, float arc) { return in.axes.radius(in.axes.at(chain, arc)); }
+
+float end_ahead_of(const Input& in, const EnclosedInterval& interval, float radius) {
+    const float host = in.axes.radius({interval.host, interval.host_t});
+    const float ahead = host + kEndAhead * radius - in.enclosure.least_distance(host, radius);
+    return interval.from - std::max(0.0f, ahead) / std::max(interval.approach, kFlattest);
+}
+
+// Along the axis, within what shows of it and comes before the given rank.
+AxisPoint moved(const Input& in, const GraftPlan& plan, AxisPoint p, float by, std::uint32_t rank) {
+    const Axes& axes = in.axes.axes;
+    while (true) {
+        const float size = axes.arc(p.segment) - in.axes.start(p.segment);
+        const float at = p.t * size + by;
+        const auto [from, to] = plan.visible[p.segment.index()];
+        NodeId next;
+        if (at < 0 && from <= 0 && !axes.is_first(p.segment)) next = in.skeleton().parent(p.segment);
+        if (at > size && to >= 1) next = axes.next(p.segment);
+        if (!next || axes.rank(next) >= rank || plan.visible[next.index()].empty())
+            return {p.segment, std::clamp(at / std::max(size, 1e-30f), from, to)};
+        by = at < 0 ? at : at - size;
+        p = {next, at < 0 ? 1.0f : 0.0f};
+    }
+}
+
+// Follows a piece back from where it leaves its host, as if it came straight from the host's axis.
+AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, AxisPoint on_host) {
+    const Segment own = in.skeleton().segment(out.segment), host = in.skeleton().segment(on_host.segment);
+    const Vec3 along = normalized(host.b - host.a), direction = normalized(own.b - own.a);
+    const float d = distance(in.axes.position(out), in.axes.position(on_host));
+    const float c = dot(along, direction);
+    const float way = c / std::max(std::sqrt(std::max(0.0f, 1 - c * c)), 1e-3f);
+    const float by = -d * std::clamp(way, -kMostTracedBack, kMostTracedBack);
+    return moved(in, plan, on_host, by, in.axes.axes.rank(out.segment));
+}
+
+// The place that a piece springs from; none for a lateral that leaves its own trunk in the ordinary way. `left`
+// is the interval that the piece comes out of, if any.
+std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float from,
+                         const EnclosedInterval* left) {
+    const NodeId base = in.skeleton().parent(chain[0]);
+    if (!is_enclosed(plan, base)) {
+        if (!left) return kNoIndex;
+        const bool at_base = left->host == base, child_of_base = in.skeleton().parent(left->host) == base;
+        const bool in_between = (at_base && left->host_t > 0) || (child_of_base && left->host_t < 1);
+        if (in_between && from <= in.axes.axes.arc(chain[0])) return kNoIndex;
+    }
+    ++plan.report.grafted;
+    const AxisPoint at =
+        left ? traced_back(in, plan, in.axes.at(chain, from), {left->host, left->host_t})
+             : plan.enclosed_at[base.index()];
+    return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
+}
+
+// The parts between the intervals that are long enough.
+std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
+                                 std::span<const EnclosedInterval> enclosed) {
+    std::vector<VisiblePiece> pieces;
+    const float end = in.axes.axes.arc(chain.back());
+    float from = 0;
+    const EnclosedInterval* left = nullptr;  // from which the piece comes
+    auto next = enclosed.begin();
+    const auto last = enclosed.end();
+    while (true) {
+        for (; next != last && next->from - from < kLeastShown * radius_on(in, chain, next->from); ++next) {
+            if (next->to < from) continue;
+            from = next->to;
+            left = &*next;
+        }
+        const bool is_tip = next == last;
+        const float r = radius_on(in, chain, is_tip ? end : next->from);
+        from = snapped(in, chain, from);
+        const float to = is_tip ? end : snapped(in, chain, end_ahead_of(in, *next, r));
+        const bool is_whole = is_tip && !left && !is_enclosed(plan, in.skeleton().parent(chain[0]));
+        if (is_whole || to - from >= (is_tip ? kLeastTip : kLeastShown) * r) {
+            const std::uint32_t attach = attachment(in, plan, chain, from, left);
+            pieces.push_back({attach == kNoIndex ? 0 : from, to, attach});
+            if (!is_tip) {
+                pieces.back().resume =
+                    std::min(next->to, next->from + r / std::max(next->approach, kFlattest));
+                ++plan.report.cut;
+            }
+        }
+        if (is_tip) break;
+        from = next->to;
+        left = &*next++;
+    }
+    return pieces;
+}
+
+// ---- what follows for the nodes
+
+std::uint32_t place_at(const Input& in, GraftPlan& plan, Chain chain, float arc) {
+    const AxisPoint p = in.axes.at(chain, arc);
+    if (p.t <= 0) return in.skeleton().parent(p.segment).index();
+    return place_of_cut(in.axes, p, plan.cuts);
+}
+
+// Cuts the axis where a piece begins and ends, and notes what it shows of each segment.
+void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisiblePiece& piece) {
+    if (piece.attach != kNoIndex) piece.start = place_at(in, plan, chain, piece.from);
+    place_at(in, plan, chain, piece.to);
+    if (piece.resume > piece.to) place_at(in, plan, chain, piece.resume);
+    for (auto n = in.axes.first_node_at(chain, piece.from);
+         n != chain.end() && in.axes.start(*n) < piece.to; ++n) {
+        const float start = in.axes.start(*n), size = std::max(in.axes.axes.arc(*n) - start, 1e-30f);
+        auto& [from, to] = plan.visible[n->index()];
+        from = std::min(from, std::max(0.0f, (piece.from - start) / size));
+        to = std::max(to, std::min(1.0f, (piece.to - start) / size));
+    }
+}
+
+void plan_axis(const Input& in, GraftPlan& plan, const CompressedRows<Crossing>& crossings,
+               std::uint32_t axis) {
+    const Chain chain = in.axes.axes.nodes_of(axis);
+    plan.of_axis[axis] = static_cast<std::uint32_t>(plan.plans.size());
+    plan.plans.emplace_back().enclosed = enclosed_intervals(in, plan, crossings, chain);
+    AxisPlan& own = plan.plans.back();
+    own.pieces = divide(in, plan, chain, own.enclosed);
+    for (const NodeId n : chain) plan.visible[n.index()] = {1.0f, 0.0f};
+    for (VisiblePiece& piece : own.pieces) mark_visible(in, plan, chain, piece);
+    for (const NodeId n : chain) {
+        const float arc = in.axes.axes.arc(n);
+        if (own.is_visible(arc)) continue;
+        plan.enclosed_at[n.index()] = host_at(in.axes, in.enclosure, plan, axis, arc);
+        ++plan.report.buried;
+    }
+}
+
+}  // namespace
+
+const VisiblePiece* AxisPlan::last_piece_before(float arc) const {
+    const auto after = std::upper_bound(pieces.begin(), pieces.end(), arc,
+                                        [](float a, const VisiblePiece& p) { return a < p.from; });
+    return after == pieces.begin() ? nullptr : &*std::prev(after);
+}
+
+bool AxisPlan::is_visible(float arc) const {
+    const VisiblePiece* const piece = last_piece_before(arc);
+    return piece && arc <= piece->to;
+}
+
+bool AxisPlan::is_left_out(float arc) const {
+    const VisiblePiece* const piece = last_piece_before(arc);
+    return piece && piece->to <= arc && arc <= piece->resume;
+}
+
+AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
+                  std::uint32_t axis, float arc) {
+    const Chain chain = axes.axes.nodes_of(axis);
+    const auto& enclosed = plan.plans[plan.of_axis[axis]].enclosed;
+    const auto after = std::upper_bound(enclosed.begin(), enclosed.end(), arc,
+                                        [](float a, const EnclosedInterval& in) { return a < in.from; });
+    const auto first = after - std::min(after - enclosed.begin(), kMostHosts);
+    const auto last = after + std::min<std::ptrdiff_t>(enclosed.end() - after, 1);
+    if (first == last) return plan.enclosed_at[axes.skeleton.parent(chain[0]).index()];
+    const auto off = [&](const EnclosedInterval& in) {
+        return std::max({in.from - arc, arc - in.to, 0.0f});
+    };
+    const NodeId host =
+        std::min_element(first, last, [&](const auto& a, const auto& b) { return off(a) < off(b); })->host;
+    const AxisPoint own = axes.at(chain, arc);
+    const Part part = visible_part({axes, enclosure}, plan, host);
+    return {host, enclosure.clearance(part, axes.skeleton.segment(own.segment), own.t).t};
+}
+
+GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, const Context& ctx) {
+    const Input in{axes, enclosure};
+    const Skeleton& s = axes.skeleton;
+    const std::vector<Crossing> all = find_crossings(s, axes.axes, enclosure, ctx);
+    const auto crossings = compress_rows<Crossing>(s.size(), [&](const auto& put) {
+        for (const Crossing& c : all) put(c.segment.index(), c);
+    });
+    std::vector<bool> extraordinary(axes.axes.count(), false);
+    for (const Crossing& c : all) {
+        if (!c.ordinary) extraordinary[axes.axes.axis_of(c.segment)] = true;
+    }
+    GraftPlan plan;
+    plan.visible.resize(s.size());
+    plan.of_axis.assign(axes.axes.count(), kNoIndex);
+    plan.enclosed_at.resize(s.size());
+    plan.cuts.newest.assign(s.size(), kNoIndex);
+    for (std::uint32_t a = 0; a < axes.axes.count(); ++a) {
+        if (a % kAxesPerLook == 0) ctx.throw_if_cancelled();
+        if (extraordinary[a] || is_enclosed(plan, s.parent(axes.axes.nodes_of(a)[0])))
+            plan_axis(in, plan, crossings, a);
+    }
+    return plan;
+}
+
+}  // namespace coppice::cage_internal

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/cage/axis_points_internal.h"
+
+namespace coppice::cage_internal {
+
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
+/// The range of a segment that gets a tube.
+struct VisibleRange {
+    float from = 0, to = 1;
+    bool empty() const { return !(from < to); }
+};
+
+/// Nodes added to segments. A place is the number of a node, or that of a cut plus the number of nodes.
+struct SegmentCuts {
+    struct Cut {
+        AxisPoint point;
+        std::uint32_t next;  ///< of the same segment
+    };
+    std::vector<Cut> cuts;
+    std::vector<std::uint32_t> newest;  ///< by segment
+
+    /// Calls visit(cut, t) for the cuts of a segment, the newest first.
+    template <class Visit>
+    void for_each(NodeId segment, const Visit& visit) const {
+        for (std::uint32_t c = newest[segment.index()]; c != kNoIndex; c = cuts[c].next)
+            visit(c, cuts[c].point.t);
+    }
+};
+
+/// The place of a point: a node or a cut that is there, or a new cut.
+std::uint32_t place_of_cut(const AxisGeometry& axes, AxisPoint p, SegmentCuts& cuts);
+
+/// The same, where a node or cut that is near, within the range of the segment that gets a tube, will do.
+std::uint32_t place_near(const AxisGeometry& axes, VisibleRange visible, AxisPoint p, SegmentCuts& cuts);
+
+}  // namespace coppice::cage_internal
