@@ -88,7 +88,7 @@ class Locator {
 };
 
 /// Whether the point lies in some ball of the segment.
-bool covers(const Segment& s, Vec3d p) { return swallows(growing_cone(s, {}), 1, p, 0); }
+bool covers(const Segment& s, Vec3d p) { return holds_ball(growing_cone(s, {}), 1, p, 0); }
 
 /// A point on the rounded cone of a segment and the radius of the ball that touches it there.
 struct SurfacePoint {
@@ -178,11 +178,11 @@ TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
             const Vec3d middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
             const double reach = longest_edge(c);
             EXPECT_TRUE(std::ranges::any_of(segments, [&](const Segment& s) {
-                return thinnest_meeting(growing_cone(s, {}), double(options.outside), middle, reach)
+                return thinnest_ball_meeting(growing_cone(s, {}), double(options.outside), middle, reach)
                     .has_value();
             }));
             EXPECT_FALSE(std::ranges::any_of(segments, [&](const Segment& s) {
-                return swallows(growing_cone(s, {}), double(options.inside), middle, reach);
+                return holds_ball(growing_cone(s, {}), double(options.inside), middle, reach);
             }));
         }
     }
@@ -353,7 +353,7 @@ TEST(Lattice, TakesRadiiOfVeryDifferentSize) {
     const Lattice lattice(std::array{Segment{{0, 0, 0}, {0, 0, 10}, 1, 1e-3f}});
     expect_conforming(lattice.mesh());
     EXPECT_LT(lattice.mesh().tetra.size(), 20000u);
-    // A thin segment within a thick one costs no more than cells that the thick one swallows.
+    // A thin segment within a thick one costs no more than cells that the thick one holds_ball.
     const Segment thin{{0, 0, 1}, {0, 0, 9}, 1e-9f, 1e-9f};
     EXPECT_LT(Lattice(std::array{kRod, thin}).mesh().tetra.size(), 10000u);
 }

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "coppice/mesh/topology.h"
-#include "coppice/tetra/march/settle_internal.h"
+#include "coppice/tetra/march/snapping_internal.h"
 #include "tetra/support.h"
 #include "tetra/surfaces.h"
 
@@ -229,8 +229,8 @@ void expect_unfolded(const TetraMesh& mesh, FieldRef field, const MarchOptions& 
     TetraMesh fine = fine_mesh(refinement);
     std::vector<double> before;
     for (const Tetra& t : fine.tetra) before.push_back(volume6(fine, t));
-    const auto settled = tetra_internal::free_vertices(refinement, samples, {});
-    EXPECT_EQ(settled.used.size(), samples.place.size());
+    const auto kept = tetra_internal::unsnap_vertices(refinement, samples, {});
+    EXPECT_EQ(snapped.used.size(), samples.place.size());
     for (std::uint32_t v = 0; v < refinement.vertex_count(); ++v) {
         if (samples.on.test(v)) fine.positions[v] = samples.place[samples.placed.rank(v)];
     }

@@ -161,9 +161,8 @@ std::vector<NodeId> tubes_of_segments(const Grafts& g, const CutSkeleton& cut, s
         const float middle = middle_of(g, cut, n);
         if (g.plan.plans[g.plan.of_axis[axis]].is_left_out(middle)) continue;
         const AxisPoint host = host_at(g.axes, g.enclosure, g.plan, axis, middle);
-        const NodeId holder = host.segment
-                                  ? node_holding(g.plan.cuts, cut, g.axes.skeleton.size(), host)
-                                  : n.parent;
+        const NodeId holder =
+            host.segment ? node_holding(g.plan.cuts, cut, g.axes.skeleton.size(), host) : n.parent;
         tube[i] = id[cut.at(holder).in_tree.index()];
     }
     return tube;

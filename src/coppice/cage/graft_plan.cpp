@@ -55,9 +55,8 @@ void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId host
     if (enclosure.clearance(host, own, nearest).gap >= 0) return;
     const float clear = kClear * own.radius_b;
     const float enter = enclosure.clearance(host, own, 0).gap < 0 ? 0 : enclosure.exit(host, own, nearest, 0);
-    const float exit = enclosure.clearance(host, own, 1).gap < clear
-                           ? 1
-                           : enclosure.exit(host, own, nearest, 1, clear);
+    const float exit =
+        enclosure.clearance(host, own, 1).gap < clear ? 1 : enclosure.exit(host, own, nearest, 1, clear);
     const float start = in.axes.start(n), size = in.axes.axes.arc(n) - start;
     const Vec3 outward = normalized(enclosure.clearance(host, own, enter).offset);
     out.push_back({start + enter * size, start + exit * size, host_node,
@@ -124,8 +123,8 @@ AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, Axi
     return moved(in, plan, on_host, by, in.axes.axes.rank(out.segment));
 }
 
-// The place that a piece springs from; none for a lateral that leaves its own trunk in the ordinary way. `left`
-// is the interval that the piece comes out of, if any.
+// The place that a piece springs from; none for a lateral that leaves its own trunk in the ordinary way.
+// `left` is the interval that the piece comes out of, if any.
 std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float from,
                          const EnclosedInterval* left) {
     const NodeId base = in.skeleton().parent(chain[0]);
@@ -136,9 +135,8 @@ std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float fr
         if (in_between && from <= in.axes.axes.arc(chain[0])) return kNoIndex;
     }
     ++plan.report.grafted;
-    const AxisPoint at =
-        left ? traced_back(in, plan, in.axes.at(chain, from), {left->host, left->host_t})
-             : plan.enclosed_at[base.index()];
+    const AxisPoint at = left ? traced_back(in, plan, in.axes.at(chain, from), {left->host, left->host_t})
+                              : plan.enclosed_at[base.index()];
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
@@ -191,8 +189,8 @@ void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisiblePiece& p
     if (piece.attach != kNoIndex) piece.start = place_at(in, plan, chain, piece.from);
     place_at(in, plan, chain, piece.to);
     if (piece.resume > piece.to) place_at(in, plan, chain, piece.resume);
-    for (auto n = in.axes.first_node_at(chain, piece.from);
-         n != chain.end() && in.axes.start(*n) < piece.to; ++n) {
+    for (auto n = in.axes.first_node_at(chain, piece.from); n != chain.end() && in.axes.start(*n) < piece.to;
+         ++n) {
         const float start = in.axes.start(*n), size = std::max(in.axes.axes.arc(*n) - start, 1e-30f);
         auto& [from, to] = plan.visible[n->index()];
         from = std::min(from, std::max(0.0f, (piece.from - start) / size));
@@ -244,9 +242,7 @@ AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const Gr
     const auto first = after - std::min(after - enclosed.begin(), kMostHosts);
     const auto last = after + std::min<std::ptrdiff_t>(enclosed.end() - after, 1);
     if (first == last) return plan.enclosed_at[axes.skeleton.parent(chain[0]).index()];
-    const auto off = [&](const EnclosedInterval& in) {
-        return std::max({in.from - arc, arc - in.to, 0.0f});
-    };
+    const auto off = [&](const EnclosedInterval& in) { return std::max({in.from - arc, arc - in.to, 0.0f}); };
     const NodeId host =
         std::min_element(first, last, [&](const auto& a, const auto& b) { return off(a) < off(b); })->host;
     const AxisPoint own = axes.at(chain, arc);

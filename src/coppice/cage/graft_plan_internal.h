@@ -43,8 +43,8 @@ struct AxisPlan {
 
 /// Which parts of which axes get tubes, and where these spring from.
 struct GraftPlan {
-    std::vector<VisibleRange> visible;    ///< by segment
-    std::vector<std::uint32_t> of_axis;   ///< by axis: of `plans`; kNoIndex: the whole axis, at its own node
+    std::vector<VisibleRange> visible;   ///< by segment
+    std::vector<std::uint32_t> of_axis;  ///< by axis: of `plans`; kNoIndex: the whole axis, at its own node
     std::vector<AxisPlan> plans;
     std::vector<AxisPoint> enclosed_at;  ///< by node: where in another branch it lies; no segment: in none
     SegmentCuts cuts;

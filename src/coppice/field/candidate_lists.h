@@ -13,7 +13,7 @@
 
 namespace coppice {
 
-/// A part of space about one segment, named by the segment's lower node. A root names the segment to its
+/// A part of space about one segment, named by the segment's child node. A root names the segment to its
 /// leader, or itself where the tree is a single node.
 struct FieldRegion {
     Box3 box;     ///< [m] where it is sampled
@@ -50,14 +50,14 @@ inline float clearance(const SegmentSupport& s, Vec3 p) {
 /// Lists of segments, ascending, one list per region: entries [first[i], first[i + 1]) of `segments`.
 struct CandidateLists {
     std::vector<std::uint64_t> first{0};  ///< one more than there are regions
-    Buffer<std::uint32_t> segments;       ///< by lower node
+    Buffer<std::uint32_t> segments;       ///< by child node
 };
 
 /// No list is longer than this, so that hubs and huge boxes cannot make time and memory quadratic.
 std::size_t longest_list(std::size_t regions);
 
 /// Finds for every region the segments that matter in its box: those whose support touches the box and that
-/// hang together with the seed through others that do. The seed is always among them. A branch that merely
+/// are connected to the seed through others that do. The seed is always among them. A branch that merely
 /// passes by is not.
 ///
 /// `supports` has one entry per node. O(sum of lists) whatever the size of the skeleton; the children of a

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kGrain = 128;
 // Beyond this many radii a rival's field is too weak to push back.
 constexpr float kRivalReach = 1.15f;
-// Surfaces that are pressed from more sides than this have nowhere to go.
+// Surfaces in contact on more sides than this have nowhere to go.
 constexpr std::size_t kMostRivals = 48;
 constexpr std::size_t kMostNear = 1024;  // segments that a run looks at
 constexpr float kEmptyReach = 1.5f;      // [radii] of a tube without a segment
@@ -37,8 +37,8 @@ class Kinship {
     }
 
   private:
-    bool contains(std::uint32_t above, std::uint32_t below) const {
-        return above <= below && below < end_[above];
+    bool contains(std::uint32_t ancestor, std::uint32_t descendant) const {
+        return ancestor <= descendant && descendant < end_[ancestor];
     }
 
     std::span<const NodeId> parent_;
@@ -78,7 +78,7 @@ std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& 
     return out;
 }
 
-/// By lower node; a segment without length of its own has an empty box.
+/// By child node; a segment without length of its own has an empty box.
 std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Context& ctx) {
     std::vector<SegmentSupport> capsules(skeleton.size());
     parallel_for(ctx, skeleton.size(), kGrain * 16, [&](std::size_t i) {

@@ -11,19 +11,19 @@ namespace coppice {
 
 /// The tubes that a surface is made of, one per region of the field.
 struct TubeTree {
-    const Skeleton& tree;  ///< a tube is named by its lower node; depth-first order
+    const Skeleton& tree;  ///< a tube is named by its child node; depth-first order
     std::span<const NodeId>
         tube;  ///< per skeleton node: the tube that wraps its segment; none: not in the field
 };
 
 /// Splits what may meet in a region. A tube grows together with its ancestors, descendants and siblings as
-/// far as their segments hang together with it through others that touch the region's box: these are its
+/// far as their segments are connected to it through others that touch the region's box: these are its
 /// `own`. Every other segment whose rounded cone, a little enlarged, reaches the box is a rival, connected or
-/// not: the two surfaces press against each other instead of passing through each other. Of more than 48
+/// not: the two surfaces form a contact instead of passing through each other. Of more than 48
 /// rivals the nearest are kept: time and memory stay linear where hundreds of branches overlap.
 struct ContactLists {
     CandidateLists own;     ///< segments that a region's tube grows together with
-    CandidateLists rivals;  ///< segments that it presses against
+    CandidateLists rivals;  ///< segments that it is in contact with
 };
 
 /// `supports` has one entry per node of the skeleton. O((regions + lists) log n). Deterministic for any

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;
 constexpr std::size_t kRegionGrain = 256;
-constexpr std::size_t kPressBatch = 64;
+constexpr std::size_t kContactBatch = 64;
 
 SegmentSupport support_of(const kernel::SegmentConstants<float>& s, float reach) {
     const Vec3 start{s.ax, s.ay, s.az}, u{s.ux, s.uy, s.uz};
@@ -31,7 +31,7 @@ SegmentSupport support_of(const kernel::SegmentConstants<float>& s, float reach)
     return support;
 }
 
-/// The direction of each segment without length: that of the nearest one above it that has a length, else +Z.
+/// The direction of each segment without length: that of the nearest ancestor that has a length, else +Z.
 std::vector<Vec3> fallback_directions(const Skeleton& skeleton) {
     std::vector<Vec3> direction(skeleton.size(), Vec3{0, 0, 1});
     for (const NodeId n : nodes(skeleton)) {
@@ -43,7 +43,7 @@ std::vector<Vec3> fallback_directions(const Skeleton& skeleton) {
     return direction;
 }
 
-/// By segment, the highest lower node of the chain of leaders it belongs to.
+/// By segment, the child node nearest to the root of the chain of leaders it belongs to.
 std::vector<std::uint32_t> find_axes(const Skeleton& skeleton) {
     std::vector<std::uint32_t> axes(skeleton.size());
     for (const NodeId n : nodes(skeleton)) {
@@ -152,14 +152,14 @@ std::span<const std::uint32_t> ConvolutionField::rivals(std::uint32_t region) co
 void ConvolutionField::sample(std::uint32_t region, std::span<const Vec3> points,
                               std::span<FieldSample> out) const {
     sum(candidates(region), points, out);
-    if (!rivals(region).empty()) press(rivals(region), points, out);
+    if (!rivals(region).empty()) apply_contact(rivals(region), points, out);
 }
 
-void ConvolutionField::press(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
-                             std::span<FieldSample> out) const {
-    std::array<FieldSample, kPressBatch> batch;
-    for (std::size_t begin = 0; begin < points.size(); begin += kPressBatch) {
-        const std::size_t count = std::min(kPressBatch, points.size() - begin);
+void ConvolutionField::apply_contact(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
+                                     std::span<FieldSample> out) const {
+    std::array<FieldSample, kContactBatch> batch;
+    for (std::size_t begin = 0; begin < points.size(); begin += kContactBatch) {
+        const std::size_t count = std::min(kContactBatch, points.size() - begin);
         sum(rivals, points.subspan(begin, count), std::span(batch).first(count));
         for (std::size_t i = 0; i < count; ++i) {
             const float against = contact_ * batch[i].value;

@@ -60,7 +60,7 @@ class ConvolutionField {
 
     /// The segments of a region by lower node: axis by axis, ascending in each; blend 1: ascending.
     std::span<const std::uint32_t> candidates(std::uint32_t region) const;
-    /// Those that the region's own press against; none without tubes.
+    /// Those that the region's own are in contact with; none without tubes.
     std::span<const std::uint32_t> rivals(std::uint32_t region) const;
 
     /// Value and gradient at points of a region, from its list. Thread safe, no allocation. The bits of a
@@ -85,8 +85,8 @@ class ConvolutionField {
     void set_lists(CandidateLists lists, const Context& ctx);
     void sort_by_axis(std::span<std::uint32_t> segments) const;
     void sort_by_axis(CandidateLists& lists, const Context& ctx) const;
-    void press(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
-               std::span<FieldSample> out) const;
+    void apply_contact(std::span<const std::uint32_t> rivals, std::span<const Vec3> points,
+                       std::span<FieldSample> out) const;
     void sum(std::span<const std::uint32_t> segments, std::span<const Vec3> points,
              std::span<FieldSample> out) const;
 

@@ -44,7 +44,7 @@ struct FieldOptions {
     int blend = 4;  ///< exponent n of (sum of F^n)^(1/n) over axes: 1 (plain sum, as Zhu2015), 2, 4 or 8
     float contact =
         1.6f;  ///< branches that would pass through each other stop where the other's value times this is
-               ///< above theirs; greater leaves a wider gap; 0 = off: they blend where they hang together
+               ///< above theirs; greater leaves a wider gap; 0 = off: they blend where they are connected
     Weights weights = Weights::local;  ///< global takes blend for 1
     int constraint_density = 12;       ///< points per segment, on average, that global weights are fitted to
 };

@@ -13,7 +13,7 @@
 namespace coppice {
 
 /// The segments of a skeleton, found by rho: the distance from a point to the segment over the segment's
-/// radius at the foot. Capsules are numbered in the order of their lower nodes. Nodes without a segment are
+/// radius at the foot. Capsules are numbered in the order of their child nodes. Nodes without a segment are
 /// not seen.
 class CapsuleTree {
   public:

@@ -116,12 +116,12 @@ class Classifier {
         while (a != b) {
             if (hops > kNeighbourHops && way >= reach) return false;
             NodeId& deeper = depth_[a] >= depth_[b] ? a : b;
-            const NodeId above = skeleton_.parent(deeper);
-            if (!above) return false;
+            const NodeId parent = skeleton_.parent(deeper);
+            if (!parent) return false;
             if (deeper != first && deeper != second) {
-                way += distance(Vec3d(skeleton_.position(deeper)), Vec3d(skeleton_.position(above)));
+                way += distance(Vec3d(skeleton_.position(deeper)), Vec3d(skeleton_.position(parent)));
             }
-            deeper = above;
+            deeper = parent;
             ++hops;
         }
         return hops <= kNeighbourHops || way < reach;

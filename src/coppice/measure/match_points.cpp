@@ -18,7 +18,7 @@ std::vector<Box3> boxes_of(std::span<const Vec3d> points) {
     return boxes;
 }
 
-/// Points that can be taken away: boxes know how many are left below them, so that a search passes over what
+/// Points that can be taken away: boxes know how many are left in them, so that a search passes over what
 /// is gone.
 class FreePoints {
   public:

@@ -27,7 +27,7 @@ struct ControlMesh {
     QuadMesh cage;                      ///< closed, one sphere per tree
     Buffer<Vec3> anchors;               ///< [m] one per cage vertex
     std::vector<std::uint32_t> region;  ///< per quad: the tube it belongs to
-    std::vector<NodeId> region_node;  ///< per region: the skeleton segment (named by its lower node) it wraps
+    std::vector<NodeId> region_node;  ///< per region: the skeleton segment (named by its child node) it wraps
     std::vector<ClipPlane> clip;      ///< one per flat end, by first quad
 };
 

@@ -7,7 +7,7 @@
 
 namespace coppice {
 
-/// How the faces of a mesh hang together. Vertices are told apart by their index, never by their position.
+/// How the faces of a mesh are connected. Vertices are told apart by their index, never by their position.
 struct TopologyReport {
     std::uint64_t vertices = 0;            ///< those that faces use
     std::uint64_t faces = 0;               ///< of any number of corners

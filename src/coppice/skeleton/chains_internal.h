@@ -46,17 +46,17 @@ struct Subset {
 /// parent. It maps to its first child's image, or where it has none, to its parent's.
 inline Subset take_nodes(const Skeleton& s, const std::vector<bool>& kept, std::span<const Vec3> position,
                          std::span<const float> radius) {
-    std::vector<NodeId> parent, above(s.size()), image(s.size());
+    std::vector<NodeId> parent, kept_ancestor(s.size()), image(s.size());
     std::vector<Vec3> p;
     std::vector<float> r;
     parent.reserve(s.size());
     p.reserve(s.size());
     r.reserve(s.size());
     for (const NodeId n : nodes(s)) {
-        const NodeId from = s.is_root(n) ? NodeId::none() : above[s.parent(n).index()];
-        above[n.index()] = from;
+        const NodeId from = s.is_root(n) ? NodeId::none() : kept_ancestor[s.parent(n).index()];
+        kept_ancestor[n.index()] = from;
         if (!kept[n.index()]) continue;
-        above[n.index()] = image[n.index()] = NodeId(static_cast<std::uint32_t>(parent.size()));
+        kept_ancestor[n.index()] = image[n.index()] = NodeId(static_cast<std::uint32_t>(parent.size()));
         parent.push_back(from);
         p.push_back(position[n.index()]);
         r.push_back(radius[n.index()]);
@@ -64,7 +64,7 @@ inline Subset take_nodes(const Skeleton& s, const std::vector<bool>& kept, std::
     for (std::uint32_t i = s.size(); i-- > 0;) {
         if (image[i]) continue;
         const auto children = s.children(NodeId(i));
-        image[i] = children.empty() ? above[i] : image[children.front().index()];
+        image[i] = children.empty() ? kept_ancestor[i] : image[children.front().index()];
     }
     return {Skeleton(std::move(parent), std::move(p), std::move(r), s.origin()), std::move(image)};
 }

@@ -34,7 +34,7 @@ std::vector<float> averaged(const Skeleton& s, const std::vector<float>& radius)
     return smooth;
 }
 
-/// Takes every branch node that lies too close below another one to it.
+/// Merges every branch node that is too close to the next one rootward into that.
 class Merger {
   public:
     Merger(const Skeleton& s, float factor)
@@ -48,11 +48,11 @@ class Merger {
     EditResult run() {
         std::uint32_t count = 0;
         for (const NodeId n : nodes(s_)) {
-            const NodeId above = s_.is_root(n) ? NodeId::none() : branch_[s_.parent(n).index()];
-            branch_[n.index()] = above;
+            const NodeId ancestor = s_.is_root(n) ? NodeId::none() : branch_[s_.parent(n).index()];
+            branch_[n.index()] = ancestor;
             if (s_.children(n).size() < 2) continue;
-            if (above && close(above, n)) {
-                merge(above, n);
+            if (ancestor && close(ancestor, n)) {
+                merge(ancestor, n);
                 ++count;
             } else {
                 branch_[n.index()] = n;
@@ -72,12 +72,12 @@ class Merger {
         return distance(position_[a.index()], position_[b.index()]) < room;
     }
 
-    void merge(NodeId above, NodeId n) {
-        if (radius_[n.index()] > radius_[above.index()]) {
-            position_[above.index()] = position_[n.index()];
-            radius_[above.index()] = radius_[n.index()];
+    void merge(NodeId ancestor, NodeId n) {
+        if (radius_[n.index()] > radius_[ancestor.index()]) {
+            position_[ancestor.index()] = position_[n.index()];
+            radius_[ancestor.index()] = radius_[n.index()];
         }
-        for (NodeId i = n; kept_[i.index()] && i != above; i = s_.parent(i)) {
+        for (NodeId i = n; kept_[i.index()] && i != ancestor; i = s_.parent(i)) {
             kept_[i.index()] = false;
             merged_.push_back(i);
         }
@@ -86,7 +86,7 @@ class Merger {
     const Skeleton& s_;
     float factor_;
     std::vector<bool> kept_;
-    std::vector<NodeId> branch_;  // the branch node that a node is part of or hangs on
+    std::vector<NodeId> branch_;  // the branch node that a node is part of, or the next one rootward
     std::vector<NodeId> merged_;
     std::vector<Vec3> position_;
     std::vector<float> radius_;

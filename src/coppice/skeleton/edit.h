@@ -19,9 +19,9 @@ struct EditResult {
 /// radii that changed. O(n passes).
 EditResult smooth_radii(const Skeleton& skeleton, int passes);
 
-/// Makes one of a branch node and the next branch node above it where they are nearer than `factor` times the
-/// larger radius: the thicker one stays in place (the upper on ties) and has the children of both; nodes
-/// between them go. `count`: branch nodes that went. Tips and roots stay. O(n).
+/// Makes one of a branch node and the next branch node rootward of it where they are nearer than `factor`
+/// times the larger radius: the thicker one stays in place (the one nearer to the root on ties) and has the
+/// children of both; nodes between them go. `count`: branch nodes that went. Tips and roots stay. O(n).
 EditResult merge_close_branches(const Skeleton& skeleton, float factor = 0.5f);
 
 /// Splits nodes with more than `max_children` >= 2 children: new nodes along the first half of the leader's

@@ -22,7 +22,7 @@ struct SkeletonMeasures {
     double shortest_segment = 0;     ///< [m] 0 when there are no segments
     double longest_segment = 0;      ///< [m]
     double volume = 0;               ///< [m^3] of the cones between nodes, without the balls at the nodes
-    double area = 0;                 ///< [m^2] of the mantles of these cones
+    double area = 0;                 ///< [m^2] lateral area of these cones
     double least_radius = 0;         ///< [m]
     double greatest_radius = 0;      ///< [m]
     Box3 bounds;                     ///< [m] of the balls about the nodes, relative to the origin

@@ -54,9 +54,9 @@ struct RepairResult {
 
 /// Makes a valid skeleton of raw nodes. Parents are put first, otherwise the order is kept. Nodes without a
 /// parent become roots. A missing radius is interpolated linearly by length between the nearest known ones
-/// above and below (else it is the nearest known one, else the smallest of the file, else 1 % of the size). A
-/// node at the place of its parent is merged into it and hands it its children; so are twins, children of one
-/// node at the same place.
+/// rootward and tipward (else it is the nearest known one, else the smallest of the file, else 1 % of the
+/// size). A node at the place of its parent is merged into it and hands it its children; so are twins,
+/// children of one node at the same place.
 ///
 /// Positions become local: the origin is the first root in whole metres when coordinates exceed ten times the
 /// size of the skeleton, else zero.

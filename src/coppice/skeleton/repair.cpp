@@ -64,12 +64,12 @@ struct Nearest {
     bool found() const { return std::isfinite(distance); }
 };
 
-double between(const Nearest& above, const Nearest& below) {
-    if (!above.found()) return below.radius;
-    if (!below.found()) return above.radius;
-    const double length = above.distance + below.distance;
-    return length > 0 ? (above.radius * below.distance + below.radius * above.distance) / length
-                      : 0.5 * (above.radius + below.radius);
+double between(const Nearest& rootward, const Nearest& tipward) {
+    if (!rootward.found()) return tipward.radius;
+    if (!tipward.found()) return rootward.radius;
+    const double length = rootward.distance + tipward.distance;
+    return length > 0 ? (rootward.radius * tipward.distance + tipward.radius * rootward.distance) / length
+                      : 0.5 * (rootward.radius + tipward.radius);
 }
 
 Vec3d choose_origin(const NodeList& nodes) {
@@ -187,23 +187,23 @@ std::uint32_t fill_radii(const std::vector<std::uint32_t>& parent, const std::ve
         if (known(r)) smallest = std::min(smallest, r);
     }
     if (!std::isfinite(smallest)) smallest = size > 0 ? 0.01 * size : 0.01;
-    std::vector<Nearest> above(n), below(n);
+    std::vector<Nearest> rootward(n), tipward(n);
     for (std::size_t i = n; i-- > 0;) {
         if (parent[i] == kNone) continue;
-        const Nearest here = known(radius[i]) ? Nearest{0, radius[i]} : below[i];
-        Nearest& best = below[parent[i]];
+        const Nearest here = known(radius[i]) ? Nearest{0, radius[i]} : tipward[i];
+        Nearest& best = tipward[parent[i]];
         if (here.distance + step[i] < best.distance) best = {here.distance + step[i], here.radius};
     }
     for (std::size_t i = 0; i < n; ++i) {
         if (parent[i] == kNone) continue;
         const std::uint32_t p = parent[i];
-        const Nearest here = known(radius[p]) ? Nearest{0, radius[p]} : above[p];
-        above[i] = {here.distance + step[i], here.radius};
+        const Nearest here = known(radius[p]) ? Nearest{0, radius[p]} : rootward[p];
+        rootward[i] = {here.distance + step[i], here.radius};
     }
     std::uint32_t filled = 0;
     for (std::size_t i = 0; i < n; ++i) {
         if (known(radius[i])) continue;
-        radius[i] = above[i].found() || below[i].found() ? between(above[i], below[i]) : smallest;
+        radius[i] = rootward[i].found() || tipward[i].found() ? between(rootward[i], tipward[i]) : smallest;
         ++filled;
     }
     return filled;

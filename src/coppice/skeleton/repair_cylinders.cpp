@@ -191,7 +191,7 @@ class Joiner {
         return segment_distance(a.start, a.start, from, tip_[i]) > kGreatestShift * a.radius;
     }
 
-    struct Foot {
+    struct Attachment {
         double along;
         std::uint32_t child;
     };
@@ -202,26 +202,26 @@ class Joiner {
         const Vec3d from = list_.position[node];
         const Vec3d way = tip_[i] - from;
         const double length = distance(from, tip_[i]);
-        std::vector<Foot> feet;
+        std::vector<Attachment> attachments;
         for (std::uint32_t c = first_child_[i]; c < first_child_[i + 1]; ++c) {
             if (child_[c] == next_[i]) continue;
             const double along = length > 0 ? dot(source_point(axes_[child_[c]]) - from, way) / length : 0;
-            feet.push_back({std::max(along, 0.0), child_[c]});
+            attachments.push_back({std::max(along, 0.0), child_[c]});
         }
-        std::stable_sort(feet.begin(), feet.end(),
-                         [](const Foot& x, const Foot& y) { return x.along < y.along; });
+        std::stable_sort(attachments.begin(), attachments.end(),
+                         [](const Attachment& x, const Attachment& y) { return x.along < y.along; });
         double at = 0;
         std::size_t f = 0;
-        for (; f < feet.size() && feet[f].along < length - kSnapToEnd * a.radius; ++f) {
-            if (feet[f].along - at > kSnapTogether * a.radius) {
-                at = feet[f].along;
+        for (; f < attachments.size() && attachments[f].along < length - kSnapToEnd * a.radius; ++f) {
+            if (attachments[f].along - at > kSnapTogether * a.radius) {
+                at = attachments[f].along;
                 node = list_.add(node, from + way * (at / length), a.radius);
             }
             if (at > 0) ++report_.attached_inside;
-            leaves_from_[feet[f].child] = node;
+            leaves_from_[attachments[f].child] = node;
         }
         node = list_.add(node, tip_[i], a.radius);
-        for (; f < feet.size(); ++f) leaves_from_[feet[f].child] = node;
+        for (; f < attachments.size(); ++f) leaves_from_[attachments[f].child] = node;
         if (next_[i] != kNone) leaves_from_[next_[i]] = node;
     }
 

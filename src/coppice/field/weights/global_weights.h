@@ -19,7 +19,7 @@ struct WeightResidual {
 /// A point that the surface is to go through.
 struct WeightConstraint {
     Vec3 position;   ///< [m] in the frame of the skeleton
-    NodeId segment;  ///< the one it belongs to, by lower node; the node itself in a tree of one node
+    NodeId segment;  ///< the one it belongs to, by child node; the node itself in a tree of one node
 };
 
 /// Points spread over the surface that the skeleton says: on circles of the local radius about the segments,
@@ -32,7 +32,7 @@ std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, cons
 
 /// Factors of all segments, and how well they fit.
 struct GlobalWeights {
-    std::vector<float> factors;     ///< of the local weights, by lower node: for scale_weights
+    std::vector<float> factors;     ///< of the local weights, by child node: for scale_weights
     std::uint64_t constraints = 0;  ///< points that were fitted
     std::uint64_t entries = 0;      ///< pairs of a point and a segment that it sees
     std::uint64_t zero = 0;         ///< segments that got no weight: they are not in the surface any more

@@ -41,8 +41,8 @@ inline double support(const RoundCone& cone, double times, Vec3d n, double n_len
 /// Radius of the thinnest ball of the cone that, `times` as large, meets the ball about `center`; none when
 /// all miss it. The condition |center - low - t along| <= times (radius + t growth) + reach, squared, is a
 /// quadratic in t of which the first root counts.
-inline std::optional<double> thinnest_meeting(const RoundCone& cone, double times, Vec3d center,
-                                              double reach) {
+inline std::optional<double> thinnest_ball_meeting(const RoundCone& cone, double times, Vec3d center,
+                                                   double reach) {
     const Vec3d w = center - cone.a;
     const double r = times * cone.radius_a + reach, g = times * cone.growth;
     const double c = dot(w, w) - r * r;
@@ -56,7 +56,7 @@ inline std::optional<double> thinnest_meeting(const RoundCone& cone, double time
 }
 
 /// Whether the ball about `center` lies within one of the balls of the cone, `times` as large.
-inline bool swallows(const RoundCone& cone, double times, Vec3d center, double reach) {
+inline bool holds_ball(const RoundCone& cone, double times, Vec3d center, double reach) {
     // From the thicker end on.
     const double g = times * cone.growth, r = times * cone.radius_b() - reach;
     if (r <= 0) return false;
@@ -74,7 +74,7 @@ inline bool swallows(const RoundCone& cone, double times, Vec3d center, double r
 /// convex body around `middle`; lowest(n, |n|) is the least n . p over the body's points. May be false
 /// although they are apart.
 template <class Lowest>
-bool parted(const RoundCone& cone, double times, Vec3d middle, const Lowest& lowest) {
+bool separated(const RoundCone& cone, double times, Vec3d middle, const Lowest& lowest) {
     const Vec3d n = middle - cone.point(nearest_ball(cone, times, middle));
     const double n_length = length(n);
     return n_length > 0 && lowest(n, n_length) > support(cone, times, n, n_length);

@@ -80,7 +80,7 @@ Extent extent(const std::array<Vec3d, 4>& p, std::uint8_t diagonal) {
 
 /// The edges, or the faces, of which one vertex is the least: few, so that the place of one is found by
 /// looking at all.
-class Above {
+class ByLeastVertex {
   public:
     void clear() { keys_.clear(); }
     std::size_t size() const { return keys_.size(); }
@@ -237,7 +237,7 @@ void TetraRefinement::find_parts(const Context& ctx) {
     std::vector<Found> found((vertices + kVertexGrain - 1) / kVertexGrain);
     parallel_for_ranges(ctx, vertices, kVertexGrain, [&](IndexRange r) {
         Found& f = found[r.begin / kVertexGrain];
-        Above edges, faces;
+        ByLeastVertex edges, faces;
         std::vector<TetraFace> first_side;
         std::vector<std::uint32_t> sides;
         for (std::size_t v = r.begin; v < r.end; ++v) {
@@ -252,7 +252,7 @@ void TetraRefinement::find_parts(const Context& ctx) {
                 const float shortest = traits_[t].shortest_edge;
                 const std::uint32_t c = corner_of(p, static_cast<std::uint32_t>(v));
                 // Notes one of the parts about this vertex; the first tetrahedron that names it has it.
-                const auto note = [&](Above& of_kind, std::vector<float>& all, std::size_t before,
+                const auto note = [&](ByLeastVertex& of_kind, std::vector<float>& all, std::size_t before,
                                       std::uint32_t group, std::uint64_t key) {
                     const std::uint32_t i = p[group] = of_kind.find(key);
                     if (before + i == all.size()) {

@@ -128,7 +128,7 @@ class Selection {
 
     template <std::size_t N>
     bool apart(std::uint32_t segment, Vec3d middle, const std::array<Vec3d, N>& corners) const {
-        return parted(cones_[segment], options_.outside, middle, [&](Vec3d n, double) {
+        return separated(cones_[segment], options_.outside, middle, [&](Vec3d n, double) {
             double least = dot(n, corners[0]);
             for (std::size_t i = 1; i < N; ++i) least = std::min(least, dot(n, corners[i]));
             return least;
@@ -144,7 +144,7 @@ class Selection {
     bool within_one(const std::array<std::uint32_t, 4>& state, const std::array<Vec3d, 4>& corners) const {
         return std::ranges::any_of(state, [&](std::uint32_t s) {
             return std::ranges::all_of(corners,
-                                       [&](Vec3d p) { return swallows(cones_[s], options_.inside, p, 0); });
+                                       [&](Vec3d p) { return holds_ball(cones_[s], options_.inside, p, 0); });
         });
     }
 

@@ -156,7 +156,7 @@ class Sizing {
         }
     }
 
-    /// Appends those of the parent's segments that meet a cell, or the one alone that swallows it. Returns
+    /// Appends those of the parent's segments that meet a cell, or the one alone that holds it. Returns
     /// the first that is too thin for the cell.
     std::uint32_t meet(std::size_t parent, Vec3d center, double side, std::vector<std::uint32_t>& out) const {
         const std::size_t begin = out.size();
@@ -167,9 +167,9 @@ class Sizing {
         std::uint32_t thin = kNone;
         for (std::size_t k = open_first_[parent]; k < open_first_[parent + 1]; ++k) {
             const RoundCone& cone = cones_[open_[k]];
-            const auto radius = thinnest_meeting(cone, options_.outside, center, reach);
-            if (!radius || parted(cone, options_.outside, center, lowest)) continue;
-            if (swallows(cone, options_.inside, center, reach)) {
+            const auto radius = thinnest_ball_meeting(cone, options_.outside, center, reach);
+            if (!radius || separated(cone, options_.outside, center, lowest)) continue;
+            if (holds_ball(cone, options_.inside, center, reach)) {
                 out.resize(begin);
                 out.push_back(open_[k]);
                 return kNone;

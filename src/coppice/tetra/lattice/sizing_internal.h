@@ -44,7 +44,7 @@ struct LatticeSizing {
 };
 
 /// Cells are split while larger than options.cell times the least radius of any segment that meets them,
-/// `options.outside` times as thick, unless one segment, `options.inside` times as thick, swallows them (such
+/// `options.outside` times as thick, unless one segment, `options.inside` times as thick, holds them (such
 /// a leaf names that segment alone). Cones are relative to the cube's lower corner. Throws InvalidInput when
 /// cells would be too small or too many. Some 20 ns for each meeting of a segment with a cell of any level.
 LatticeSizing size_cells(std::span<const RoundCone> cones, const LatticeCube& cube,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march/internal.h"
+#include "coppice/tetra/march/cuts_internal.h"
 
 namespace coppice::tetra_internal {
 

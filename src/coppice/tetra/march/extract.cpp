@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march/settle_internal.h"
+#include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -49,15 +49,15 @@ struct CutEdge {
 class Extractor {
   public:
     Extractor(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-              const Settled& settled, const Context& ctx)
+              const SnappedVertices& snapped, const Context& ctx)
         : refinement_(refinement),
           field_(field),
           profile_(field.level()),
           samples_(samples),
-          crossed_(settled.crossed),
-          numbers_(refinement, settled.crossed, ctx),
+          crossed_(snapped.crossed),
+          numbers_(refinement, snapped.crossed, ctx),
           ctx_(ctx) {
-        number_placed(settled.used);
+        number_placed(snapped.used);
     }
 
     TriMesh extract(int refinements, MarchReport& report) {
@@ -109,8 +109,8 @@ class Extractor {
                 list_cuts(piece.active[i], edges, cuts);
             }
             for (std::size_t c = 0; c < cuts.size(); c += kBatch)
-                settle(static_cast<std::uint32_t>(region),
-                       std::span(cuts).subspan(c, std::min(kBatch, cuts.size() - c)), refinements);
+                refine_cuts(static_cast<std::uint32_t>(region),
+                            std::span(cuts).subspan(c, std::min(kBatch, cuts.size() - c)), refinements);
         }
     }
 
@@ -127,7 +127,7 @@ class Extractor {
         });
     }
 
-    void settle(std::uint32_t region, std::span<CutEdge> cuts, int refinements) {
+    void refine_cuts(std::uint32_t region, std::span<CutEdge> cuts, int refinements) {
         std::array<Vec3, kBatch> points;
         std::array<FieldSample, kBatch> samples;
         for (int round = 0;; ++round) {
@@ -196,8 +196,8 @@ class Extractor {
 }  // namespace
 
 TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                const Settled& settled, int refinements, MarchReport& report, const Context& ctx) {
-    return Extractor(refinement, field, samples, settled, ctx).extract(refinements, report);
+                const SnappedVertices& snapped, int refinements, MarchReport& report, const Context& ctx) {
+    return Extractor(refinement, field, samples, snapped, ctx).extract(refinements, report);
 }
 
 }  // namespace coppice::tetra_internal

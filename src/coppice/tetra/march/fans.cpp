@@ -2,7 +2,7 @@
 #include <atomic>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march/settle_internal.h"
+#include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -23,7 +23,7 @@ class FanFinder {
         std::vector<Fan> fans(count);
         parallel_for(ctx_, count, kGrain, [&](std::size_t i) {
             fans[i] = size_[i] > kMost ? Fan::unknown : judge_fan<Key>(std::span(links_[i]).first(size_[i]));
-            if (fans[i] == Fan::spoilt) fans[i] = Fan::unknown;
+            if (fans[i] == Fan::non_manifold) fans[i] = Fan::unknown;
         });
         return fans;
     }

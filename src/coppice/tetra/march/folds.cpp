@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "coppice/tetra/march/settle_internal.h"
+#include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {

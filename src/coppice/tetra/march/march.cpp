@@ -4,7 +4,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/tetra/lattice/refinement.h"
-#include "coppice/tetra/march/settle_internal.h"
+#include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice {
 
@@ -19,12 +19,12 @@ MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& opt
     ctx.throw_if_cancelled();
     out.open = tetra_internal::open_faces(refinement, samples.inside, ctx);
     if (!out.open.empty()) return out;
-    const tetra_internal::Settled settled = tetra_internal::free_vertices(refinement, samples, ctx);
+    const tetra_internal::SnappedVertices kept = tetra_internal::unsnap_vertices(refinement, samples, ctx);
     ctx.throw_if_cancelled();
     out.report.snapped = samples.on.count();
     out.report.freed = samples.place.size() - out.report.snapped;
     out.mesh =
-        tetra_internal::extract(refinement, field, samples, settled, options.refinements, out.report, ctx);
+        tetra_internal::extract(refinement, field, samples, kept, options.refinements, out.report, ctx);
     return out;
 }
 

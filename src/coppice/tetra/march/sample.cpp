@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march/internal.h"
+#include "coppice/tetra/march/cuts_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -65,7 +65,7 @@ class RegionSampler {
             near_[near] = static_cast<std::uint32_t>(i);
             target_[near++] = points_[i] + step;
         }
-        if (near > 0) settle(near);
+        if (near > 0) find_targets(near);
         size_ = 0;
     }
 
@@ -80,7 +80,7 @@ class RegionSampler {
     }
 
     /// A second step, from where the first one led, decides: it must be the shorter one.
-    void settle(std::size_t near) {
+    void find_targets(std::size_t near) {
         field_.sample(region_, std::span(target_.data(), near), std::span(samples_.data(), near));
         for (std::size_t k = 0; k < near; ++k) {
             const std::uint32_t i = near_[k];

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "coppice/tetra/march/internal.h"
+#include "coppice/tetra/march/cuts_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {

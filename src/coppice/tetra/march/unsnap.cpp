@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march/settle_internal.h"
+#include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -95,7 +95,7 @@ void sort_unique(std::vector<std::uint32_t>& numbers) {
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
+void unsnap(std::span<const std::uint32_t> vertices, Samples& samples) {
     for (const std::uint32_t v : vertices) {
         samples.on.reset(v);
         if (samples.height[v] > 0) samples.inside.set(v);
@@ -129,19 +129,19 @@ std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, cons
 void unfold(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
     std::vector<std::uint32_t> folds = find_folds(refinement, samples, ctx);
     while (!folds.empty()) {
-        put_back(folds, samples);
+        unsnap(folds, samples);
         folds = find_folds(refinement, samples, tetra_around(refinement, folds, ctx), ctx);
     }
 }
 
 }  // namespace
 
-Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
+SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
     unfold(refinement, samples, ctx);
-    Settled out{CrossedTetra(refinement, samples, ctx), {}};
+    SnappedVertices out{CrossedTetra(refinement, samples, ctx), {}};
     ctx.throw_if_cancelled();
     std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
-    std::vector<std::uint32_t> open, freed, folds, changed;
+    std::vector<std::uint32_t> open, unsnapped, folds, changed;
     std::uint32_t rank = 0;
     for_each_bit(samples.placed.words(), [&](std::uint32_t v) {
         if (fans[rank++] == Fan::unknown) open.push_back(v);
@@ -153,17 +153,17 @@ Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const
                 fans[samples.placed.rank(open[i])] = star.fan(open[i]);
         });
         ctx.throw_if_cancelled();
-        freed = std::move(folds);
+        unsnapped = std::move(folds);
         for (const std::uint32_t v : open) {
-            if (fans[samples.placed.rank(v)] == Fan::spoilt) freed.push_back(v);
+            if (fans[samples.placed.rank(v)] == Fan::non_manifold) unsnapped.push_back(v);
         }
-        if (freed.empty()) break;
-        sort_unique(freed);
-        put_back(freed, samples);
-        // What is put back may spoil the fans of its neighbours alone, and fold what is about it.
-        for (const std::uint32_t v : freed) fans[samples.placed.rank(v)] = Fan::none;
-        open = neighbours_on(refinement, samples, freed, ctx);
-        const std::vector<std::uint32_t> tetra = tetra_around(refinement, freed, ctx);
+        if (unsnapped.empty()) break;
+        sort_unique(unsnapped);
+        unsnap(unsnapped, samples);
+        // What is put back may change the fans of its neighbours alone, and fold what is about it.
+        for (const std::uint32_t v : unsnapped) fans[samples.placed.rank(v)] = Fan::none;
+        open = neighbours_on(refinement, samples, unsnapped, ctx);
+        const std::vector<std::uint32_t> tetra = tetra_around(refinement, unsnapped, ctx);
         changed.insert(changed.end(), tetra.begin(), tetra.end());
         folds = find_folds(refinement, samples, tetra, ctx);
     }

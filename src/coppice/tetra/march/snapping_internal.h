@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/tetra/march/crossed_internal.h"
+#include "coppice/tetra/march/march.h"
 
 namespace coppice::tetra_internal {
 
@@ -13,7 +14,7 @@ namespace coppice::tetra_internal {
 enum class Fan : std::uint8_t {
     none,
     single,  ///< one closed way around it, of three or more, that comes to no corner twice
-    spoilt,
+    non_manifold,
     unknown  ///< to be looked at
 };
 
@@ -34,15 +35,15 @@ Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
     do {
         std::size_t next = 0;
         while (next < segments.size() && segments[next].from != segments[at].to) ++next;
-        if (next == segments.size()) return Fan::spoilt;
+        if (next == segments.size()) return Fan::non_manifold;
         at = next;
         ++steps;
     } while (at != 0 && steps < segments.size());
-    return at == 0 && steps == segments.size() && steps >= 3 ? Fan::single : Fan::spoilt;
+    return at == 0 && steps == segments.size() && steps >= 3 ? Fan::single : Fan::non_manifold;
 }
 
-/// The fans of all vertices on the surface, by rank in `placed`; those that may be spoilt are left unknown.
-/// O(triangles).
+/// The fans of all vertices on the surface, by rank in `placed`; those that may be non-manifold are left
+/// unknown. O(triangles).
 std::vector<Fan> find_fans(const TetraRefinement& refinement, const Samples& samples,
                            const CrossedTetra& crossed, const Context& ctx);
 
@@ -68,17 +69,18 @@ std::vector<std::uint32_t> collect_marked(std::size_t universe, std::size_t coun
     return out;
 }
 
-struct Settled {
+/// What the vertices that stay on the surface leave.
+struct SnappedVertices {
     CrossedTetra crossed;
     std::vector<std::uint8_t> used;  ///< by rank in `placed`: whether a vertex on the surface has triangles
 };
 
 /// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
 /// on the surface are one closed fan, or none. What is returned refers to the other two.
-Settled free_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
+SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
 
-/// Triangles from the signs, once they are settled.
+/// Triangles from the signs, once no vertex is put back any more.
 TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                const Settled& settled, int refinements, MarchReport& report, const Context& ctx);
+                const SnappedVertices& snapped, int refinements, MarchReport& report, const Context& ctx);
 
 }  // namespace coppice::tetra_internal

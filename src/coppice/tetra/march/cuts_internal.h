@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "coppice/tetra/march/samples_internal.h"
+
+namespace coppice::tetra_internal {
+
+/// The polygon of the surface within a fine tetrahedron, counter-clockwise seen from outside. Corners 0 to 5
+/// lie on edges 01, 02, 03, 12, 13, 23; corners 6 to 9 are the vertices 0 to 3.
+struct Cut {
+    std::uint8_t size = 0;  ///< 0, 3 or 4
+    std::array<std::uint8_t, 4> corners{};
+};
+inline constexpr std::uint8_t kCutVertex = 6;
+
+/// By 16 times the bits of the corners that are inside, and the bits of those on the surface.
+extern const std::array<Cut, 256> kCuts;
+
+/// One bit for each fine vertex of a coarse tetrahedron: for the 6545 of 5 levels, and two words to spare.
+using LocalBits = std::array<std::uint64_t, 105>;
+
+/// Gathers a coarse tetrahedron's from those of all fine vertices. Words beyond them are unspecified.
+void gather_bits(const TetraRefinement& refinement, const RankedBits& bits, std::uint32_t tetra,
+                 LocalBits& out);
+
+inline std::uint32_t bit_of(const LocalBits& words, std::uint32_t i) {
+    return static_cast<std::uint32_t>(words[i / 64] >> (i % 64)) & 1;
+}
+
+/// The signs of one coarse tetrahedron's fine vertices.
+class LocalSigns {
+  public:
+    /// Returns whether some are inside and some are not; otherwise nothing is known afterwards.
+    bool gather(const TetraRefinement& refinement, const Samples& samples, std::uint32_t tetra);
+
+    /// Number in kCuts of how the surface crosses a fine tetrahedron.
+    std::uint8_t code(const std::array<TetraPattern::Local, 4>& t) const {
+        return static_cast<std::uint8_t>(state_[t[0]] | state_[t[1]] << 1 | state_[t[2]] << 2 |
+                                         state_[t[3]] << 3);
+    }
+    /// Calls use(number, code) for every fine tetrahedron that the surface crosses, in order.
+    template <class Use>
+    void for_each_cut(const TetraPattern& pattern, const Use& use) const {
+        const bool small = !pattern.tetra_masks.empty();
+        for (std::size_t t = 0; t < pattern.tetra.size(); ++t) {
+            if (small) {
+                const std::uint64_t mask = pattern.tetra_masks[t], in = inside_[0] & mask;
+                if (in == 0 || in == mask) continue;
+            }
+            const std::uint8_t c = code(pattern.tetra[t]);
+            if (kCuts[c].size > 0) use(t, c);
+        }
+    }
+
+  private:
+    LocalBits inside_, on_;
+    std::array<std::uint8_t, 64 * std::tuple_size_v<LocalBits>> state_;  ///< 16 inside, 1 on the surface
+};
+
+}  // namespace coppice::tetra_internal
