@@ -37,10 +37,10 @@ MeshOptions round_options(MeshMethod method) {
     return options;
 }
 
-MeshOptions tetra_options(double edge, int levels = TetraOptions{}.tetra_levels) {
+MeshOptions tetra_options(double edge, int levels = TetraOptions{}.march.levels) {
     MeshOptions options = round_options(MeshMethod::tetrahedra);
     options.tetra.edge = static_cast<float>(edge);
-    options.tetra.tetra_levels = levels;
+    options.tetra.march.levels = levels;
     return options;
 }
 

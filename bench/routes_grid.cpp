@@ -64,7 +64,7 @@ struct EverySegment {
 };
 
 PolygonizeOptions cutting(const Grid& grid, const MeshOptions& options) {
-    return {.cell = grid.cell, .refinements = options.tetra.refinements};
+    return {.cell = grid.cell, .refinements = options.tetra.march.refinements};
 }
 
 }  // namespace

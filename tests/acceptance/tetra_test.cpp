@@ -22,7 +22,7 @@ using namespace test;
 MeshOptions tetrahedra(int levels = 1) {
     MeshOptions options;
     options.method = MeshMethod::tetrahedra;
-    options.tetra.tetra_levels = levels;
+    options.tetra.march.levels = levels;
     return options;
 }
 

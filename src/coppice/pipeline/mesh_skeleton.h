@@ -38,25 +38,17 @@ struct EnumNames<MeshMethod> {
 
 /// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
 struct TetraOptions {
-    float edge = 0.5f;     ///< [radii] length of the triangles' edges, about
-    int tetra_levels = 1;  ///< times the tetrahedra are cut into eight: more is faster for short edges, but
-                           ///< grades less finely
-    float snap = 0.45f;    ///< [edges] of the finest tetrahedra: corners nearer to the surface move onto it
-    int refinements =
-        2;  ///< times a vertex is moved along its edge towards the surface after the first guess
+    float edge = 0.5f;  ///< [radii] length of the triangles' edges, about
+    /// More levels are faster for short edges, but grade less finely.
+    MarchOptions march{.levels = 1};
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, TetraOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"edge", "length of the triangles' edges, about", Unit::radius, 0.05, 4}, o.edge);
-    visit(Field{"tetra_levels", "times the tetrahedra are cut into eight", Unit::none, 0, 4}, o.tetra_levels);
-    visit(Field{"snap", "corners of tetrahedra nearer to the surface than this part of an edge move onto it",
-                Unit::none, 0, 0.5},
-          o.snap);
-    visit(
-        Field{"refinements", "times a vertex is moved towards the surface along its edge", Unit::none, 0, 20},
-        o.refinements);
+    visit(Field{"tetra_levels", "times the tetrahedra are cut into eight", Unit::none, 0, 4}, o.march.levels);
+    visit_accuracy_fields(o.march, visit);
 }
 
 /// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,

@@ -48,12 +48,11 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
     }
     // Vertices of the hull stay where they are, so the surface should keep away from it; tetrahedra that are
     // cut reach far enough by themselves.
-    const float shell = options.tetra.tetra_levels == 0 ? 0.3f : 0.2f;
+    const float shell = options.tetra.march.levels == 0 ? 0.3f : 0.2f;
     const LatticeOptions sizes{
-        .cell = kCellOverEdge * options.tetra.edge * static_cast<float>(1 << options.tetra.tetra_levels),
+        .cell = kCellOverEdge * options.tetra.edge * static_cast<float>(1 << options.tetra.march.levels),
         .inside = 1 - shell,
         .outside = 1 + shell};
-    const MarchOptions marching{options.tetra.tetra_levels, options.tetra.snap, options.tetra.refinements};
     Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(segments_of(prepared), sizes, ctx); });
     ConvolutionField field = stages.run(
         "weights", 0.25f, [&] { return surface_field(prepared, options, constraints, weights, ctx); });
@@ -66,7 +65,7 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
         });
         const CutField cut(FieldRef(field), prepared, options.control, boxes, ctx);
         MarchResult marched =
-            stages.run("march", 0.95f, [&] { return march(mesh, FieldRef(cut), marching, ctx); });
+            stages.run("march", 0.95f, [&] { return march(mesh, FieldRef(cut), options.tetra.march, ctx); });
         out.march = marched.report;
         out.mesh = std::move(marched.mesh);
         again = !marched.open.empty();

@@ -13,22 +13,29 @@ namespace coppice {
 
 /// How fine the surface is, and how exactly its vertices lie on it.
 struct MarchOptions {
-    int levels = 2;     ///< times every tetrahedron is cut into eight
-    float snap = 0.4f;  ///< [fine edges] vertices nearer than this to the surface are moved onto it; 0: none
+    int levels = 2;      ///< times every tetrahedron is cut into eight
+    float snap = 0.45f;  ///< [fine edges] vertices nearer than this to the surface are moved onto it; 0: none
     int refinements =
         2;  ///< times a vertex is moved along its edge towards the surface after the first guess
 };
 
+/// Those of how exactly the vertices lie, alone.
 template <class Self, class Visitor>
 requires SameOptions<Self, MarchOptions>
-constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"levels", "times every tetrahedron is cut into eight", Unit::none, 0, 5}, o.levels);
-    visit(Field{"snap", "corners nearer to the surface than this are moved onto it, in lengths of an edge",
+constexpr void visit_accuracy_fields(Self& o, Visitor&& visit) {
+    visit(Field{"snap", "corners of tetrahedra nearer to the surface than this part of an edge move onto it",
                 Unit::none, 0, 0.5},
           o.snap);
     visit(
         Field{"refinements", "times a vertex is moved towards the surface along its edge", Unit::none, 0, 20},
         o.refinements);
+}
+
+template <class Self, class Visitor>
+requires SameOptions<Self, MarchOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"levels", "times every tetrahedron is cut into eight", Unit::none, 0, 5}, o.levels);
+    visit_accuracy_fields(o, visit);
 }
 
 /// How marching went, counted.
