@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "coppice/base/error.h"
-#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/collect_lists_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -14,68 +13,40 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // regions per task
 constexpr std::size_t kHub = 64;     // a node with more children gets a tree of boxes
-constexpr std::size_t kWay = 16;     // of that tree
 constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMinLimit = 256;
 constexpr std::size_t kLooked =
     4;  // times the longest list: of more segments that touch a box, some go unseen
 
-/// The children of a node with many, sorted along a space-filling curve, under a tree of boxes.
+/// The children of a node with many, by their boxes.
 class Hub {
   public:
-    Hub(const Skeleton& skeleton, NodeId node, std::span<const SegmentSupport> supports) : node_(node) {
-        Box3 all;
-        for (const NodeId c : skeleton.children(node)) all.extend(supports[c.index()].box.center());
-        const Vec3 size = all.size();
-        const float scale = 1023 / std::max({size.x, size.y, size.z, 1e-30f});
-        std::vector<std::pair<std::uint64_t, NodeId>> keys;
-        for (const NodeId c : skeleton.children(node)) {
-            const Vec3 q = (supports[c.index()].box.center() - all.low) * scale;
-            const auto cell = [](float x) {
-                return static_cast<std::uint32_t>(std::clamp(x, 0.0f, 1023.0f));
-            };
-            keys.emplace_back(morton_code(cell(q.x), cell(q.y), cell(q.z)), c);
-        }
-        std::sort(keys.begin(), keys.end());
-        std::vector<Box3> level;
-        for (const auto& [key, c] : keys) {
-            child_.push_back(c);
-            level.push_back(supports[c.index()].box);
-        }
-        while (level.size() > 1) {
-            std::vector<Box3> above((level.size() + kWay - 1) / kWay);
-            for (std::size_t i = 0; i < level.size(); ++i) above[i / kWay].extend(level[i]);
-            levels_.push_back(std::move(level));
-            level = std::move(above);
-        }
-    }
+    Hub(const Skeleton& skeleton, NodeId node, std::span<const SegmentSupport> supports, const Context& ctx)
+        : node_(node), boxes_(boxes_of(skeleton.children(node), supports, child_), ctx) {}
 
     NodeId node() const { return node_; }
 
     /// Calls visit(child) for all whose boxes overlap, until it returns false.
     template <class Visit>
-    bool query(const Box3& box, const Visit& visit) const {
-        return query(levels_.size() - 1, 0, levels_.back().size(), box, visit);
+    void query(const Box3& box, const Visit& visit) const {
+        boxes_.visit_overlapping(box, [&](std::uint32_t i) { return visit(child_[i]); });
     }
 
   private:
-    template <class Visit>
-    bool query(std::size_t level, std::size_t begin, std::size_t end, const Box3& box,
-               const Visit& visit) const {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (!levels_[level][i].overlaps(box)) continue;
-            const bool more = level == 0
-                                  ? visit(child_[i])
-                                  : query(level - 1, i * kWay,
-                                          std::min((i + 1) * kWay, levels_[level - 1].size()), box, visit);
-            if (!more) return false;
+    static std::vector<Box3> boxes_of(std::span<const NodeId> children,
+                                      std::span<const SegmentSupport> supports, std::vector<NodeId>& listed) {
+        std::vector<Box3> boxes;
+        for (const NodeId c : children) {
+            if (supports[c.index()].box.empty()) continue;
+            listed.push_back(c);
+            boxes.push_back(supports[c.index()].box);
         }
-        return true;
+        return boxes;
     }
 
     NodeId node_;
     std::vector<NodeId> child_;
-    std::vector<std::vector<Box3>> levels_;  ///< [0] the children
+    BoxTree boxes_;
 };
 
 /// Floods the tree from a seed. A tree has no cycles, so remembering where one came from is all the
@@ -152,10 +123,11 @@ class Flood {
     std::vector<Step> queue_;
 };
 
-std::vector<Hub> find_hubs(const Skeleton& skeleton, std::span<const SegmentSupport> supports) {
+std::vector<Hub> find_hubs(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
+                           const Context& ctx) {
     std::vector<Hub> hubs;
     for (const NodeId n : nodes(skeleton)) {
-        if (skeleton.children(n).size() > kHub) hubs.emplace_back(skeleton, n, supports);
+        if (skeleton.children(n).size() > kHub) hubs.emplace_back(skeleton, n, supports, ctx);
     }
     return hubs;
 }
@@ -182,7 +154,7 @@ CandidateLists find_candidates(const Skeleton& skeleton, std::span<const Segment
     COPPICE_ASSERT(std::all_of(regions.begin(), regions.end(), [&](const FieldRegion& r) {
         return r.seed && r.seed.index() < skeleton.size();
     }));
-    const std::vector<Hub> hubs = find_hubs(skeleton, supports);
+    const std::vector<Hub> hubs = find_hubs(skeleton, supports, ctx);
     const std::size_t count = regions.size();
     const std::size_t limit = longest_list(count);
     return collect_lists(count, kGrain, ctx, [&](IndexRange range, const auto& put) {
