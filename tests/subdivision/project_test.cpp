@@ -47,7 +47,7 @@ struct Scene {
     ProjectReport project(const TestField& field, const ProjectOptions& options = {}, unsigned threads = 1) {
         Context ctx;
         ctx.threads = threads;
-        return coppice::project(positions, anchors, patches, regions, clips, FieldRef(field), options, ctx);
+        return coppice::project(positions, anchors, patches, {FieldRef(field), regions, clips}, options, ctx);
     }
 };
 

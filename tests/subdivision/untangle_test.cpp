@@ -40,12 +40,12 @@ struct Scene {
         positions = patches.refine(cage.points);
         anchors = patches.refine(cage_anchors);
     }
-    void project() { coppice::project(positions, anchors, patches, regions, clips, FieldRef(field)); }
+    void project() { coppice::project(positions, anchors, patches, {FieldRef(field), regions, clips}); }
     UntangleReport untangle(const UntangleOptions& options = {}, unsigned threads = 1) {
         Context ctx;
         ctx.threads = threads;
-        return coppice::untangle(positions, anchors, patches, quads, regions, clips, FieldRef(field), options,
-                                 ctx);
+        return coppice::untangle({positions, anchors, quads}, patches, {FieldRef(field), regions, clips},
+                                 options, ctx);
     }
     // Two neighbours change places.
     void fold(std::size_t quad) { std::swap(positions[quads[quad][0]], positions[quads[quad][1]]); }

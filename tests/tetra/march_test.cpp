@@ -58,15 +58,14 @@ TEST(March, CutsOneTetrahedronInAllSixteenWays) {
         }};
         const TetraRefinement refinement(mesh, 0);
         Samples samples = tetra_internal::sample_vertices(refinement, FieldRef(field), 0, {});
-        MarchReport report;
-        const TriMesh cut = tetra_internal::extract(
+        const auto [cut, crossed] = tetra_internal::extract(
             refinement, FieldRef(field), samples, {tetra_internal::CrossedTetra(refinement, samples, {}), {}},
-            0, report, {});
+            0, {});
         const int count = std::popcount(inside);
         const std::size_t edges = count == 0 || count == 4 ? 0 : count == 2 ? 4 : 3;
         EXPECT_EQ(cut.positions.size(), edges);
         EXPECT_EQ(cut.triangles.size(), edges == 0 ? 0 : edges - 2);
-        EXPECT_EQ(report.crossed, edges == 0 ? 0u : 1u);
+        EXPECT_EQ(crossed, edges == 0 ? 0u : 1u);
         std::set<std::array<float, 3>> found, expected;
         for (const Vec3 p : cut.positions) found.insert({p.x, p.y, p.z});
         for (std::uint32_t a = 0; a < 4; ++a) {
@@ -230,7 +229,7 @@ void expect_unfolded(const TetraMesh& mesh, FieldRef field, const MarchOptions& 
     std::vector<double> before;
     for (const Tetra& t : fine.tetra) before.push_back(volume6(fine, t));
     const auto kept = tetra_internal::unsnap_vertices(refinement, samples, {});
-    EXPECT_EQ(snapped.used.size(), samples.place.size());
+    EXPECT_EQ(kept.used.size(), samples.place.size());
     for (std::uint32_t v = 0; v < refinement.vertex_count(); ++v) {
         if (samples.on.test(v)) fine.positions[v] = samples.place[samples.placed.rank(v)];
     }

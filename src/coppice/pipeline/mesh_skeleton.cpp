@@ -69,14 +69,14 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     out.mesh.positions = stages.run("refine", 0.45f, [&] { return patches.refine(cage.positions, ctx); });
     const Buffer<Vec3> anchors =
         stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
+    const ProjectionTarget target{FieldRef(field), out.cage.region, out.cage.clip};
     out.projected = stages.run("project", 0.85f, [&] {
-        return project(out.mesh.positions, anchors, patches, out.cage.region, out.cage.clip, FieldRef(field),
-                       options.project, ctx);
+        return project(out.mesh.positions, anchors, patches, target, options.project, ctx);
     });
     if (options.project.method != ProjectionMethod::none && options.levels > 0) {
         out.untangled = stages.run("untangle", 1.0f, [&] {
-            return untangle(out.mesh.positions, anchors, patches, out.mesh.quads, out.cage.region,
-                            out.cage.clip, FieldRef(field), options.untangle, ctx);
+            return untangle({out.mesh.positions, anchors, out.mesh.quads}, patches, target, options.untangle,
+                            ctx);
         });
     }
     return out;

@@ -1,5 +1,4 @@
-#include <numeric>
-
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
@@ -106,7 +105,11 @@ class Joiner {
 
     NodeList run() {
         choose_continuations();
-        sort_children();
+        children_ = compress_rows<std::uint32_t>(axes_.size(), [&](const auto& put) {
+            for (std::uint32_t i = 0; i < axes_.size(); ++i) {
+                if (axes_[i].parent != kNone) put(axes_[i].parent, i);
+            }
+        });
         for (std::uint32_t i = 0; i < axes_.size(); ++i) add_axis(i);
         return std::move(list_);
     }
@@ -138,19 +141,6 @@ class Joiner {
         }
         for (std::uint32_t i = 0; i < axes_.size(); ++i) {
             tip_[i] = next_[i] == kNone ? axes_[i].end : lerp(axes_[i].end, axes_[next_[i]].start, 0.5);
-        }
-    }
-
-    void sort_children() {
-        first_child_.assign(axes_.size() + 1, 0);
-        for (const Axis& a : axes_) {
-            if (a.parent != kNone) ++first_child_[a.parent + 1];
-        }
-        std::partial_sum(first_child_.begin(), first_child_.end(), first_child_.begin());
-        child_.resize(first_child_.back());
-        std::vector<std::uint32_t> fill(first_child_.begin(), first_child_.end() - 1);
-        for (std::uint32_t i = 0; i < axes_.size(); ++i) {
-            if (axes_[i].parent != kNone) child_[fill[axes_[i].parent]++] = i;
         }
     }
 
@@ -203,10 +193,10 @@ class Joiner {
         const Vec3d way = tip_[i] - from;
         const double length = distance(from, tip_[i]);
         std::vector<Attachment> attachments;
-        for (std::uint32_t c = first_child_[i]; c < first_child_[i + 1]; ++c) {
-            if (child_[c] == next_[i]) continue;
-            const double along = length > 0 ? dot(source_point(axes_[child_[c]]) - from, way) / length : 0;
-            attachments.push_back({std::max(along, 0.0), child_[c]});
+        for (const std::uint32_t c : children_[i]) {
+            if (c == next_[i]) continue;
+            const double along = length > 0 ? dot(source_point(axes_[c]) - from, way) / length : 0;
+            attachments.push_back({std::max(along, 0.0), c});
         }
         std::stable_sort(attachments.begin(), attachments.end(),
                          [](const Attachment& x, const Attachment& y) { return x.along < y.along; });
@@ -230,7 +220,7 @@ class Joiner {
     std::vector<std::uint32_t> next_;         // the child that continues a cylinder
     std::vector<Vec3d> tip_;                  // where the cylinder's axis ends after joining
     std::vector<std::uint32_t> leaves_from_;  // the node a cylinder is attached to
-    std::vector<std::uint32_t> first_child_, child_;
+    CompressedRows<std::uint32_t> children_;
     NodeList list_;
 };
 

@@ -441,9 +441,9 @@ void check_projection(std::string_view stage, std::size_t positions, std::size_t
 }
 
 ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, const PatchRefinement& patches,
-                      std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
-                      FieldRef field, const ProjectOptions& options, const Context& ctx) {
-    const Regions regions{region_of_cage_face, clips};
+                      const ProjectionTarget& target, const ProjectOptions& options, const Context& ctx) {
+    const auto& [field, region, clips] = target;
+    const Regions regions{region, clips};
     check_fields(options, "project");
     check_projection("project", positions.size(), anchors.size(), patches, regions, field);
     if (options.method == ProjectionMethod::none) return {};

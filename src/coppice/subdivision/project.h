@@ -71,6 +71,13 @@ struct ProjectReport {
     }
 };
 
+/// The surface that refined vertices belong on.
+struct ProjectionTarget {
+    FieldRef field;                         ///< its level is the surface
+    std::span<const std::uint32_t> region;  ///< per cage quad: the region in which the field is asked there
+    std::span<const ClipPlane> clips;       ///< one per flat end, by first quad
+};
+
 /// Moves every refined vertex that has a quad onto the surface value = level.
 ///
 /// rays: along the ray from the vertex's anchor through the vertex, to a crossing near the vertex. Vertices
@@ -88,13 +95,12 @@ struct ProjectReport {
 /// surface is there. Nothing else is cut: let the field go on beyond the plane, and keep the rest of the cage
 /// behind it.
 ///
-/// `positions` and `anchors` have one entry per refined vertex (PatchRefinement::refine of both),
-/// `region_of_cage_face` one per cage quad, `clips` one per flat end, by first quad. The field is asked in
-/// batches of one region; number cage quads of a region one after the other to make these large.
+/// `positions` and `anchors` have one entry per refined vertex (PatchRefinement::refine of both). The field
+/// is asked in batches of one region; number cage quads of a region one after the other to make these large.
 /// Deterministic for any number of threads. Throws InvalidInput when an option is out of range, the sizes do
 /// not match, or a clip plane has no normal or no quads of its own.
 ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, const PatchRefinement& patches,
-                      std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
-                      FieldRef field, const ProjectOptions& options = {}, const Context& ctx = {});
+                      const ProjectionTarget& target, const ProjectOptions& options = {},
+                      const Context& ctx = {});
 
 }  // namespace coppice

@@ -298,19 +298,18 @@ class Untangling {
 
 }  // namespace
 
-UntangleReport untangle(std::span<Vec3> positions, std::span<const Vec3> anchors,
-                        const PatchRefinement& patches, std::span<const Quad> quads,
-                        std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
-                        FieldRef field, const UntangleOptions& options, const Context& ctx) {
-    const Regions regions{region_of_cage_face, clips};
+UntangleReport untangle(const RefinedQuads& surface, const PatchRefinement& patches,
+                        const ProjectionTarget& target, const UntangleOptions& options, const Context& ctx) {
+    const auto& [positions, anchors, quads] = surface;
+    const Regions regions{target.region, target.clips};
     check_fields(options, "untangle");
-    check_projection("untangle", positions.size(), anchors.size(), patches, regions, field);
+    check_projection("untangle", positions.size(), anchors.size(), patches, regions, target.field);
     if (quads.size() != patches.quad_count()) throw InvalidInput("untangle: give the refined quads");
     if (options.passes == 0) return {};
     const FoldedFaces folds{positions, anchors, options.quality};
     std::vector<std::uint32_t> bad = folds.all(patches, ctx);
     if (bad.empty()) return {};
-    return Untangling({positions, anchors, quads, regions, field}, patches, folds, std::move(bad))
+    return Untangling({positions, anchors, quads, regions, target.field}, patches, folds, std::move(bad))
         .run(options, ctx);
 }
 

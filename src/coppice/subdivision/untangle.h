@@ -8,6 +8,7 @@
 #include "coppice/implicit/field_ref.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/subdivision/catmull_clark.h"
+#include "coppice/subdivision/project.h"
 
 namespace coppice {
 
@@ -30,6 +31,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"quality", "scaled Jacobian below which a face counts as folded", Unit::none, 0, 0.9},
           o.quality);
 }
+
+/// The quads of a refined cage, whose vertices are to be moved.
+struct RefinedQuads {
+    std::span<Vec3> positions;      ///< one per refined vertex
+    std::span<const Vec3> anchors;  ///< one per refined vertex
+    std::span<const Quad> quads;    ///< PatchRefinement::quads()
+};
 
 /// What unfolding found and did, counted.
 struct UntangleReport {
@@ -54,14 +62,12 @@ struct UntangleReport {
 /// Ends when no face is bad, when ten passes brought no gain, or when each vertex has moved five
 /// times on average; the state with the fewest bad faces is kept, the first of equals.
 ///
-/// `positions` and `anchors` have one entry per refined vertex, `quads` are patches.quads(),
-/// `region_of_cage_face` and `clips` as for project(). The first look at all faces is the cost of a
+/// `target` as for project(). The first look at all faces is the cost of a
 /// clean mesh, which keeps its bits; after that time and memory go with the number of bad faces, but for two
 /// bits per vertex and one per quad. Deterministic for any number of threads. Throws InvalidInput when an
 /// option is out of range or the sizes do not match.
-UntangleReport untangle(std::span<Vec3> positions, std::span<const Vec3> anchors,
-                        const PatchRefinement& patches, std::span<const Quad> quads,
-                        std::span<const std::uint32_t> region_of_cage_face, std::span<const ClipPlane> clips,
-                        FieldRef field, const UntangleOptions& options = {}, const Context& ctx = {});
+UntangleReport untangle(const RefinedQuads& surface, const PatchRefinement& patches,
+                        const ProjectionTarget& target, const UntangleOptions& options = {},
+                        const Context& ctx = {});
 
 }  // namespace coppice

@@ -60,12 +60,13 @@ class Extractor {
         number_placed(snapped.used);
     }
 
-    TriMesh extract(int refinements, MarchReport& report) {
+    ExtractedSurface extract(int refinements) {
+        ExtractedSurface out;
         std::vector<std::uint64_t> triangles(crossed_.pieces().size());
         for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
             for (const Crossing& crossing : piece.crossings) triangles[p] += crossing.cut().size - 2u;
         });
-        for (const CrossedTetra::Piece& piece : crossed_.pieces()) report.crossed += piece.crossings.size();
+        for (const CrossedTetra::Piece& piece : crossed_.pieces()) out.crossed += piece.crossings.size();
         const std::uint64_t triangle_count = exclusive_scan<std::uint64_t>(triangles);
         const std::uint64_t vertices = placed_count_ + numbers_.count();
         if (vertices >= kNone || triangle_count >= kNone)
@@ -83,7 +84,8 @@ class Extractor {
         for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
             write_triangles(piece, mesh_.triangles.data() + triangles[p]);
         });
-        return std::move(mesh_);
+        out.mesh = std::move(mesh_);
+        return out;
     }
 
   private:
@@ -195,9 +197,9 @@ class Extractor {
 
 }  // namespace
 
-TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                const SnappedVertices& snapped, int refinements, MarchReport& report, const Context& ctx) {
-    return Extractor(refinement, field, samples, snapped, ctx).extract(refinements, report);
+ExtractedSurface extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
+                         const SnappedVertices& snapped, int refinements, const Context& ctx) {
+    return Extractor(refinement, field, samples, snapped, ctx).extract(refinements);
 }
 
 }  // namespace coppice::tetra_internal

@@ -1,6 +1,6 @@
 #include "coppice/tetra/march/march.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/tetra/lattice/refinement.h"
@@ -23,8 +23,10 @@ MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& opt
     ctx.throw_if_cancelled();
     out.report.snapped = samples.on.count();
     out.report.freed = samples.place.size() - out.report.snapped;
-    out.mesh =
-        tetra_internal::extract(refinement, field, samples, kept, options.refinements, out.report, ctx);
+    tetra_internal::ExtractedSurface surface =
+        tetra_internal::extract(refinement, field, samples, kept, options.refinements, ctx);
+    out.mesh = std::move(surface.mesh);
+    out.report.crossed = surface.crossed;
     return out;
 }
 

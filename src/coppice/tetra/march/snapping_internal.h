@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/mesh/mesh.h"
 #include "coppice/tetra/march/crossed_internal.h"
-#include "coppice/tetra/march/march.h"
 
 namespace coppice::tetra_internal {
 
@@ -79,8 +79,14 @@ struct SnappedVertices {
 /// on the surface are one closed fan, or none. What is returned refers to the other two.
 SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
 
+/// The surface, and how many fine tetrahedra it crosses.
+struct ExtractedSurface {
+    TriMesh mesh;
+    std::uint64_t crossed = 0;
+};
+
 /// Triangles from the signs, once no vertex is put back any more.
-TriMesh extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                const SnappedVertices& snapped, int refinements, MarchReport& report, const Context& ctx);
+ExtractedSurface extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
+                         const SnappedVertices& snapped, int refinements, const Context& ctx);
 
 }  // namespace coppice::tetra_internal
