@@ -34,11 +34,8 @@ struct Torus {
 int main() {
     const Torus torus;
     const coppice::Box3 box{{-1.5f, -1.5f, -0.5f}, {1.5f, 1.5f, 0.5f}};
-    const auto surface = coppice::polygonize(coppice::FieldRef(torus), box, {.cell = 0.05f});
+    const coppice::TriMesh mesh = coppice::polygonize(coppice::FieldRef(torus), box, {.cell = 0.05f});
 
-    coppice::TriMesh mesh;
-    mesh.positions.assign(surface.positions.begin(), surface.positions.end());
-    mesh.triangles.assign(surface.triangles.begin(), surface.triangles.end());
     const coppice::TopologyReport topology = coppice::topology(coppice::to_polygons(mesh));
     std::printf("%zu triangles, closed and manifold: %s\n", mesh.triangles.size(),
                 topology.sound() ? "yes" : "no");
