@@ -66,7 +66,7 @@ Make by_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Con
 Make by_grid(const Skeleton& skeleton, const Grid& grid, const Context& ctx) {
     return [&skeleton, grid, &ctx](bool want_mesh) {
         const Clock clock;
-        const GridResult result = mesh_by_grid(skeleton, grid, tetra_options(TetraOptions{}.edge), ctx);
+        GridResult result = mesh_by_grid(skeleton, grid, tetra_options(TetraOptions{}.edge), ctx);
         Made made{.seconds = clock.seconds(), .peak_bytes = peak_resident_bytes()};
         made.faces = result.surface.triangles.size();
         made.sampled = grid.corners();
