@@ -26,7 +26,6 @@ function(coppice_module)
                         DEFINE_SYMBOL "")
   target_compile_features(${target} PUBLIC cxx_std_20)
   coppice_warnings(${target})
-  coppice_unity(${target} "${M_SOURCES}")
   coppice_layers_below(below ${M_NAME})
   set(below_targets ${below})
   list(TRANSFORM below_targets PREPEND coppice::)
@@ -60,18 +59,6 @@ function(coppice_layers_below variable name)
   set(${variable} ${modules} PARENT_SCOPE)
 endfunction()
 
-# coppice_unity(TARGET SOURCES): presets that build once and throw away compile several sources of a module as one, which halves
-# the time. Not those that Highway compiles anew for every instruction set.
-function(coppice_unity target sources)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 10)
-  foreach(source IN LISTS sources)
-    file(STRINGS ${source} each_target REGEX "hwy/foreach_target.h")
-    if(each_target)
-      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-    endif()
-  endforeach()
-endfunction()
-
 # coppice_component(NAME BELOW PACKAGES): installs a module as coppice::NAME, and notes for coppice-config.cmake the
 # modules below it and the packages that its users have to find.
 function(coppice_component name below packages)
@@ -92,7 +79,6 @@ function(coppice_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_BINARY_DIR}/tests/include)
   target_link_libraries(${name} PRIVATE ${T_LIBRARIES} GTest::gtest_main)
   coppice_warnings(${name})
-  coppice_unity(${name} "${T_SOURCES}")
   # GoogleTest's macros take twice as long to optimise, and what takes time lies in the libraries.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   add_dependencies(unit_tests ${name})
