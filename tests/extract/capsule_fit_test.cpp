@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-/// Places on the mantle of a cylinder along z.
+/// Points on the lateral surface of a cylinder along z.
 std::vector<Vec3> cylinder(double radius, double low, double high, Vec3d middle = {}) {
     const CounterRandom random(1, 9);
     std::vector<Vec3> out;

@@ -6,8 +6,8 @@
 #include <cfenv>
 #include <cmath>
 
-#include "coppice/extract/cloud/clean_internal.h"
-#include "coppice/extract/cloud/strand_internal.h"
+#include "coppice/extract/cloud/centerline_internal.h"
+#include "coppice/extract/points/clean_internal.h"
 #include "extract/cloud_support.h"
 
 namespace coppice::extract_internal {
@@ -25,6 +25,7 @@ struct Prepared {
         spacing = local_spacing(near, 4);
         samples = {points, {}, std::vector<std::uint32_t>(points.size(), kNone)};
     }
+    DraftCloud cloud(StemBases bases = {}) const { return {graph, bases, spacing, {}}; }
 };
 
 /// A stem of radius 0.1 up to a height of 2, as one segment.
@@ -35,24 +36,24 @@ DraftTree stem() {
     return tree;
 }
 
-TEST(CloudCover, PointsBelongToTheSurfaceTheyLieOn) {
+TEST(CloudAssignment, PointsBelongToTheSurfaceTheyLieOn) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     const std::size_t on = set.size();
     // Off the surface by more than noise, a fifth of the radius or a third of a spacing of some 20 mm.
     for (int i = 0; i < 40; ++i) set.positions.push_back({0.135f, 0, 0.5f + 0.02f * static_cast<float>(i)});
     Prepared p(set);
-    const Cover cover = claim_points(stem(), p.samples, p.spacing, {});
+    const PointDistances distances = assign_points(stem(), p.samples, p.spacing, {});
     EXPECT_EQ(std::ranges::count(p.samples.node, kNone), 40);
     EXPECT_EQ(
         std::count(p.samples.node.begin() + static_cast<std::ptrdiff_t>(on), p.samples.node.end(), kNone),
         40);
-    EXPECT_NEAR(cover.distance[on], 0.035, 1e-5);
+    EXPECT_NEAR(distances.distance[on], 0.035, 1e-5);
     // The sum of three uniform numbers of 2 mm each has a standard deviation of 1 mm.
-    EXPECT_NEAR(cover.noise, 0.001, 0.0002);
+    EXPECT_NEAR(distances.noise, 0.001, 0.0002);
 }
 
-TEST(CloudCover, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
+TEST(CloudAssignment, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1.2}, 0.03, 0.03, 400, 0.002);
@@ -64,22 +65,22 @@ TEST(CloudCover, DropsTheSecondOfTwoAxesAndKeepsWhatStandsClear) {
     tree.add(fork, {0.08, 0.02, 1.6}, 0.015);  // a second axis along the bark
     const auto new_of_old = sort_parents_first(tree);
     EXPECT_EQ(new_of_old.size(), 5u);
-    const Cover cover = claim_points(tree, p.samples, p.spacing, {});
-    EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, cover.noise, {}), 1u);
+    const PointDistances distances = assign_points(tree, p.samples, p.spacing, {});
+    EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, distances.noise, {}), 1u);
     ASSERT_EQ(tree.size(), 4u);
     EXPECT_EQ(std::ranges::count_if(tree.position, [](Vec3d q) { return q.x > 0.4; }), 1);
     // Nothing else explains what is left.
-    EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, cover.noise, {}), 0u);
+    EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, distances.noise, {}), 0u);
 }
 
-TEST(CloudCover, DropsABranchWithoutPointsAndDividesByNothing) {
+TEST(CloudAssignment, DropsABranchWithoutPointsAndDividesByNothing) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000, 0.002);
     Prepared p(set);
     DraftTree tree = stem();
     tree.add(tree.add(kNone, {3, 0, 0}, 0.03), {3, 0, 5}, 0.03);
     std::feclearexcept(FE_ALL_EXCEPT);
-    EXPECT_EQ(drop_needless(tree, p.samples, p.spacing, 0.001, {.threads = 1}), 1u);
+    EXPECT_EQ(prune_redundant(tree, p.samples, p.spacing, 0.001, {.threads = 1}), 1u);
     EXPECT_FALSE(std::fetestexcept(FE_INVALID | FE_DIVBYZERO));
 }
 
@@ -89,8 +90,8 @@ TEST(CloudChains, FollowATwigOfTenPointsBackToTheStem) {
     strew_cone(set, {0.1, 0, 1}, {0.4, 0, 1}, 0.01, 0.01, 10);
     Prepared p(set);
     DraftTree tree = stem();
-    const Cover cover = claim_points(tree, p.samples, p.spacing, {});
-    grow_chains(tree, p.samples, p.graph, p.spacing, cover, {}, {});
+    const PointDistances distances = assign_points(tree, p.samples, p.spacing, {});
+    grow_chains(tree, p.samples, p.cloud(), distances, {});
     ASSERT_GT(tree.size(), 2u);
     const DraftLinks links(tree);
     int tips = 0;
@@ -103,7 +104,7 @@ TEST(CloudChains, FollowATwigOfTenPointsBackToTheStem) {
     EXPECT_NEAR(tree.position.back().x, 0.4, 0.07);
 }
 
-TEST(CloudJoin, HangsLooseTubesOnEachOtherAndOnTheRoot) {
+TEST(CloudAttach, AttachesLooseTubesToEachOtherAndToTheRoot) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 6000);
     Prepared p(set);
@@ -112,11 +113,11 @@ TEST(CloudJoin, HangsLooseTubesOnEachOtherAndOnTheRoot) {
     tree.add(0, {0, 0, 0.7}, 0.1);
     tree.add(kNone, {0, 0, 1.9}, 0.1);
     tree.add(2, {0, 0, 1.2}, 0.1);
-    claim_points(tree, p.samples, p.spacing, {});
-    std::vector<std::vector<std::uint32_t>> feet(1);
+    assign_points(tree, p.samples, p.spacing, {});
+    std::vector<std::vector<std::uint32_t>> bases(1);
     for (std::uint32_t i = 0; i < p.points.size(); ++i)
-        if (p.points[i].z < 0.03f) feet[0].push_back(i);
-    EXPECT_EQ(join_tubes(tree, p.samples, p.graph, feet, p.spacing, {}, {}), p.points.size());
+        if (p.points[i].z < 0.03f) bases[0].push_back(i);
+    EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}), p.points.size());
     EXPECT_EQ(std::ranges::count(tree.parent, kNone), 1);
     const auto top = std::ranges::max_element(tree.position, {}, &Vec3d::z) - tree.position.begin();
     EXPECT_TRUE(DraftLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
@@ -124,7 +125,7 @@ TEST(CloudJoin, HangsLooseTubesOnEachOtherAndOnTheRoot) {
     EXPECT_LT(tree.position[0].z, 0.03);
 }
 
-TEST(CloudForks, LateralsStartWhereTheirAxesMeet) {
+TEST(CloudLaterals, LateralsStartWhereTheirAxesMeet) {
     DraftTree tree = stem();
     tree.position[1].z = 4;
     const std::uint32_t fork = tree.add(0, {0, 0, 1.4}, 0.1);  // too high
@@ -136,7 +137,7 @@ TEST(CloudForks, LateralsStartWhereTheirAxesMeet) {
     samples.node = {inside};
     const auto new_of_old = sort_parents_first(tree);
     samples.node[0] = new_of_old[inside];
-    settle_forks(tree, samples, {});
+    reattach_laterals(tree, samples, {});
     // At 45 degrees, from 0.3 off the stem at a height of 1.3: it leaves the stem at 1.0.
     const auto lateral = std::ranges::find(tree.position, Vec3d(0.3, 0, 1.3)) - tree.position.begin();
     ASSERT_LT(lateral, tree.size());
@@ -147,23 +148,24 @@ TEST(CloudForks, LateralsStartWhereTheirAxesMeet) {
     EXPECT_EQ(std::ranges::count(tree.position, Vec3d(0.03, 0, 1.3)), 0);
 }
 
-TEST(CloudStrand, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
+TEST(CloudCenterline, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 600);
     strew_cone(set, {0.3, 0, 0}, {0.3, 0, 1}, 0.05, 0.05, 600, 0, false, 2);
     Prepared p(set);
-    std::vector<std::uint32_t> foot;
+    std::vector<std::uint32_t> base;
     for (std::uint32_t i = 0; i < 600; ++i) {
         if (p.points[i].z >= 0.02f) continue;
-        foot.push_back(i);
+        base.push_back(i);
         p.samples.node[i] = 0;
     }
-    const Paths paths = shortest_paths(p.graph, foot, p.samples.node, p.spacing, {});
-    Strand strand(p.points, p.graph, p.spacing, p.samples.node, 1);
-    strand.trace(paths.order.back(), paths);
-    strand.shape(0.1);
-    EXPECT_GT(strand.members().size(), 540u);
-    for (const Strand::Member& m : strand.members()) EXPECT_LT(m.point, 600u);
+    const Paths paths = shortest_paths(p.graph, base, p.samples.node, p.spacing, {});
+    BranchPoints points{p.points, p.graph, p.spacing, p.samples.node, 1};
+    Centerline branch;
+    trace_path(branch, points, paths.order.back(), paths);
+    fit_centerline(branch, points, 0.1);
+    EXPECT_GT(branch.members.size(), 540u);
+    for (const BranchPoint& m : branch.members) EXPECT_LT(m.point, 600u);
 }
 
 TEST(CloudDraft, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
@@ -172,30 +174,30 @@ TEST(CloudDraft, ShortThickPiecesBecomeAsThinAsWhatBearsThem) {
     for (std::uint32_t i = 1; i <= 10; ++i) tree.add(i - 1, {0, 0, 0.1 * i}, 0.01);
     tree.radius[8] = 0.05;    // 0.1 m long, of 0.6 m that it may be
     tree.radius[10] = 0.022;  // 2.2 times as thick
-    slim_clubs(tree);
+    correct_swollen_radii(tree);
     EXPECT_EQ(tree.radius[8], 0.01);
     EXPECT_EQ(tree.radius[10], 0.022);
     // What is thick for longer is a branch, as is what stands on the root or beyond a thin place.
     for (std::uint32_t i = 7; i <= 10; ++i) tree.radius[i] = 0.03;
     tree.radius[2] = 0.002;
     const auto before = tree.radius;
-    slim_clubs(tree);
+    correct_swollen_radii(tree);
     EXPECT_EQ(tree.radius, before);
 }
 
-TEST(CloudJoin, ShortTubesMuchThickerThanWhatTheyHangOnAreNone) {
+TEST(CloudAttach, ShortTubesMuchThickerThanWhatBearsThemAreNone) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.1, 3000);
     strew_cone(set, {0.1, 0, 1}, {0.5, 0, 1}, 0.01, 0.01, 200);
     const std::size_t first = set.size();
     strew_cone(set, {0.5, 0, 1}, {0.7, 0, 1}, 0.06, 0.06, 100);
     Prepared p(set);
-    std::vector<std::uint32_t> foot;
+    std::vector<std::uint32_t> base;
     for (std::uint32_t i = 0; i < 3000; ++i) {
-        if (p.points[i].z < 0.05f) foot.push_back(i);
+        if (p.points[i].z < 0.05f) base.push_back(i);
         p.samples.node[i] = 1;
     }
-    const std::vector<std::vector<std::uint32_t>> feet{foot};
+    const std::vector<std::vector<std::uint32_t>> bases{base};
     for (const double end : {0.7, 1.5}) {
         Prepared q = p;
         DraftTree tree = stem();
@@ -205,7 +207,7 @@ TEST(CloudJoin, ShortTubesMuchThickerThanWhatTheyHangOnAreNone) {
         tree.add(4, {end, 0, 1}, 0.06);  // 3 radii long, then 17
         for (std::size_t i = 3000; i < first; ++i) q.samples.node[i] = 3;
         for (std::size_t i = first; i < q.points.size(); ++i) q.samples.node[i] = 5;
-        join_tubes(tree, q.samples, q.graph, feet, q.spacing, {}, {});
+        attach_tubes(tree, q.samples, q.cloud(bases), {});
         const bool kept = end > 1;
         EXPECT_EQ(std::ranges::count(tree.radius, 0.06), kept ? 2 : 0);
         EXPECT_EQ(q.samples.node.back() == kNone, !kept);

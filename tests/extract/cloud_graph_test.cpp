@@ -1,4 +1,4 @@
-#include "coppice/extract/cloud/graph_internal.h"
+#include "coppice/extract/points/graph_internal.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "coppice/base/random.h"
-#include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/points/clean_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -122,12 +122,12 @@ TEST(CloudClean, SortsAndDropsDuplicates) {
 
 TEST(CloudClean, ThinsToOnePointACube) {
     const std::vector<Vec3> points{{0, 0, 0}, {0.2f, 0, 0}, {0.4f, 0, 0}, {1.5f, 0, 0}};
-    const auto kept = thinned(points, 1, {});
+    const auto kept = voxel_downsample(points, 1, {});
     ASSERT_EQ(kept.size(), 2u);
     EXPECT_FLOAT_EQ(kept[0].x, 0.2f);
     EXPECT_FLOAT_EQ(kept[1].x, 1.5f);
     const auto many = strewn(5000, 5);
-    const auto few = thinned_to({many.begin(), many.end()}, 700, {});
+    const auto few = downsample_to({many.begin(), many.end()}, 700, {});
     EXPECT_LE(few.size(), 700u);
     EXPECT_GE(few.size(), 200u);
 }

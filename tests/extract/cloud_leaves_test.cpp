@@ -1,4 +1,4 @@
-#include "coppice/extract/cloud/leaves_internal.h"
+#include "coppice/extract/points/leaves_internal.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "coppice/base/random.h"
-#include "coppice/extract/cloud/clean_internal.h"
-#include "coppice/extract/cloud/disorder_internal.h"
 #include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/points/clean_internal.h"
+#include "coppice/extract/points/normal_dispersion_internal.h"
 #include "coppice/skeleton/measure.h"
 #include "extract/cloud_support.h"
 
@@ -102,29 +102,29 @@ Recall recall(const LeafyTree& tree, const Found& found) {
     return {kept / wood, right / static_cast<double>(leaves.size())};
 }
 
-Disorder disorder_of(const PointSet& set) {
+NormalDispersion dispersion_of(const PointSet& set) {
     const Buffer<Vec3> points = sorted_without_duplicates(set.positions, {});
-    return disorder(points, nearest_neighbours(points, 12, {}), {});
+    return normal_dispersion(points, nearest_neighbours(points, 12, {}), {});
 }
 
-TEST(Disorder, IsNoneOnPlanesAndTubesOfAnyThickness) {
+TEST(NormalDispersion, IsNoneOnPlanesAndTubesOfAnyThickness) {
     PointSet plane, tubes;
     const CounterRandom random(3, 1);
     for (std::uint64_t i = 0; i < 4000; ++i) {
         const double x = random.uniform(2 * i), y = random.uniform(2 * i + 1);
         plane.positions.push_back(Vec3(Vec3d{x, y, 0.5 * x}));
     }
-    EXPECT_LT(std::ranges::max(disorder_of(plane).value), 1e-5);
+    EXPECT_LT(std::ranges::max(dispersion_of(plane).value), 1e-5);
     // Beside their rims, where normals tilt, about four fifths of the points lie within a few spacings of
     // none.
     strew_cone(tubes, {0, 0, 0}, {0, 0, 4}, 0.1, 0.1, 8000, 0, false, 1);
     strew_cone(tubes, {3, 0, 0}, {3, 0, 4}, 0.3, 0.2, 8000, 0, false, 2);
-    const Disorder d = disorder_of(tubes);
+    const NormalDispersion d = dispersion_of(tubes);
     EXPECT_LT(d.share, 0.001);
     EXPECT_GE(std::ranges::count_if(d.value, [](float v) { return v < 0.02f; }), 15000);
 }
 
-TEST(Disorder, IsAThirdWhereNormalsPointEverywhere) {
+TEST(NormalDispersion, IsAThirdWhereNormalsPointEverywhere) {
     PointSet leaves;
     const CounterRandom random(5, 1);
     std::uint64_t draw = 0;
@@ -133,22 +133,23 @@ TEST(Disorder, IsAThirdWhereNormalsPointEverywhere) {
         draw += 3;
         strew_leaf(leaves, at, 0.04, 5, random, draw);
     }
-    const Disorder d = disorder_of(leaves);
+    const NormalDispersion d = dispersion_of(leaves);
     EXPECT_GT(d.share, 0.9);
     EXPECT_LE(std::ranges::max(d.value), 1.0f / 3 + 1e-6f);
     EXPECT_GT(std::ranges::max(d.value), 0.27f);
 }
 
-TEST(Disorder, IsThatOfThePlaneWhereTwoPointsAreAll) {
+TEST(NormalDispersion, IsThatOfThePlaneWhereTwoPointsAreAll) {
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}};
-    EXPECT_LT(std::ranges::max(disorder(points, nearest_neighbours(points, 12, {}), {}).value), 1e-6f);
+    EXPECT_LT(std::ranges::max(normal_dispersion(points, nearest_neighbours(points, 12, {}), {}).value),
+              1e-6f);
 }
 
-TEST(Places, AreTheMeansOfCubes) {
+TEST(VoxelGrid, HasTheMeansOfCubes) {
     const PointSet set = fork_cloud();
     const Buffer<Vec3> points = sorted_without_duplicates(set.positions, {});
     const Box3 box = bounds(set);
-    const Places places = places_of(points, 0.1, {});
+    const VoxelGrid voxels = voxel_grid(points, 0.1, {});
     std::map<std::array<int, 3>, std::vector<std::size_t>> cubes;
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::array<int, 3> cube{};
@@ -157,18 +158,18 @@ TEST(Places, AreTheMeansOfCubes) {
                 static_cast<int>((double{points[i][axis]} - double{box.low[axis]}) / 0.1);
         cubes[cube].push_back(i);
     }
-    ASSERT_EQ(places.at.size(), cubes.size());
-    ASSERT_EQ(places.of.size(), points.size());
+    ASSERT_EQ(voxels.centroid.size(), cubes.size());
+    ASSERT_EQ(voxels.of_point.size(), points.size());
     for (const auto& [cube, members] : cubes) {
         Vec3d sum;
         for (const std::size_t i : members) {
-            EXPECT_EQ(places.of[i], places.of[members[0]]);
+            EXPECT_EQ(voxels.of_point[i], voxels.of_point[members[0]]);
             sum += Vec3d(points[i]);
         }
         const Vec3d mean = sum / static_cast<double>(members.size());
-        EXPECT_LT(distance(mean, Vec3d(places.at[places.of[members[0]]])), 1e-6);
+        EXPECT_LT(distance(mean, Vec3d(voxels.centroid[voxels.of_point[members[0]]])), 1e-6);
     }
-    EXPECT_EQ(places_of(points, 100, {}).at.size(), 1u);
+    EXPECT_EQ(voxel_grid(points, 100, {}).centroid.size(), 1u);
 }
 
 TEST(CloudLeaves, NoWoodIsLostOfTreesWithoutLeaves) {

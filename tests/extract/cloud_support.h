@@ -9,8 +9,8 @@
 
 namespace coppice {
 
-/// Points strewn evenly over the mantle of a cone, with noise along its normals; over the part of it that
-/// faces +x only where `half`.
+/// Points strewn evenly over the lateral surface of a cone, with noise along its normals; over the part of it
+/// that faces +x only where `half`.
 inline void strew_cone(PointSet& set, Vec3d a, Vec3d b, double ra, double rb, int count, double noise = 0,
                        bool half = false, std::uint64_t seed = 1) {
     const CounterRandom random(seed, 7);

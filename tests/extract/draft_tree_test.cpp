@@ -19,7 +19,7 @@ DraftTree chain(const std::vector<Vec3d>& at, double radius) {
 TEST(DraftTree, RootingTurnsTheWayRound) {
     DraftTree t = chain({{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, 1);
     t.add(1, {1, 0, 1}, 1);
-    root_at(t, 3);
+    reroot(t, 3);
     EXPECT_EQ(t.parent, (std::vector<std::uint32_t>{1, 3, 1, DraftTree::kNoParent}));
     const std::vector<std::uint32_t> new_of_old = sort_parents_first(t);
     EXPECT_EQ(new_of_old, (std::vector<std::uint32_t>{2, 1, 3, 0}));
@@ -36,7 +36,7 @@ TEST(CutLoops, TheThinnestPlaceIsCut) {
     t.radius[2] = 0.08;
     DraftTree kept = t;
     const auto new_of_old = extract_internal::cut_loops(t, {{7, 0}}, false);
-    // 3 hung by 2; now it hangs by 4, and 7 by 0.
+    // 3 was a child of 2; now it is one of 4, and 7 of 0.
     EXPECT_EQ(t.parent[new_of_old[7]], new_of_old[0]);
     EXPECT_EQ(t.parent[new_of_old[3]], new_of_old[4]);
     EXPECT_EQ(t.size(), 8u);
@@ -74,11 +74,11 @@ TEST(JoinTrees, ThickStartsHangOnThinAxesThatTheyHold) {
     EXPECT_EQ(joined(0.26, 0.05), 0u);  // a trunk beside a twig
 }
 
-TEST(Unfold, ANodePastItsForkGoes) {
+TEST(RemoveReversals, ANodePastItsForkGoes) {
     DraftTree t = chain({{0, 0, 0}, {0, 0, 1.2}, {0, 0, 1}, {0, 0, 2}}, 0.1);
     t.add(2, {1, 0, 1}, 0.1);
     FitSamples samples{{}, {}, {0, 1, 2, 3, 4}};
-    EXPECT_EQ(extract_internal::unfold(t, samples), 1u);
+    EXPECT_EQ(extract_internal::remove_reversals(t, samples), 1u);
     EXPECT_EQ(t.size(), 4u);
     EXPECT_EQ(t.position[1], Vec3d(0, 0, 1));
     EXPECT_EQ(samples.node, (std::vector<std::uint32_t>{0, 1, 1, 2, 3}));

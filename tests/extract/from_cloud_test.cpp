@@ -183,10 +183,10 @@ TEST(FromCloud, CleansAndCountsIt) {
     const CloudExtraction found = extract_from_cloud(set);
     EXPECT_EQ(found.cleaning.points, clean + 52);
     EXPECT_EQ(found.cleaning.duplicates, 50u);
-    EXPECT_EQ(found.cleaning.strays, 2u);
+    EXPECT_EQ(found.cleaning.outliers, 2u);
     EXPECT_NEAR(measure(found.skeleton).length, 4, 0.25);
     const CloudExtraction thin = extract_from_cloud(set, {.voxel = 0.05f});
-    EXPECT_GT(thin.cleaning.thinned, 3000u);
+    EXPECT_GT(thin.cleaning.downsampled, 3000u);
     EXPECT_NEAR(measure(thin.skeleton).length, 4, 0.4);
     const CloudExtraction few = extract_from_cloud(set, {.max_points = 1000});
     EXPECT_LE(few.report.samples, 1000u);

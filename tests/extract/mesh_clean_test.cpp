@@ -71,14 +71,14 @@ TEST(MeshClean, DegenerateAndDoubleFacesGo) {
     m.add_face(std::vector<std::uint32_t>{336, 1, 0});  // the first triangle of the lower fan
     const CleanMeshResult r = clean_mesh(m);
     EXPECT_EQ(r.repairs.degenerate, 1u);
-    EXPECT_EQ(r.repairs.doubled, 1u);
+    EXPECT_EQ(r.repairs.duplicates, 1u);
     EXPECT_TRUE(topology(as_polygons(r.mesh)).sound());
 }
 
 TEST(MeshClean, InwardPiecesAreTurned) {
     const PolygonMesh right = closed_tube();
     const CleanMeshResult r = clean_mesh(inverted(right));
-    EXPECT_EQ(r.repairs.turned, 672u);
+    EXPECT_EQ(r.repairs.flipped, 672u);
     EXPECT_NEAR(volume(r.mesh), volume(clean_mesh(right).mesh), 1e-9);
     EXPECT_GT(volume(r.mesh), 0);
 }

@@ -298,7 +298,7 @@ std::optional<PolygonMesh> turned_outward(const PolygonMesh& original, const Con
     CleanMeshOptions options;
     options.cards = false;
     const CleanMeshResult cleaned = clean_mesh(original, options, ctx);
-    if (cleaned.repairs.turned == 0) return std::nullopt;
+    if (cleaned.repairs.flipped == 0) return std::nullopt;
     return to_polygons(cleaned.mesh);
 }
 

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "coppice/base/round_cone.h"
+#include "coppice/extract/cloud/centerline_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
-#include "coppice/extract/cloud/strand_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -13,11 +13,12 @@ constexpr double kHigh = 0.5;        // [radius] of what it leaves, above which 
 constexpr double kHighSpacings = 4;  // [spacing] above which it is none either
 constexpr double kSteep = 0.85;      // of its length, which bark does not rise
 
-/// Height of a point above what is there: above all that `cover` knows, and the few segments towards the root
-/// from where its path ends.
-double rise_of(const DraftTree& tree, const Cover& cover, std::uint32_t point, Vec3d p, std::uint32_t owner) {
+/// Height of a point above what is there: above all that `distances` knows, and the few segments towards the
+/// root from where its path ends.
+double rise_of(const DraftTree& tree, const PointDistances& distances, std::uint32_t point, Vec3d p,
+               std::uint32_t owner) {
     constexpr int kSegments = 3;
-    double rise = cover.distance[point];
+    double rise = distances.distance[point];
     std::uint32_t n = owner;
     for (int k = 0; n != kNone && k < kSegments; n = tree.parent[n], ++k) {
         const RoundCone cone = axis_cone(tree, n);
@@ -35,28 +36,30 @@ std::vector<std::uint32_t> points_with_nodes(const FitSamples& samples) {
 
 }  // namespace
 
-void grow_chains(DraftTree& tree, FitSamples& samples, const Graph& graph, std::span<const float> spacing,
-                 const Cover& cover, const DraftOptions& options, const Context& ctx) {
-    const Paths paths = shortest_paths(graph, points_with_nodes(samples), samples.node, spacing, ctx);
-    Strand strand(samples.positions, graph, spacing, samples.node, options.step);
+void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
+                 const PointDistances& distances, const Context& ctx) {
+    const Paths paths =
+        shortest_paths(cloud.graph, points_with_nodes(samples), samples.node, cloud.spacing, ctx);
+    BranchPoints points{samples.positions, cloud.graph, cloud.spacing, samples.node, cloud.options.step};
+    Centerline branch;
     std::vector<std::uint8_t> dead(samples.node.size(), 0);  // no branch starts there
     for (std::size_t i = paths.order.size(); i-- > 0;) {
         const std::uint32_t tip = paths.order[i];
         if (dead[tip] || samples.node[tip] != kNone) continue;
         ctx.throw_if_cancelled();
-        const std::uint32_t owner = samples.node[strand.trace(tip, paths)];
-        const double least = std::max(options.reach * strand.spacing(),
-                                      std::min({kHigh * tree.radius[owner], kHighSpacings * strand.spacing(),
-                                                kSteep * strand.length()}));
-        bool good = rise_of(tree, cover, tip, Vec3d(samples.positions[tip]), owner) >= least;
+        const std::uint32_t owner = samples.node[trace_path(branch, points, tip, paths)];
+        const double least = std::max(cloud.options.reach * branch.spacing,
+                                      std::min({kHigh * tree.radius[owner], kHighSpacings * branch.spacing,
+                                                kSteep * line_length(branch)}));
+        bool good = rise_of(tree, distances, tip, Vec3d(samples.positions[tip]), owner) >= least;
         if (good) {
-            strand.shape(tree.radius[owner]);
-            good = strand.members().size() >= kFewest;
+            fit_centerline(branch, points, tree.radius[owner]);
+            good = branch.members.size() >= kFewest;
         }
         if (good) {
-            strand.add_to(tree, samples.node, owner);
+            add_branch(branch, tree, samples.node, owner);
         } else {
-            for (const std::uint32_t p : strand.path()) dead[p] = 1;
+            for (const std::uint32_t p : branch.path) dead[p] = 1;
         }
     }
 }

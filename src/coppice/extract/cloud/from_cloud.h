@@ -41,10 +41,11 @@ struct EnumNames<LeafRule> {
 struct CloudOptions {
     GroundRule ground = GroundRule::automatic;  ///< whether ground is looked for
     float ground_height = 0;                    ///< [m] world, for GroundRule::height
-    float voxel = 0;                            ///< [m] edge of cubes of which one point is kept; 0 = none
-    int max_points = 4'000'000;  ///< more are thinned, with cubes as large as it takes; in [100, 1e8]
+    float voxel = 0;                            ///< [m] edge of voxels of which one point is kept; 0 = none
+    int max_points = 4'000'000;  ///< more are downsampled, with voxels as large as it takes; in [100, 1e8]
     int neighbours = 12;         ///< of every point, that paths may go to; in [4, 64]
-    float stray = 4;  ///< points this many times farther from others than is usual about go; 0 = none
+    float outlier_factor =
+        4;  ///< points this many times farther from others than is usual about go; 0 = none
     LeafRule leaves = LeafRule::automatic;  ///< whether leaves are looked for
     float gap = 0;       ///< [m] widest gap that is bridged; 0 = from the spacing and height of the tree
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
@@ -61,14 +62,16 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.ground);
     visit(Field{"ground_height", "Height below which points are ground", Unit::metre, -1e6, 1e6},
           o.ground_height);
-    visit(Field{"voxel", "Edge of the cubes of which one point is kept; 0 = all points", Unit::metre, 0, 1e6},
-          o.voxel);
-    visit(Field{"max_points", "Number of points above which they are thinned", Unit::none, 100, 1e8},
+    visit(
+        Field{"voxel", "Edge of the voxels of which one point is kept; 0 = all points", Unit::metre, 0, 1e6},
+        o.voxel);
+    visit(Field{"max_points", "Number of points above which they are downsampled", Unit::none, 100, 1e8},
           o.max_points);
     visit(Field{"neighbours", "Number of neighbours that paths may go to", Unit::none, 4, 64}, o.neighbours);
-    visit(Field{"stray", "Points so many times farther off than their neighbours are left out; 0 = none",
+    visit(Field{"outlier_factor",
+                "Points so many times farther off than their neighbours are outliers, left out; 0 = none",
                 Unit::none, 0, 1e6},
-          o.stray);
+          o.outlier_factor);
     visit(Field{"leaves", "Leaves: left out where the cloud shows some, kept as wood, or always left out"},
           o.leaves);
     visit(Field{"gap", "Widest gap that is bridged; 0 chooses it", Unit::metre, 0, 1e6}, o.gap);
@@ -87,14 +90,14 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// What was left out of a cloud, counted in points.
 struct CloudReport {
-    std::uint64_t points = 0;      ///< that were given
-    std::uint64_t duplicates = 0;  ///< at the place of another one
-    std::uint64_t thinned = 0;     ///< others of their cube stand for them
-    std::uint64_t ground = 0;      ///< of the ground
-    std::uint64_t strays = 0;      ///< far from all others
-    std::uint64_t leaves = 0;      ///< taken for leaves
-    std::uint64_t unreached = 0;   ///< beyond gaps too wide to bridge
-    double spacing = 0;            ///< [m] median distance of the points used to their fourth neighbour
+    std::uint64_t points = 0;       ///< that were given
+    std::uint64_t duplicates = 0;   ///< at the place of another one
+    std::uint64_t downsampled = 0;  ///< the mean of their voxel stands for them
+    std::uint64_t ground = 0;       ///< of the ground
+    std::uint64_t outliers = 0;     ///< far from all others
+    std::uint64_t leaves = 0;       ///< taken for leaves
+    std::uint64_t unreached = 0;    ///< beyond gaps too wide to bridge
+    double spacing = 0;             ///< [m] median distance of the points used to their fourth neighbour
 };
 
 /// Calls visit(name, number) for every member, in order.
@@ -102,9 +105,9 @@ template <class Visitor>
 void visit_figures(const CloudReport& r, Visitor&& visit) {
     visit("points", r.points);
     visit("duplicates", r.duplicates);
-    visit("thinned", r.thinned);
+    visit("downsampled", r.downsampled);
     visit("ground", r.ground);
-    visit("strays", r.strays);
+    visit("outliers", r.outliers);
     visit("leaves", r.leaves);
     visit("unreached", r.unreached);
     visit("spacing", r.spacing);
@@ -118,24 +121,24 @@ struct CloudExtraction : ExtractResult {
 
 /// The skeleton of what a scanner saw of trees.
 ///
-/// Cleaning: exact duplicates go, cubes thin where asked for, ground goes (a smooth surface under most of the
-/// plan), then strays. Neighbours are joined in a graph, parts nearer than `gap` are bridged by shortest
-/// links. Trees stand at the lowest places as thick as a trunk; paths from there cost the square of each step
-/// in spacings.
+/// Cleaning: exact duplicates go, voxels downsample where asked for, ground goes (a smooth surface under most
+/// of the plan), then outliers. Neighbours are joined in a graph, components nearer than `gap` are bridged by
+/// shortest links. Trees stand at the lowest places as thick as a trunk; paths from there cost the square of
+/// each step in spacings.
 ///
 /// Tubes first, from thick to thin: pieces of about equal cost become nodes, circles are fitted to their
-/// points along the axis, so half a cylinder is enough, and clean runs keep their points. Each hangs by the
-/// path from its lowest point on what that meets. Then chains: from the point farthest along paths that lies
-/// on no surface yet, back to the tree, through the middle of the points about the path, however few. Then
-/// all segments are fitted to all points at once (see capsule_fit.h), laterals start where their axis meets
-/// the one they leave, and branches whose points the others explain go. Chains, fit and selection run three
-/// times. Before all that, leaves go where the cloud shows some: normals about wood lie in a plane, those
-/// amid leaves point everywhere. Sources: [Xu2007] for paths and pieces, [Taubin1991].
+/// points along the axis, so half a cylinder is enough, and clean runs keep their points. Each is
+/// attached by the path from its lowest point to what that meets. Then chains: from the point farthest along
+/// paths that lies on no surface yet, back to the tree, through the middle of the points about the path,
+/// however few. Then all segments are fitted to all points at once (see capsule_fit.h), laterals start where
+/// their axis meets the one they leave, and branches whose points the others explain go. Chains, fit and
+/// selection run three times. Before all that, leaves go where the cloud shows some: normals about wood lie
+/// in a plane, those amid leaves point everywhere. Sources: [Xu2007] for paths and pieces, [Taubin1991].
 ///
 /// Limits: a twig needs three points, and to rise 0.75 spacings above the rest: where there are fewer than
 /// about five points on it, one in two or three is found. Stems thicker than about twenty spacings can grow
-/// twigs that are not there: thin with `voxel`. Twigs amid leaves go with them unless they lead farther;
-/// fronds, and leaves wider than a few per cent of the height, are not told from wood.
+/// twigs that are not there: downsample with `voxel`. Twigs amid leaves go with them unless they lead
+/// farther; fronds, and leaves wider than a few per cent of the height, are not told from wood.
 ///
 /// The origin is that of the cloud. O(n log n), about 500 bytes per point, the same bits for any number of
 /// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after

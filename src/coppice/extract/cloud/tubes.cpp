@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "coppice/base/parallel.h"
 #include "coppice/base/round_cone.h"
+#include "coppice/extract/cloud/bins_internal.h"
 #include "coppice/extract/cloud/fit_internal.h"
 #include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -16,18 +18,19 @@ namespace {
 
 struct Scale {
     double step;   ///< [spacing] between nodes
-    double link;   ///< [spacing] longest that holds a node's points together
+    double link;   ///< [spacing] longest that connects a node's points
     double least;  ///< [spacing] radius of the thinnest tube that is kept
     double clean;  ///< [radius] greatest residual of a tube that is kept
 };
 
 // Thick before thin: with steps of four spacings the rings of thick branches close, and bundles of twigs show
 // by residuals that are large for their thickness. The widest steps are for clouds far denser than the
-// stem, and left out where no foot is so thick.
+// stem, and left out where no stem base is so thick.
 constexpr std::array<Scale, 5> kScales{
     {{16, 2, 10, 0.08}, {8, 2, 7, 0.08}, {4, 2, 2, 0.08}, {2, 2, 1, 0.12}, {1, 2, 0.25, 0.12}}};
-constexpr double kAlways = 4;         // [spacing] steps that are taken in any cloud
-constexpr double kFootOfLeast = 2.4;  // times the least radius of a scale, that a foot has for wider steps
+constexpr double kAlways = 4;  // [spacing] steps that are taken in any cloud
+constexpr double kBaseOfLeast =
+    2.4;  // times the least radius of a scale, that a stem base has for wider steps
 constexpr float kFewestOfTube = 12;   // points
 constexpr double kRough = 1.4;        // times the reach that a twig on a tube must have
 constexpr std::uint32_t kFewest = 3;  // points of a twig
@@ -57,18 +60,18 @@ void prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const float> le
     }
     std::vector<std::uint32_t> next(tree.size(), kNone);
     for (std::uint32_t n = tree.size(); n-- > 0;) {
-        const std::uint32_t above = tree.parent[n];
-        if (above == kNone) continue;
-        if (next[above] == kNone || top[n] >= top[next[above]]) next[above] = n;
-        top[above] = std::max(top[above], top[n]);
+        const std::uint32_t parent = tree.parent[n];
+        if (parent == kNone) continue;
+        if (next[parent] == kNone || top[n] >= top[next[parent]]) next[parent] = n;
+        top[parent] = std::max(top[parent], top[n]);
     }
     std::vector<std::uint8_t> kept(tree.size(), 1);
     for (std::uint32_t n = first; n < tree.size(); ++n) {
-        const std::uint32_t above = tree.parent[n];
-        if (above == kNone) continue;
-        kept[n] = kept[above];
-        const bool on_tube = above < first;
-        if (!kept[n] || (next[above] == n && !on_tube)) continue;
+        const std::uint32_t parent = tree.parent[n];
+        if (parent == kNone) continue;
+        kept[n] = kept[parent];
+        const bool on_tube = parent < first;
+        if (!kept[n] || (next[parent] == n && !on_tube)) continue;
         const double least = on_tube ? kRough * reach : reach;
         if (top[n] - low[n] >= least && beyond[n] >= kFewest) continue;
         kept[n] = 0;
@@ -94,9 +97,9 @@ void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spa
         kept[n] = 0;
     }
     for (std::uint32_t n = first; n < tree.size(); ++n) {
-        const std::uint32_t above = tree.parent[n];
-        if (above != kNone && above >= first && clean[n] && clean[above]) {
-            kept[n] = kept[above] = 1;
+        const std::uint32_t parent = tree.parent[n];
+        if (parent != kNone && parent >= first && clean[n] && clean[parent]) {
+            kept[n] = kept[parent] = 1;
         } else {
             tree.parent[n] = kNone;
         }
@@ -113,7 +116,7 @@ RoundCone tube_at(const CloudTree& tree, std::uint32_t n) {
 }
 
 /// Gives the points on kept branches to them, and takes the others back.
-void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& ctx) {
+void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, const Context& ctx) {
     std::vector<Box3> boxes;
     std::vector<std::uint32_t> owner;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
@@ -140,64 +143,68 @@ void claim_points(CloudTree& tree, std::span<const Vec3> points, const Context& 
     });
 }
 
-/// Half of the widest foot [spacing]; infinite where a foot is a single point that somebody chose.
-double thickest_foot(std::span<const Vec3> points, std::span<const std::vector<std::uint32_t>> feet,
-                     std::span<const float> spacing) {
+/// Half of the widest stem base [spacing]; infinite where one is a single point that somebody chose.
+double widest_base(std::span<const Vec3> points, StemBases bases, std::span<const float> spacing) {
     double thickest = 0;
-    for (const auto& foot : feet) {
-        if (foot.size() == 1) return std::numeric_limits<double>::infinity();
+    for (const auto& base : bases) {
+        if (base.size() == 1) return std::numeric_limits<double>::infinity();
         Box3 box;
         double sum = 0;
-        for (const std::uint32_t p : foot) {
+        for (const std::uint32_t p : base) {
             box.extend(points[p]);
             sum += spacing[p];
         }
         const double wide = 0.5 * double{std::max(box.size().x, box.size().y)};
-        thickest = std::max(thickest, wide * static_cast<double>(foot.size()) / sum);
+        thickest = std::max(thickest, wide * static_cast<double>(base.size()) / sum);
     }
     return thickest;
 }
 
-/// Where paths of the next scale start: at the feet, or at all that is explained.
-std::vector<std::uint32_t> sources_of(const CloudTree& tree,
-                                      std::span<const std::vector<std::uint32_t>> feet) {
+/// The scales for stem bases so thick [spacing].
+std::vector<Scale> scales_for(double thickest) {
+    std::vector<Scale> scales;
+    std::ranges::copy_if(kScales, std::back_inserter(scales), [&](const Scale& scale) {
+        return scale.step <= kAlways || thickest >= kBaseOfLeast * scale.least;
+    });
+    return scales;
+}
+
+/// Where paths of the next scale start: at the bases, or at all that is explained.
+std::vector<std::uint32_t> sources_of(const CloudTree& tree, StemBases bases) {
     std::vector<std::uint32_t> sources;
     for (std::uint32_t p = 0; p < tree.node_of_point.size(); ++p) {
         if (tree.node_of_point[p] != kNone) sources.push_back(p);
     }
     if (sources.empty()) {
-        for (const auto& foot : feet) sources.insert(sources.end(), foot.begin(), foot.end());
+        for (const auto& base : bases) sources.insert(sources.end(), base.begin(), base.end());
     }
     return sources;
 }
 
 }  // namespace
 
-CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph,
-                     std::span<const std::vector<std::uint32_t>> feet, std::span<const float> spacing,
-                     const TubeOptions& options, const Context& ctx) {
+CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph, StemBases bases,
+                     std::span<const float> spacing, const TubeOptions& options, const Context& ctx) {
     CloudTree tree;
     tree.node_of_point.assign(points.size(), kNone);
     Paths paths;
     std::uint32_t known = 0;  // nodes of the tree that the paths start from
-    const double thickest = thickest_foot(points, feet, spacing);
+    const std::vector<Scale> scales = scales_for(widest_base(points, bases, spacing));
     float done = 0;
-    for (const Scale& scale : kScales) {
-        ctx.report(done++ / kScales.size());
-        if (scale.step > kAlways && thickest < kFootOfLeast * scale.least) continue;
+    for (const Scale& scale : scales) {
+        ctx.report(done++ / static_cast<float>(scales.size()));
         const std::uint32_t first = tree.size();
         // Where a scale finds nothing, the paths of the next are the same.
         if (paths.order.empty() || first != known)
-            paths = shortest_paths(graph, sources_of(tree, feet), tree.node_of_point, spacing, ctx);
+            paths = shortest_paths(graph, sources_of(tree, bases), tree.node_of_point, spacing, ctx);
         known = first;
         const double step = scale.step * options.step;
-        bin_paths(tree, points, graph, paths,
-                  first == 0 ? feet : std::span<const std::vector<std::uint32_t>>{}, spacing,
-                  {step, scale.link}, ctx);
+        bin_paths(tree, points, graph, paths, {step, scale.link, first == 0 ? bases : StemBases{}, spacing},
+                  ctx);
         prune_twigs(tree, first, paths.distance, step);
         fit_axes(tree, first, points, options.passes, ctx);
         keep_tubes(tree, first, spacing, scale);
-        claim_points(tree, points, ctx);
+        assign_to_tubes(tree, points, ctx);
     }
     return tree;
 }

@@ -17,8 +17,7 @@ struct TubeOptions {
 /// cut into nodes, circles are fitted, and of what is found only clean runs thick against the step are kept;
 /// the points on them are theirs. So a thick branch is never taken for a bundle of twigs, nor a bundle of
 /// twigs for a thick branch. Tubes are loose: each is a tree of its own.
-CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph,
-                     std::span<const std::vector<std::uint32_t>> feet, std::span<const float> spacing,
-                     const TubeOptions& options, const Context& ctx);
+CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph, StemBases bases,
+                     std::span<const float> spacing, const TubeOptions& options, const Context& ctx);
 
 }  // namespace coppice::extract_internal

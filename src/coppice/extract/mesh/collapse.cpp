@@ -37,40 +37,33 @@ struct Quadric {
     }
 };
 
-class Collapser {
-  public:
-    Collapser(const Surface& s, std::span<const Vec3d> at);
-    void run(const Context& ctx);
-    Contraction result() const;
+struct Move {
+    double cost;
+    std::uint32_t from, to;
+    std::uint32_t stamp;  // of `from`: a later change makes the move stale
+};
+struct Dearer {
+    bool operator()(const Move& a, const Move& b) const {
+        if (a.cost != b.cost) return a.cost > b.cost;
+        return a.from != b.from ? a.from > b.from : a.to > b.to;
+    }
+};
 
-  private:
-    struct Move {
-        double cost;
-        std::uint32_t from, to;
-        std::uint32_t stamp;  // of both ends together: a later change makes the move stale
-    };
-    struct Dearer {
-        bool operator()(const Move& a, const Move& b) const {
-            if (a.cost != b.cost) return a.cost > b.cost;
-            return a.from != b.from ? a.from > b.from : a.to > b.to;
-        }
-    };
-    void offer(std::uint32_t i);
-    void collapse(std::uint32_t i, std::uint32_t j);
+/// What is left of a surface while its edges collapse.
+struct Remainder {
+    std::span<const Vec3d> at;
+    std::vector<std::vector<std::uint32_t>> neighbours;  // sorted
+    std::vector<std::vector<std::uint32_t>> faces;       // per vertex, live ones
+    std::vector<Triangle> triangles;
+    std::vector<Quadric> quadric;
+    std::vector<std::uint32_t> into;  // what a vertex became part of; itself while it is there
+    std::vector<std::uint32_t> stamp;
+    std::priority_queue<Move, std::vector<Move>, Dearer> queue;
+
     std::uint32_t find(std::uint32_t v) const {
-        while (into_[v] != v) v = into_[v];
+        while (into[v] != v) v = into[v];
         return v;
     }
-
-    const Surface& s_;
-    std::span<const Vec3d> at_;
-    std::vector<std::vector<std::uint32_t>> neighbours_;  // sorted
-    std::vector<std::vector<std::uint32_t>> faces_;       // per vertex, live ones
-    std::vector<Triangle> triangles_;
-    std::vector<Quadric> quadric_;
-    std::vector<std::uint32_t> into_;  // what a vertex became part of; itself while it is there
-    std::vector<std::uint32_t> stamp_;
-    std::priority_queue<Move, std::vector<Move>, Dearer> queue_;
 };
 
 void insert_sorted(std::vector<std::uint32_t>& list, std::uint32_t v) {
@@ -82,146 +75,146 @@ void erase_sorted(std::vector<std::uint32_t>& list, std::uint32_t v) {
     if (at != list.end() && *at == v) list.erase(at);
 }
 
-Collapser::Collapser(const Surface& s, std::span<const Vec3d> at)
-    : s_(s),
-      at_(at),
-      neighbours_(s.size()),
-      faces_(s.size()),
-      triangles_(s.triangles),
-      quadric_(s.size()),
-      into_(s.size()),
-      stamp_(s.size(), 0) {
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-        for (const std::uint32_t v : triangles_[t]) faces_[v].push_back(t);
-    for (std::uint32_t v = 0; v < s.size(); ++v) {
-        into_[v] = v;
+Remainder whole_of(const Surface& s, std::span<const Vec3d> at) {
+    const std::uint32_t size = s.size();
+    Remainder r{at, {}, {}, s.triangles, {}, {}, std::vector<std::uint32_t>(size, 0), {}};
+    r.neighbours.resize(size);
+    r.faces.resize(size);
+    r.quadric.resize(size);
+    r.into.resize(size);
+    for (std::uint32_t t = 0; t < r.triangles.size(); ++t)
+        for (const std::uint32_t v : r.triangles[t]) r.faces[v].push_back(t);
+    for (std::uint32_t v = 0; v < size; ++v) {
+        r.into[v] = v;
+        auto& neighbours = r.neighbours[v];
         for (const std::uint32_t h : s.outgoing(v)) {
-            neighbours_[v].push_back(s.to(h));
-            neighbours_[v].push_back(s.from(Surface::previous(h)));
+            neighbours.push_back(s.to(h));
+            neighbours.push_back(s.from(Surface::previous(h)));
         }
-        std::sort(neighbours_[v].begin(), neighbours_[v].end());
-        neighbours_[v].erase(std::unique(neighbours_[v].begin(), neighbours_[v].end()), neighbours_[v].end());
-        for (const std::uint32_t w : neighbours_[v]) {
+        std::sort(neighbours.begin(), neighbours.end());
+        neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+        for (const std::uint32_t w : neighbours) {
             const Vec3d d = at[w] - at[v];
-            if (length_squared(d) > 0) quadric_[v].add_line(at[v], normalized(d));
+            if (length_squared(d) > 0) r.quadric[v].add_line(at[v], normalized(d));
         }
     }
+    return r;
 }
 
 /// The cheapest move of i onto a vertex that it shares a triangle with.
-void Collapser::offer(std::uint32_t i) {
+void offer(Remainder& r, std::uint32_t i) {
     double lengths = 0;
-    for (const std::uint32_t k : neighbours_[i]) lengths += distance(at_[i], at_[k]);
-    Move best{0, i, kNone, stamp_[i]};
-    for (const std::uint32_t t : faces_[i]) {
-        for (const std::uint32_t j : triangles_[t]) {
+    for (const std::uint32_t k : r.neighbours[i]) lengths += distance(r.at[i], r.at[k]);
+    Move best{0, i, kNone, r.stamp[i]};
+    for (const std::uint32_t t : r.faces[i]) {
+        for (const std::uint32_t j : r.triangles[t]) {
             if (j == i) continue;
-            const double c = quadric_[i].at(at_[j]) + quadric_[j].at(at_[j]) +
-                             kSampling * distance(at_[i], at_[j]) * lengths;
+            const double c = r.quadric[i].at(r.at[j]) + r.quadric[j].at(r.at[j]) +
+                             kSampling * distance(r.at[i], r.at[j]) * lengths;
             if (best.to != kNone && (c > best.cost || (c == best.cost && j >= best.to))) continue;
             best.cost = c;
             best.to = j;
         }
     }
-    if (best.to != kNone) queue_.push(best);
+    if (best.to != kNone) r.queue.push(best);
 }
 
-void Collapser::collapse(std::uint32_t i, std::uint32_t j) {
-    for (const std::uint32_t t : faces_[i]) {
-        Triangle& corners = triangles_[t];
+void collapse(Remainder& r, std::uint32_t i, std::uint32_t j) {
+    for (const std::uint32_t t : r.faces[i]) {
+        Triangle& corners = r.triangles[t];
         const bool dies = std::find(corners.begin(), corners.end(), j) != corners.end();
         if (dies) {
             for (const std::uint32_t v : corners)
-                if (v != i) std::erase(faces_[v], t);
+                if (v != i) std::erase(r.faces[v], t);
             continue;
         }
         std::replace(corners.begin(), corners.end(), i, j);
         Triangle key = corners;
         std::sort(key.begin(), key.end());
-        const bool doubled = std::any_of(faces_[j].begin(), faces_[j].end(), [&](std::uint32_t other) {
-            Triangle k = triangles_[other];
+        const bool doubled = std::any_of(r.faces[j].begin(), r.faces[j].end(), [&](std::uint32_t other) {
+            Triangle k = r.triangles[other];
             std::sort(k.begin(), k.end());
             return k == key;
         });
         if (doubled) {
             for (const std::uint32_t v : corners)
-                if (v != j) std::erase(faces_[v], t);
+                if (v != j) std::erase(r.faces[v], t);
         } else {
-            faces_[j].push_back(t);
+            r.faces[j].push_back(t);
         }
     }
-    faces_[i].clear();
-    for (const std::uint32_t k : neighbours_[i]) {
-        erase_sorted(neighbours_[k], i);
+    r.faces[i].clear();
+    for (const std::uint32_t k : r.neighbours[i]) {
+        erase_sorted(r.neighbours[k], i);
         if (k == j) continue;
-        insert_sorted(neighbours_[k], j);
-        insert_sorted(neighbours_[j], k);
+        insert_sorted(r.neighbours[k], j);
+        insert_sorted(r.neighbours[j], k);
     }
-    neighbours_[i].clear();
-    quadric_[j].add(quadric_[i]);
-    into_[i] = j;
+    r.neighbours[i].clear();
+    r.quadric[j].add(r.quadric[i]);
+    r.into[i] = j;
 }
 
-void Collapser::run(const Context& ctx) {
+void collapse_all(Remainder& r, const Context& ctx) {
     constexpr std::size_t kPoll = 256;
-    for (std::uint32_t v = 0; v < s_.size(); ++v) {
+    for (std::uint32_t v = 0; v < r.into.size(); ++v) {
         poll_stop(ctx, v);
-        offer(v);
+        offer(r, v);
     }
     std::size_t collapsed = 0;
-    for (std::size_t step = 0; !queue_.empty(); ++step) {
+    for (std::size_t step = 0; !r.queue.empty(); ++step) {
         if (step % kPoll == 0) {
             ctx.throw_if_cancelled();
-            ctx.report(static_cast<float>(collapsed) / static_cast<float>(s_.size()));
+            ctx.report(static_cast<float>(collapsed) / static_cast<float>(r.into.size()));
         }
-        const Move move = queue_.top();
-        queue_.pop();
-        if (into_[move.from] != move.from || stamp_[move.from] != move.stamp) continue;
-        collapse(move.from, move.to);
+        const Move move = r.queue.top();
+        r.queue.pop();
+        if (r.into[move.from] != move.from || r.stamp[move.from] != move.stamp) continue;
+        collapse(r, move.from, move.to);
         ++collapsed;
         // Every neighbour of the place has a new cost.
-        std::vector<std::uint32_t> changed = neighbours_[move.to];
+        std::vector<std::uint32_t> changed = r.neighbours[move.to];
         changed.push_back(move.to);
         for (const std::uint32_t v : changed) {
-            ++stamp_[v];
-            offer(v);
+            ++r.stamp[v];
+            offer(r, v);
         }
     }
 }
 
-Contraction Collapser::result() const {
+Contraction graph_of(const Surface& s, const Remainder& r) {
     Contraction out;
-    std::vector<std::uint32_t> lowest(s_.component_count, kNone), node(s_.size(), kNone), queue;
-    for (std::uint32_t v = 0; v < s_.size(); ++v) {
-        std::uint32_t& best = lowest[s_.component[v]];
-        if (best == kNone || s_.positions[v].z < s_.positions[best].z) best = v;
+    std::vector<std::uint32_t> lowest(s.component_count, kNone), node(s.size(), kNone), queue;
+    for (std::uint32_t v = 0; v < s.size(); ++v) {
+        std::uint32_t& best = lowest[s.component[v]];
+        if (best == kNone || s.positions[v].z < s.positions[best].z) best = v;
     }
     for (const std::uint32_t low : lowest) {
-        queue.assign(1, find(low));
-        node[queue[0]] = out.tree.add(DraftTree::kNoParent, at_[queue[0]], 1);
+        queue.assign(1, r.find(low));
+        node[queue[0]] = out.tree.add(DraftTree::kNoParent, r.at[queue[0]], 1);
         for (std::size_t k = 0; k < queue.size(); ++k) {
-            for (const std::uint32_t w : neighbours_[queue[k]]) {
+            for (const std::uint32_t w : r.neighbours[queue[k]]) {
                 if (node[w] != kNone) continue;
-                node[w] = out.tree.add(node[queue[k]], at_[w], 1);
+                node[w] = out.tree.add(node[queue[k]], r.at[w], 1);
                 queue.push_back(w);
             }
         }
         for (const std::uint32_t v : queue)
-            for (const std::uint32_t w : neighbours_[v])
+            for (const std::uint32_t w : r.neighbours[v])
                 if (v < w && out.tree.parent[node[v]] != node[w] && out.tree.parent[node[w]] != node[v])
                     out.loops.push_back({node[v], node[w]});
     }
-    out.node.resize(s_.size());
-    for (std::uint32_t v = 0; v < s_.size(); ++v) out.node[v] = node[find(v)];
+    out.node.resize(s.size());
+    for (std::uint32_t v = 0; v < s.size(); ++v) out.node[v] = node[r.find(v)];
     return out;
 }
 
 }  // namespace
 
 Contraction collapse_to_graph(const Surface& surface, std::span<const Vec3d> at, const Context& ctx) {
-    Collapser collapser(surface, at);
-    collapser.run(ctx);
-    return collapser.result();
+    Remainder remainder = whole_of(surface, at);
+    collapse_all(remainder, ctx);
+    return graph_of(surface, remainder);
 }
 
 }  // namespace coppice::extract_internal

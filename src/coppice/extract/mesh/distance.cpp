@@ -25,8 +25,8 @@ double arrival(Vec3d c, Vec3d a, double ta, Vec3d b, double tb) {
     if (!(qa > 0) || root < 0) return along;
     const double t = (-qb + std::sqrt(root)) / (2 * qa);
     if (!(t > u) || cosine <= 0) return along;
-    const double foot = lb * (t - u) / t;
-    if (!(foot > la * cosine) || !(foot < la / cosine)) return along;
+    const double crossing = lb * (t - u) / t;  // of the front with the edge to b, from c
+    if (!(crossing > la * cosine) || !(crossing < la / cosine)) return along;
     return std::min(along, ta + t);
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/parallel.h"
 #include "coppice/extract/mesh/contraction_internal.h"
 #include "coppice/extract/mesh/distance_internal.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
@@ -19,57 +18,56 @@ namespace {
 using namespace extract_internal;
 
 constexpr int kFirstFit = 10, kLastFit = 10;   // iterations
+constexpr float kMarchShare = 0.3f;            // of the time of a draft from rings
 constexpr double kWide = 0.3, kNarrow = 0.15;  // [radius] of the robust weight: first the shape, then the fit
 
-/// Runs the stages, and keeps their times.
-class Extraction {
-  public:
-    Extraction(const FromMeshOptions& options, const Context& ctx) : options_(options), ctx_(ctx) {}
-    FromMeshResult run(const PolygonMesh& mesh);
+/// A mesh on its way to a skeleton.
+struct Draft {
+    Surface surface;
+    Vec3d origin;
+    std::vector<Vec3> normals;
+    DraftTree tree;
+    FitSamples samples = {};
+};
 
-  private:
+/// Keeps the times of stages, and tells how far they are.
+class Stages {
+  public:
+    Stages(std::vector<std::pair<std::string_view, double>>& times, const Context& ctx)
+        : times_(times), ctx_(ctx) {}
+
     /// Runs work(context), which takes the whole work up to the fraction `done`.
     template <class Work>
-    void stage(std::string_view name, float done, const Work& work) {
+    void run(std::string_view name, float done, const Work& work) {
         ctx_.throw_if_cancelled();
         const auto start = std::chrono::steady_clock::now();
         work(stage_context(ctx_, done_, done));
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-        out_.stages.emplace_back(name, took.count());
+        times_.emplace_back(name, took.count());
         ctx_.report(done_ = done);
     }
-    void clean(const PolygonMesh& mesh);
-    void draft_from_rings();
-    void draft_from_contraction(const Context& ctx);
-    void assign_rest();
-    void fit(int iterations, double robust, const Context& ctx);
-    void finish();
-    ExtractReport& report() { return out_.report; }
 
-    const FromMeshOptions& options_;
+  private:
+    std::vector<std::pair<std::string_view, double>>& times_;
     const Context& ctx_;
-    FromMeshResult out_{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}};
     float done_ = 0;
-    Surface surface_;
-    Vec3d origin_;
-    std::vector<Vec3> normals_;
-    DraftTree tree_;
-    FitSamples samples_;
 };
 
-void Extraction::clean(const PolygonMesh& mesh) {
-    CleanMeshResult cleaned = clean_mesh(mesh, options_.clean, ctx_);
-    out_.repairs = cleaned.repairs;
-    origin_ = cleaned.mesh.origin;
-    surface_.positions = std::move(cleaned.mesh.positions);
-    surface_.triangles.assign(cleaned.mesh.triangles.begin(), cleaned.mesh.triangles.end());
-    connect(surface_);
-    normals_ = vertex_normals(surface_, ctx_);
-    samples_.positions = surface_.positions;
-    samples_.normals = normals_;
-    samples_.node.assign(surface_.size(), kNone);
-    report().samples = surface_.size();
-    report().components = surface_.component_count;
+/// The surface of a mesh, with every vertex a sample; reports repairs.
+void clean(Draft& draft, const PolygonMesh& mesh, const CleanMeshOptions& options, FromMeshResult& out,
+           const Context& ctx) {
+    CleanMeshResult cleaned = clean_mesh(mesh, options, ctx);
+    out.repairs = cleaned.repairs;
+    draft.origin = cleaned.mesh.origin;
+    draft.surface.positions = std::move(cleaned.mesh.positions);
+    draft.surface.triangles.assign(cleaned.mesh.triangles.begin(), cleaned.mesh.triangles.end());
+    connect(draft.surface);
+    draft.normals = vertex_normals(draft.surface, ctx);
+    draft.samples.positions = draft.surface.positions;
+    draft.samples.normals = draft.normals;
+    draft.samples.node.assign(draft.surface.size(), kNone);
+    out.report.samples = draft.surface.size();
+    out.report.components = draft.surface.component_count;
 }
 
 /// Where distances start, per piece: at the lowest vertex, or the one nearest to the wanted root, with all of
@@ -115,96 +113,67 @@ Sources sources_of(const Surface& s, int up, const std::optional<Vec3d>& root) {
     return out;
 }
 
-void Extraction::draft_from_rings() {
-    std::optional<Vec3d> root;
-    if (options_.root) root = *options_.root - origin_;
-    const Sources sources = sources_of(surface_, static_cast<int>(options_.up), root);
-    const std::vector<double> distance = march_distances(surface_, sources.vertices, ctx_);
-    const RingForest forest = follow_chains(surface_, distance, sources.from_border, ctx_);
-    if (forest.chains.empty())
-        throw InvalidInput("no piece of the mesh is long enough to have an axis; a skeleton needs a branch");
-    RingTree strung = string_rings(surface_, forest);
-    tree_ = std::move(strung.tree);
-    report().loops = static_cast<std::uint32_t>(strung.loops.size());
-    const auto new_of_old = cut_loops(tree_, strung.loops, options_.keep_loops);
-    for (std::uint32_t v = 0; v < surface_.size(); ++v)
-        if (forest.claim[v] != kNone) samples_.node[v] = new_of_old[strung.node_of_ring[forest.claim[v]]];
+/// Where the user wants a root, in the coordinates of the draft.
+std::optional<Vec3d> wanted_root(const FromMeshOptions& options, Vec3d origin) {
+    if (!options.root) return {};
+    return *options.root - origin;
 }
 
-void Extraction::draft_from_contraction(const Context& ctx) {
-    Contraction contracted = contract(surface_, ctx);
-    tree_ = std::move(contracted.tree);
-    samples_.node = std::move(contracted.node);
-    report().loops = static_cast<std::uint32_t>(contracted.loops.size());
-    const auto new_of_old = cut_loops(tree_, contracted.loops, options_.keep_loops);
-    for (std::uint32_t& n : samples_.node)
+/// Gives samples the new numbers of their nodes.
+void renumber(FitSamples& samples, std::span<const std::uint32_t> new_of_old) {
+    for (std::uint32_t& n : samples.node)
         if (n != kNone) n = new_of_old[n];
 }
 
+/// Fills the tree and the nodes of the samples; returns the number of loops.
+std::size_t draft_from_rings(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
+    const Surface& s = draft.surface;
+    const Sources sources = sources_of(s, static_cast<int>(options.up), wanted_root(options, draft.origin));
+    const std::vector<double> distance = march_distances(s, sources.vertices, ctx);
+    const RingForest forest =
+        follow_chains(s, distance, sources.from_border, stage_context(ctx, kMarchShare, 1));
+    if (forest.chains.empty())
+        throw InvalidInput("no piece of the mesh is long enough to have an axis; a skeleton needs a branch");
+    RingTree rings = connect_rings(s, forest);
+    draft.tree = std::move(rings.tree);
+    for (std::uint32_t v = 0; v < s.size(); ++v)
+        if (forest.claim[v] != kNone) draft.samples.node[v] = rings.node_of_ring[forest.claim[v]];
+    renumber(draft.samples, cut_loops(draft.tree, rings.loops, options.keep_loops));
+    return rings.loops.size();
+}
+
+/// The same by contraction.
+std::size_t draft_from_contraction(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
+    Contraction contracted = contract(draft.surface, ctx);
+    draft.tree = std::move(contracted.tree);
+    draft.samples.node = std::move(contracted.node);
+    renumber(draft.samples, cut_loops(draft.tree, contracted.loops, options.keep_loops));
+    return contracted.loops.size();
+}
+
 /// Vertices without a node get that of a neighbour, spreading.
-void Extraction::assign_rest() {
+void assign_rest(const Surface& surface, std::span<std::uint32_t> node) {
     std::vector<std::uint32_t> front;
-    for (std::uint32_t v = 0; v < surface_.size(); ++v)
-        if (samples_.node[v] != kNone) front.push_back(v);
+    for (std::uint32_t v = 0; v < surface.size(); ++v)
+        if (node[v] != kNone) front.push_back(v);
     for (std::size_t i = 0; i < front.size(); ++i) {
-        for (const std::uint32_t h : surface_.outgoing(front[i])) {
-            for (const std::uint32_t w : {surface_.to(h), surface_.from(Surface::previous(h))}) {
-                if (samples_.node[w] != kNone) continue;
-                samples_.node[w] = samples_.node[front[i]];
+        for (const std::uint32_t h : surface.outgoing(front[i])) {
+            for (const std::uint32_t w : {surface.to(h), surface.from(Surface::previous(h))}) {
+                if (node[w] != kNone) continue;
+                node[w] = node[front[i]];
                 front.push_back(w);
             }
         }
     }
 }
 
-void Extraction::fit(int iterations, double robust, const Context& ctx) {
-    FitOptions options;
-    options.iterations = options_.fit ? iterations : 0;
-    options.robust = robust;
-    fit_capsules(tree_, samples_, options, ctx);
-}
-
-/// Roots, order, and what each node rests on.
-void Extraction::finish() {
-    report().joined = join_trees(tree_, options_.join, ctx_);
-    std::optional<Vec3d> root;
-    if (options_.root) root = *options_.root - origin_;
-    const auto sort_samples = [&](const std::vector<std::uint32_t>& new_of_old) {
-        for (std::uint32_t& n : samples_.node)
-            if (n != kNone) n = new_of_old[n];
-    };
-    sort_samples(sort_parents_first(tree_));
-    choose_roots(tree_, static_cast<int>(options_.up), root);
-    sort_samples(sort_parents_first(tree_));
-    fit(0, kNarrow, ctx_);
-    out_.skeleton = to_skeleton(tree_, origin_);
-    out_.confidence = rate_nodes(tree_, samples_, report().residual, ctx_);
-    report().trees = out_.skeleton.tree_count();
-}
-
-FromMeshResult Extraction::run(const PolygonMesh& mesh) {
-    const bool rings = options_.method == MeshSkeletonMethod::rings;
-    // The share of the time that stages take on large meshes; contraction takes nearly all of it.
-    const auto done = [&](float by_rings, float by_contraction) { return rings ? by_rings : by_contraction; };
-    stage("clean", done(0.18f, 0.01f), [&](const Context&) { clean(mesh); });
-    stage("draft", done(0.31f, 0.97f), [&](const Context& ctx) {
-        rings ? draft_from_rings() : draft_from_contraction(ctx);
-        assign_rest();
-        report().repaired_tips = extend_ends(tree_, samples_);
-    });
-    stage("fit", done(0.55f, 0.98f), [&](const Context& ctx) {
-        fit(kFirstFit, kWide, ctx);
-        report().pruned_twigs += prune_stubs(tree_, samples_, options_.prune);
-    });
-    stage("refine", 0.99f, [&](const Context& ctx) {
-        simplify(tree_, samples_, options_.tolerance);
-        fit(kLastFit, kNarrow, stage_context(ctx, 0, 0.5f));
-        simplify(tree_, samples_, options_.tolerance);
-        fit(kLastFit, kNarrow, stage_context(ctx, 0.5f, 1));
-        extend_ends(tree_, samples_);
-    });
-    stage("join", 1.0f, [&](const Context&) { finish(); });
-    return std::move(out_);
+/// Attaches pieces and chooses roots; returns the number of pieces attached.
+std::uint32_t join_and_root(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
+    const std::uint32_t joined = join_trees(draft.tree, options.join, ctx);
+    renumber(draft.samples, sort_parents_first(draft.tree));
+    choose_roots(draft.tree, static_cast<int>(options.up), wanted_root(options, draft.origin));
+    renumber(draft.samples, sort_parents_first(draft.tree));
+    return joined;
 }
 
 }  // namespace
@@ -212,7 +181,44 @@ FromMeshResult Extraction::run(const PolygonMesh& mesh) {
 FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions& options,
                                  const Context& ctx) {
     check_fields(options, "extract");
-    return Extraction(options, ctx).run(mesh);
+    FromMeshResult out{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}};
+    Draft draft;
+    DraftTree& tree = draft.tree;
+    FitSamples& samples = draft.samples;
+    const bool rings = options.method == MeshSkeletonMethod::rings;
+    // The share of the time that stages take on large meshes; contraction takes nearly all of it.
+    const auto done = [&](float by_rings, float by_contraction) { return rings ? by_rings : by_contraction; };
+    const auto fit = [&](int iterations, double robust, const Context& stage) {
+        fit_capsules(tree, samples, {.iterations = options.fit ? iterations : 0, .robust = robust}, stage);
+    };
+    Stages stages(out.stages, ctx);
+    stages.run("clean", done(0.18f, 0.01f),
+               [&](const Context& stage) { clean(draft, mesh, options.clean, out, stage); });
+    stages.run("draft", done(0.31f, 0.97f), [&](const Context& stage) {
+        out.report.loops = static_cast<std::uint32_t>(rings ? draft_from_rings(draft, options, stage)
+                                                            : draft_from_contraction(draft, options, stage));
+        assign_rest(draft.surface, samples.node);
+        out.report.repaired_tips = extend_ends(tree, samples);
+    });
+    stages.run("fit", done(0.55f, 0.98f), [&](const Context& stage) {
+        fit(kFirstFit, kWide, stage);
+        out.report.pruned_twigs += prune_stubs(tree, samples, options.prune);
+    });
+    stages.run("refine", 0.99f, [&](const Context& stage) {
+        simplify(tree, samples, options.tolerance);
+        fit(kLastFit, kNarrow, stage_context(stage, 0, 0.5f));
+        simplify(tree, samples, options.tolerance);
+        fit(kLastFit, kNarrow, stage_context(stage, 0.5f, 1));
+        extend_ends(tree, samples);
+    });
+    stages.run("join", 1.0f, [&](const Context& stage) {
+        out.report.joined = join_and_root(draft, options, stage);
+        fit(0, kNarrow, stage);  // what each sample belongs to now
+        out.skeleton = to_skeleton(tree, draft.origin);
+        out.confidence = rate_nodes(tree, samples, out.report.residual, stage);
+        out.report.trees = out.skeleton.tree_count();
+    });
+    return out;
 }
 
 }  // namespace coppice

@@ -34,13 +34,13 @@ struct EnumNames<UpAxis> {
 /// How a skeleton is read off a mesh.
 struct FromMeshOptions {
     MeshSkeletonMethod method = MeshSkeletonMethod::rings;  ///< rings are faster
-    bool fit = true;          ///< fit the segments to the vertices by least squares
-    float prune = 0.3f;       ///< [radius of the fork] ends that rise less above their fork go; in [0, 10]
-    float join = 1.2f;        ///< [radius] pieces whose end is nearer to another's axis hang on it; 0 = none
-    float tolerance = 0.02f;  ///< [radius] how far the surface may move by leaving out nodes; in [0, 1]
-    bool keep_loops = false;  ///< lead an end cut off a loop on to where it was cut off
-    UpAxis up = UpAxis::z;    ///< which way is up in the mesh: roots are lowest ends; nothing is turned
-    CleanMeshOptions clean;   ///< how the mesh is cleaned first
+    bool fit = true;     ///< fit the segments to the vertices by least squares
+    float prune = 0.3f;  ///< [radius of the fork] ends that rise less above their fork go; in [0, 10]
+    float join = 1.2f;   ///< [radius] pieces whose end is nearer to another's axis are attached; 0 = none
+    float tolerance = 0.02f;    ///< [radius] how far the surface may move by leaving out nodes; in [0, 1]
+    bool keep_loops = false;    ///< lead an end cut off a loop on to where it was cut off
+    UpAxis up = UpAxis::z;      ///< which way is up in the mesh: roots are lowest ends; nothing is turned
+    CleanMeshOptions clean;     ///< how the mesh is cleaned first
     std::optional<Vec3d> root;  ///< [m] world: the end nearest to it is a root; else roots are lowest ends
 };
 
@@ -50,8 +50,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"method", "how the skeleton is read off a mesh"}, o.method);
     visit(Field{"fit", "fit the segments to the vertices by least squares"}, o.fit);
     visit(Field{"prune", "ends that rise less above their fork go", Unit::radius, 0, 10}, o.prune);
-    visit(Field{"join", "pieces whose end is nearer to another's axis hang on it; 0 = none", Unit::radius, 0,
-                10},
+    visit(Field{"join", "pieces whose end is nearer to another's axis are attached to it; 0 = none",
+                Unit::radius, 0, 10},
           o.join);
     visit(Field{"tolerance", "how far the surface may move by leaving out nodes", Unit::radius, 0, 1},
           o.tolerance);

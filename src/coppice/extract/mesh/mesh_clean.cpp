@@ -127,13 +127,13 @@ void drop_bad_triangles(std::vector<Triangle>& triangles, MeshRepairs& repairs) 
     std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
         return a.corners != b.corners ? a.corners < b.corners : a.triangle < b.triangle;
     });
-    std::vector<char> doubled(triangles.size(), 0);
+    std::vector<char> duplicate(triangles.size(), 0);
     for (std::size_t k = 1; k < keys.size(); ++k)
-        if (keys[k].corners == keys[k - 1].corners) doubled[keys[k].triangle] = 1;
+        if (keys[k].corners == keys[k - 1].corners) duplicate[keys[k].triangle] = 1;
     std::size_t kept = 0;
     for (std::size_t t = 0; t < triangles.size(); ++t)
-        if (!doubled[t]) triangles[kept++] = triangles[t];
-    repairs.doubled += static_cast<std::uint32_t>(triangles.size() - kept);
+        if (!duplicate[t]) triangles[kept++] = triangles[t];
+    repairs.duplicates += static_cast<std::uint32_t>(triangles.size() - kept);
     triangles.resize(kept);
 }
 
@@ -214,7 +214,7 @@ CleanMeshResult clean_mesh(const PolygonMesh& mesh, const CleanMeshOptions& opti
     ctx.throw_if_cancelled();
     out.repairs.open_edges = found.open_edges;
     out.repairs.non_manifold_edges = found.non_manifold_edges;
-    out.repairs.turned = orient(s);
+    out.repairs.flipped = orient(s);
     out.mesh.positions = std::move(s.positions);
     out.mesh.triangles.assign(s.triangles.begin(), s.triangles.end());
     out.mesh.origin = mesh.origin;

@@ -14,10 +14,10 @@ struct MeshRepairs {
     std::uint32_t other_material = 0;      ///< faces left out because their group is not wood
     std::uint32_t welded = 0;              ///< vertices at the place of another one
     std::uint32_t degenerate = 0;          ///< triangles with two corners in one place
-    std::uint32_t doubled = 0;             ///< triangles on the same three corners as another one
+    std::uint32_t duplicates = 0;          ///< triangles on the same three corners as another one
     std::uint32_t open_edges = 0;          ///< edges of one triangle; left as they are
     std::uint32_t non_manifold_edges = 0;  ///< edges of more than two triangles: taken apart
-    std::uint32_t turned = 0;              ///< triangles that faced inward
+    std::uint32_t flipped = 0;             ///< triangles that faced inward
     std::uint32_t cards = 0;               ///< flat pieces, taken for leaves
     std::uint32_t card_faces = 0;          ///< their triangles
     friend bool operator==(const MeshRepairs&, const MeshRepairs&) = default;  ///< member by member
@@ -29,10 +29,10 @@ void visit_figures(const MeshRepairs& r, Visitor&& visit) {
     visit("other_material", r.other_material);
     visit("welded", r.welded);
     visit("degenerate", r.degenerate);
-    visit("doubled", r.doubled);
+    visit("duplicates", r.duplicates);
     visit("open_edges", r.open_edges);
     visit("non_manifold_edges", r.non_manifold_edges);
-    visit("turned", r.turned);
+    visit("flipped", r.flipped);
     visit("cards", r.cards);
     visit("card_faces", r.card_faces);
 }

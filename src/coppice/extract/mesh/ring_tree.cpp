@@ -1,9 +1,10 @@
-#include "coppice/base/median.h"
-#include "coppice/base/round_cone.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "coppice/base/median.h"
+#include "coppice/base/round_cone.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -13,12 +14,12 @@ constexpr double kLeastRound = 1.8;  // in medians of its chain
 constexpr double kReach = 3;         // [radius] how far from the fork's ring a chain may start
 constexpr double kSame = 0.3;        // [radius] nodes nearer than this are one
 
-/// One chain from its base outward.
-struct Strand {
+/// The axis of one chain from its base outward.
+struct Branch {
     std::vector<std::uint32_t> rings;  // the kept ones, from the base outward; at least one
-    std::uint32_t owner = kNone;       // the strand that it leaves; kNone for one that begins at a source
-    double start = 0;                  // where on the owner's points: index + fraction
-    std::vector<Vec3d> points;         // the place of the start first, where there is an owner
+    std::uint32_t parent = kNone;      // the branch that it leaves; kNone for one that begins at a source
+    double start = 0;                  // where on the parent's points: index + fraction
+    std::vector<Vec3d> points;         // the place of the start first, where there is a parent
     std::vector<double> radii;
 
     std::uint32_t last() const { return static_cast<std::uint32_t>(points.size()) - 1; }
@@ -32,81 +33,69 @@ struct Strand {
     }
 };
 
-class Stringing {
-  public:
-    Stringing(const Surface& surface, const RingForest& forest)
-        : s_(surface), f_(forest), strand_(forest.rings.size()), place_(forest.rings.size()) {}
-    RingTree run();
-
-  private:
-    struct Window {  // of an owner's points
-        std::uint32_t begin, end;
-    };
-    void keep_rings(std::uint32_t c);
-    Window window(const Strand& owner, std::uint32_t ring) const;
-    void drop_rings_inside(Strand& s, const Strand& owner, Window w) const;
-    double meeting(const Strand& s, const Strand& owner, Window w, Vec3d tip) const;
-    void lay(std::uint32_t c);
-    void add_nodes(std::uint32_t c, RingTree& out);
-
-    const Surface& s_;
-    const RingForest& f_;
-    std::vector<Strand> strands_;
-    std::vector<std::uint32_t> strand_, place_;        // per ring: its strand, and its (or the next) point
-    std::vector<std::vector<std::uint32_t>> leaving_;  // per strand
-    std::vector<std::uint32_t> base_;                  // per strand: the node that it starts from
-    std::vector<std::vector<std::uint32_t>> node_;     // per strand and point
+/// The branches of a forest of rings, one per chain, and where the rings lie on them.
+struct Branches {
+    std::vector<Branch> of_chain;
+    std::vector<std::uint32_t> of_ring;  // its branch
+    std::vector<std::uint32_t>
+        point;  // per ring: its point there, or the next one outward where it is left out
 };
 
-void Stringing::keep_rings(std::uint32_t c) {
-    const RingChain& chain = f_.chains[c];
+/// The rings of a chain that are round, from the base outward; the outermost in any case.
+std::vector<std::uint32_t> round_rings(const RingForest& forest, const RingChain& chain) {
     std::vector<double> spreads;
-    for (std::uint32_t i = chain.first; i < chain.end; ++i) spreads.push_back(f_.rings[i].spread);
+    for (std::uint32_t i = chain.first; i < chain.end; ++i) spreads.push_back(forest.rings[i].spread);
     const double limit = std::max(kRound, kLeastRound * median_in_place(spreads));
+    std::vector<std::uint32_t> kept;
     for (std::uint32_t i = chain.end; i-- > chain.first;) {
-        strand_[i] = c;
-        if (f_.rings[i].spread <= limit || i == chain.first) strands_[c].rings.push_back(i);
+        if (forest.rings[i].spread <= limit || i == chain.first) kept.push_back(i);
     }
+    return kept;
 }
 
-/// The owner's segments within reach of the ring that the chain ran into.
-Stringing::Window Stringing::window(const Strand& o, std::uint32_t ring) const {
-    const Ring& r = f_.rings[ring];
-    Window w{std::min(place_[ring], o.last()), 0};
-    w.end = std::min(w.begin + 1, o.last() + 1);
-    while (w.begin > 0 && distance(o.points[w.begin], r.center) < kReach * r.radius) --w.begin;
-    while (w.end < o.points.size() && distance(o.points[w.end], r.center) < kReach * r.radius) ++w.end;
+struct Window {  // of a parent's points
+    std::uint32_t begin, end;
+};
+
+/// The points of a parent within reach of the ring that the chain ran into, which is its point `at`.
+Window window_about(const Branch& parent, const Ring& ring, std::uint32_t at) {
+    Window w{std::min(at, parent.last()), 0};
+    w.end = std::min(w.begin + 1, parent.last() + 1);
+    const auto near = [&](std::uint32_t k) {
+        return distance(parent.points[k], ring.center) < kReach * ring.radius;
+    };
+    while (w.begin > 0 && near(w.begin)) --w.begin;
+    while (w.end < parent.points.size() && near(w.end)) ++w.end;
     return w;
 }
 
-/// A lateral's rings within the owner's surface are cut by it, and no sections of the lateral.
-void Stringing::drop_rings_inside(Strand& s, const Strand& o, Window w) const {
+/// A lateral's rings within the parent's surface are cut by it, and no sections of the lateral.
+void drop_rings_inside(std::vector<std::uint32_t>& rings, const RingForest& forest, const Branch& parent,
+                       Window w) {
     const auto inside = [&](Vec3d p) {
         for (std::uint32_t k = w.begin; k < w.end; ++k) {
-            const std::uint32_t next = std::min(k + 1, o.last());
-            const RoundCone cone = round_cone(o.points[k], o.points[next], o.radii[k], o.radii[next]);
+            const std::uint32_t next = std::min(k + 1, parent.last());
+            const RoundCone cone =
+                round_cone(parent.points[k], parent.points[next], parent.radii[k], parent.radii[next]);
             if (cone.foot(p).signed_distance() < 0) return true;
         }
         return false;
     };
     std::size_t skip = 0;
-    while (skip + 1 < s.rings.size() && inside(f_.rings[s.rings[skip]].center)) ++skip;
-    s.rings.erase(s.rings.begin(), s.rings.begin() + static_cast<std::ptrdiff_t>(skip));
+    while (skip + 1 < rings.size() && inside(forest.rings[rings[skip]].center)) ++skip;
+    rings.erase(rings.begin(), rings.begin() + static_cast<std::ptrdiff_t>(skip));
 }
 
-/// Where the chain's first axis, led backward, comes nearest to the owner's.
-double Stringing::meeting(const Strand& s, const Strand& o, Window w, Vec3d tip) const {
+/// Where the axis through p, extended against `outward`, comes nearest to the parent's: index + fraction.
+double attachment_point(Vec3d p, Vec3d outward, const Branch& parent, Window w) {
     constexpr int kSteps = 8;
     constexpr double kNearer = 0.8;  // of two places equally far off the line the nearer one is right
-    const Vec3d p = f_.rings[s.rings[0]].center;
-    const Vec3d outward =
-        s.rings.size() > 1 ? f_.rings[s.rings[std::min<std::size_t>(2, s.rings.size() - 1)]].center : tip;
     const Vec3d dir = normalized(p - outward, {});
     double best = std::numeric_limits<double>::infinity(), where = w.begin;
     for (std::uint32_t k = w.begin; k < w.end; ++k) {
         for (int i = 0; i < kSteps; ++i) {
             const double t = k + static_cast<double>(i) / kSteps;
-            const Vec3d v = o.at(t) - p;
+            const Vec3d v = parent.at(t) - p;
             const double ahead = dot(v, dir);
             const double cost = length(v - dir * ahead) + kNearer * length(v) + std::max(0.0, -ahead);
             if (cost >= best) continue;
@@ -114,90 +103,108 @@ double Stringing::meeting(const Strand& s, const Strand& o, Window w, Vec3d tip)
             where = t;
         }
     }
-    return std::min<double>(where, o.last());
+    return std::min<double>(where, parent.last());
 }
 
-/// The points of a strand, after those of its owner.
-void Stringing::lay(std::uint32_t c) {
-    Strand& s = strands_[c];
-    const RingChain& chain = f_.chains[c];
-    keep_rings(c);
-    if (const std::uint32_t to = f_.rings[chain.end - 1].parent; to != kNone) {
-        s.owner = strand_[to];
-        const Strand& o = strands_[s.owner];
-        const Window w = window(o, to);
-        drop_rings_inside(s, o, w);
-        s.start = meeting(s, o, w, Vec3d(s_.positions[chain.tip]));
-        s.points.push_back(o.at(s.start));
-        s.radii.push_back(o.radius_at(s.start));
-    }
-    auto next = static_cast<std::uint32_t>(s.points.size());
+/// Attaches a lateral to the branch of ring `to`, into which its chain ran.
+void attach(Branch& branch, const RingForest& forest, const Branches& branches, std::uint32_t to, Vec3d tip) {
+    branch.parent = branches.of_ring[to];
+    const Branch& parent = branches.of_chain[branch.parent];
+    const Window w = window_about(parent, forest.rings[to], branches.point[to]);
+    drop_rings_inside(branch.rings, forest, parent, w);
+    const auto center = [&](std::size_t k) { return forest.rings[branch.rings[k]].center; };
+    const Vec3d outward =
+        branch.rings.size() > 1 ? center(std::min<std::size_t>(2, branch.rings.size() - 1)) : tip;
+    branch.start = attachment_point(center(0), outward, parent, w);
+    branch.points.push_back(parent.at(branch.start));
+    branch.radii.push_back(parent.radius_at(branch.start));
+}
+
+/// Makes the branch of a chain, after that of its parent.
+void add_branch(Branches& branches, const Surface& surface, const RingForest& forest, std::uint32_t c) {
+    const RingChain& chain = forest.chains[c];
+    const Vec3d tip(surface.positions[chain.tip]);
+    Branch branch{round_rings(forest, chain)};
+    if (const std::uint32_t to = forest.rings[chain.end - 1].parent; to != kNone)
+        attach(branch, forest, branches, to, tip);
+    auto next = static_cast<std::uint32_t>(branch.points.size());
     std::size_t kept = 0;
     for (std::uint32_t i = chain.end; i-- > chain.first;) {
-        place_[i] = next;
-        if (kept == s.rings.size() || s.rings[kept] != i) continue;
-        s.points.push_back(f_.rings[i].center);
-        s.radii.push_back(f_.rings[i].radius);
-        if (++kept < s.rings.size()) ++next;
+        branches.of_ring[i] = c;
+        branches.point[i] = next;
+        if (kept == branch.rings.size() || branch.rings[kept] != i) continue;
+        branch.points.push_back(forest.rings[i].center);
+        branch.radii.push_back(forest.rings[i].radius);
+        if (++kept < branch.rings.size()) ++next;
     }
-    if (s.points.size() > 1) return;
-    // A lone ring has no axis: the tip gives it one.
-    s.points.push_back(lerp(s.points[0], Vec3d(s_.positions[chain.tip]), 0.5));
-    s.radii.push_back(s.radii[0]);
+    if (branch.points.size() == 1) {  // a lone ring has no axis: the tip gives it one
+        branch.points.push_back(lerp(branch.points[0], tip, 0.5));
+        branch.radii.push_back(branch.radii[0]);
+    }
+    branches.of_chain.push_back(std::move(branch));
 }
 
-/// The nodes of a strand, those where others start among them.
-void Stringing::add_nodes(std::uint32_t c, RingTree& out) {
-    const Strand& s = strands_[c];
-    auto& list = leaving_[c];
-    std::sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
-        const double x = strands_[a].start, y = strands_[b].start;
-        return x != y ? x < y : a < b;
-    });
-    DraftTree& tree = out.tree;
+/// The laterals of every branch, in order of where they start.
+std::vector<std::vector<std::uint32_t>> laterals_of(std::span<const Branch> branches) {
+    std::vector<std::vector<std::uint32_t>> laterals(branches.size());
+    for (std::uint32_t c = 0; c < branches.size(); ++c)
+        if (branches[c].parent != kNone) laterals[branches[c].parent].push_back(c);
+    for (auto& list : laterals) {
+        std::sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
+            const double x = branches[a].start, y = branches[b].start;
+            return x != y ? x < y : a < b;
+        });
+    }
+    return laterals;
+}
+
+/// Adds the nodes of a branch, those where laterals start among them, and tells these in `first_node`.
+/// Returns the node of every point.
+std::vector<std::uint32_t> add_nodes(DraftTree& tree, std::span<Branch> branches, std::uint32_t c,
+                                     std::span<const std::uint32_t> laterals,
+                                     std::span<std::uint32_t> first_node) {
+    const Branch& branch = branches[c];
+    std::vector<std::uint32_t> node;
     std::uint32_t last = kNone;
     std::size_t l = 0;
-    for (std::uint32_t k = 0; k <= s.last(); ++k) {
-        last = k == 0 && base_[c] != kNone ? base_[c] : tree.add(last, s.points[k], s.radii[k]);
-        node_[c].push_back(last);
-        for (; l < list.size() && (k == s.last() || strands_[list[l]].start < k + 1); ++l) {
-            const double t = std::min<double>(strands_[list[l]].start, s.last());
-            const double same = kSame * s.radius_at(t);
-            if (k < s.last() && distance(s.at(t), s.points[k + 1]) < same) {
-                strands_[list[l]].start = k + 1;
+    for (std::uint32_t k = 0; k <= branch.last(); ++k) {
+        last = k == 0 && first_node[c] != kNone ? first_node[c]
+                                                : tree.add(last, branch.points[k], branch.radii[k]);
+        node.push_back(last);
+        for (; l < laterals.size() && (k == branch.last() || branches[laterals[l]].start < k + 1); ++l) {
+            double& start = branches[laterals[l]].start;
+            const double t = std::min<double>(start, branch.last());
+            const double same = kSame * branch.radius_at(t);
+            if (k < branch.last() && distance(branch.at(t), branch.points[k + 1]) < same) {
+                start = k + 1;
                 break;
             }
-            if (distance(s.at(t), tree.position[last]) >= same)
-                last = tree.add(last, s.at(t), s.radius_at(t));
-            base_[list[l]] = last;
+            if (distance(branch.at(t), tree.position[last]) >= same)
+                last = tree.add(last, branch.at(t), branch.radius_at(t));
+            first_node[laterals[l]] = last;
         }
     }
-}
-
-RingTree Stringing::run() {
-    RingTree out;
-    const std::size_t n = f_.chains.size();
-    strands_.resize(n);
-    leaving_.resize(n);
-    node_.resize(n);
-    base_.assign(n, kNone);
-    for (std::uint32_t c = 0; c < n; ++c) {
-        lay(c);
-        if (strands_[c].owner != kNone) leaving_[strands_[c].owner].push_back(c);
-    }
-    for (std::uint32_t c = 0; c < n; ++c) add_nodes(c, out);
-    for (std::size_t r = 0; r < f_.rings.size(); ++r)
-        out.node_of_ring.push_back(node_[strand_[r]][place_[r]]);
-    for (const RingChain& chain : f_.chains)
-        if (chain.touched != kNone)
-            out.loops.push_back({out.node_of_ring[chain.first], out.node_of_ring[chain.touched]});
-    return out;
+    return node;
 }
 
 }  // namespace
 
-RingTree string_rings(const Surface& surface, const RingForest& forest) {
-    return Stringing(surface, forest).run();
+RingTree connect_rings(const Surface& surface, const RingForest& forest) {
+    const std::size_t chains = forest.chains.size(), rings = forest.rings.size();
+    Branches branches{{}, std::vector<std::uint32_t>(rings), std::vector<std::uint32_t>(rings)};
+    for (std::uint32_t c = 0; c < chains; ++c) add_branch(branches, surface, forest, c);
+    const auto laterals = laterals_of(branches.of_chain);
+    RingTree out;
+    std::vector<std::uint32_t> first_node(chains, kNone);
+    std::vector<std::vector<std::uint32_t>> node(chains);
+    for (std::uint32_t c = 0; c < chains; ++c)
+        node[c] = add_nodes(out.tree, branches.of_chain, c, laterals[c], first_node);
+    for (std::size_t r = 0; r < rings; ++r)
+        out.node_of_ring.push_back(node[branches.of_ring[r]][branches.point[r]]);
+    for (const RingChain& chain : forest.chains)
+        if (chain.touched != kNone)
+            out.loops.push_back({out.node_of_ring[chain.first], out.node_of_ring[chain.touched]});
+    return out;
 }
 
 }  // namespace coppice::extract_internal

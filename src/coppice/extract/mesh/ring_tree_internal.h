@@ -14,8 +14,8 @@ struct RingTree {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> loops;  ///< tips, and the nodes that they touch
 };
 
-/// Strings the rings together: those that a fork has spoilt are left out, and each chain begins on the axis
+/// Connects the rings to axes: those that a fork has spoilt are left out, and each chain begins on the axis
 /// of the one it leaves, where its own axis meets that. O(rings), for a bounded number of chains per ring.
-RingTree string_rings(const Surface& surface, const RingForest& forest);
+RingTree connect_rings(const Surface& surface, const RingForest& forest);
 
 }  // namespace coppice::extract_internal

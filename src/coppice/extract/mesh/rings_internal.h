@@ -32,9 +32,9 @@ struct RingForest {
 };
 
 /// Follows the surface from every farthest place towards the source, and takes rings on the way, 0.4
-/// radii apart, until another chain has the same ring: the fork. What lies between a ring and the one above
-/// it is its band. On a closed surface without handles the chains are the branches; a handle gives a chain
-/// that ends at both sides, with `touched` set.
+/// radii apart, until another chain has the same ring: the fork. What lies between a ring and the
+/// next one tipward is its band. On a closed surface without handles the chains are the branches; a handle
+/// gives a chain that ends at both sides, with `touched` set.
 ///
 /// `distance` is from `march_distances`; vertices where it is infinite are left out. `from_border` tells for
 /// each component whether its distances start at an open end: elsewhere the rings within 1.5 radii of the

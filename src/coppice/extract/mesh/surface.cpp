@@ -118,7 +118,7 @@ SurfaceFindings connect(Surface& surface) {
 }
 
 std::uint32_t orient(Surface& s) {
-    std::uint32_t turned = 0;
+    std::uint32_t flipped = 0;
     std::vector<char> seen(s.triangles.size(), 0);
     std::vector<std::uint32_t> piece;
     for (std::uint32_t seed = 0; seed < s.triangles.size(); ++seed) {
@@ -137,7 +137,7 @@ std::uint32_t orient(Surface& s) {
                 ++flips;
             }
         }
-        // About a point on the piece, so that an open tube's sign is that of its mantle.
+        // About a point on the piece, so that an open tube's sign is that of its lateral surface.
         const Vec3d origin(s.positions[s.triangles[seed][0]]);
         double volume = 0;
         for (const std::uint32_t t : piece)
@@ -146,10 +146,10 @@ std::uint32_t orient(Surface& s) {
             for (const std::uint32_t t : piece) flip(s, t);
             flips = static_cast<std::uint32_t>(piece.size()) - flips;
         }
-        turned += flips;
+        flipped += flips;
     }
-    if (turned > 0) list_outgoing(s);
-    return turned;
+    if (flipped > 0) list_outgoing(s);
+    return flipped;
 }
 
 std::vector<std::vector<std::uint32_t>> border_loops(const Surface& s) {

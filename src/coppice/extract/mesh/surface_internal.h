@@ -42,7 +42,8 @@ struct SurfaceFindings {
 /// Fills twin, out and component from positions and triangles. O(n log n).
 SurfaceFindings connect(Surface& surface);
 
-/// Turns triangles so that neighbours agree, and each closed piece outward. Returns the number turned. O(n).
+/// Flips triangles so that neighbours agree, and each closed piece faces outward. Returns the number flipped.
+/// O(n).
 std::uint32_t orient(Surface& surface);
 
 /// The borders of a surface: for each the vertices along it, in order as far as it is one curve. O(n).

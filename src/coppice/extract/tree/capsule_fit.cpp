@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <span>
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/round_cone.h"
@@ -12,6 +12,9 @@
 namespace coppice {
 namespace {
 
+using extract_internal::poll_stop;
+using extract_internal::stoppable_for;
+
 constexpr std::uint32_t kNone = DraftTree::kNoParent;
 constexpr std::size_t kGrain = 4096;
 constexpr double kMostChange = 3;  // of a radius in one fit, up or down
@@ -19,88 +22,80 @@ constexpr double kMostChange = 3;  // of a radius in one fit, up or down
 using Vec4 = std::array<double, 4>;
 using Mat4 = std::array<Vec4, 4>;
 
-/// Where a sample lies against the segment that ends at a node.
-class Fit {
-  public:
-    Fit(DraftTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx)
-        : t_(tree), s_(samples), options_(options), ctx_(ctx), links_(tree), first_radius_(tree.radius) {}
+/// The surface that is fitted, and what to.
+struct Model {
+    const DraftTree& tree;
+    const DraftLinks& links;
+    std::span<const Vec3> positions, normals;
 
-    void run();
+    /// Where sample i lies against the segment that ends at node n.
     RoundCone::Foot foot(std::uint32_t n, std::size_t i) const {
-        return surface_cone(t_, links_, n).foot(Vec3d(s_.positions[i]));
+        return surface_cone(tree, links, n).foot(Vec3d(positions[i]));
     }
-    void assign();
-
-  private:
-    struct Block {  // normal equations of one segment: parent, child and between
-        Mat4 pp{}, pc{}, cc{};
-        Vec4 gp{}, gc{};
-        double weight = 0;
-    };
-    double score(std::uint32_t n, std::size_t i) const;
-    Block block(std::uint32_t n) const;
-    void solve(const std::vector<Block>& blocks);
-
-    DraftTree& t_;
-    FitSamples& s_;
-    const FitOptions& options_;
-    const Context& ctx_;
-    DraftLinks links_;
-    CompressedRows<std::uint32_t> samples_of_;  // each node
-    std::vector<double> first_radius_;
 };
 
 /// The depth in the segment; segments whose surface faces the other way count as far.
-double Fit::score(std::uint32_t n, std::size_t i) const {
-    const RoundCone::Foot f = foot(n, i);
-    double score = f.signed_distance();
-    if (!s_.normals.empty()) {
-        const double facing = dot(normalized(f.offset, {}), Vec3d(s_.normals[i]));
-        score += std::max(0.0, 0.3 - facing) * f.radius;
+double score(const Model& model, std::uint32_t n, std::size_t i) {
+    const RoundCone::Foot f = model.foot(n, i);
+    double depth = f.signed_distance();
+    if (!model.normals.empty()) {
+        const double facing = dot(normalized(f.offset, {}), Vec3d(model.normals[i]));
+        depth += std::max(0.0, 0.3 - facing) * f.radius;
     }
-    return score;
+    return depth;
 }
 
-void Fit::assign() {
+/// The segment in whose surface sample i is deepest, sought from `n` on among neighbours.
+std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i) {
     constexpr int kMostSteps = 64;
-    extract_internal::stoppable_for(ctx_, s_.positions.size(), kGrain, [&](std::size_t i) {
-        std::uint32_t n = s_.node[i];
-        if (n == kNone) return;
-        double best = score(n, i);
-        for (int step = 0; step < kMostSteps; ++step) {
-            const std::uint32_t here = n;
-            const auto look = [&](std::uint32_t m) {
-                const double v = score(m, i);
-                if (v < best) {
-                    best = v;
-                    n = m;
-                }
-            };
-            for (const std::uint32_t c : links_.children(here)) look(c);
-            if (const std::uint32_t q = t_.parent[here]; q != kNone) {
-                look(q);
-                for (const std::uint32_t c : links_.children(q))
-                    if (c != here) look(c);
+    double best = score(model, n, i);
+    for (int step = 0; step < kMostSteps; ++step) {
+        const std::uint32_t here = n;
+        const auto look = [&](std::uint32_t m) {
+            const double v = score(model, m, i);
+            if (v < best) {
+                best = v;
+                n = m;
             }
-            if (n == here) break;
+        };
+        for (const std::uint32_t c : model.links.children(here)) look(c);
+        if (const std::uint32_t q = model.tree.parent[here]; q != kNone) {
+            look(q);
+            for (const std::uint32_t c : model.links.children(q))
+                if (c != here) look(c);
         }
-        s_.node[i] = n;
+        if (n == here) break;
+    }
+    return n;
+}
+
+void assign_samples(const Model& model, std::span<std::uint32_t> node, const Context& ctx) {
+    stoppable_for(ctx, node.size(), kGrain, [&](std::size_t i) {
+        if (node[i] != kNone) node[i] = deepest_segment(model, node[i], i);
     });
 }
 
-Fit::Block Fit::block(std::uint32_t n) const {
+/// The normal equations of one segment: of its parent, its child, and between.
+struct Block {
+    Mat4 pp{}, pc{}, cc{};
+    Vec4 gp{}, gc{};
+    double weight = 0;
+};
+
+Block normal_equations(const Model& model, std::uint32_t n, std::span<const std::uint32_t> samples,
+                       double robust) {
     Block out;
-    const std::uint32_t q = t_.parent[n];
-    const bool tapers = q != kNone && links_.leader(q) == n;
-    for (const std::uint32_t i : samples_of_[n]) {
-        const RoundCone::Foot f = foot(n, i);
+    const std::uint32_t q = model.tree.parent[n];
+    const bool tapers = q != kNone && model.links.leader(q) == n;
+    for (const std::uint32_t i : samples) {
+        const RoundCone::Foot f = model.foot(n, i);
         if (!(f.distance() > 0)) continue;
         const Vec3d d = normalized(f.offset, {});
-        const double r = f.signed_distance(), x = r / f.radius / options_.robust;
+        const double r = f.signed_distance(), x = r / f.radius / robust;
         double w = 1 / (1 + x * x);
         w *= w;
-        if (!s_.normals.empty() && length_squared(s_.normals[i]) > 0) {
-            const double facing = std::max(0.0, dot(d, Vec3d(s_.normals[i])));
+        if (!model.normals.empty() && length_squared(model.normals[i]) > 0) {
+            const double facing = std::max(0.0, dot(d, Vec3d(model.normals[i])));
             w *= facing * facing;
         }
         w /= f.radius * f.radius;
@@ -145,19 +140,24 @@ void solve_spd(Mat4 a, std::array<Vec4, N>& columns) {
     }
 }
 
-/// Eliminates the nodes from the tips to the root, and moves them on the way back.
-void Fit::solve(const std::vector<Block>& blocks) {
-    const std::uint32_t n_nodes = t_.size();
-    std::vector<Mat4> diagonal(n_nodes), across(n_nodes);  // across: rows of the parent, columns of the child
-    std::vector<Vec4> right(n_nodes);
+/// Symmetric, with a block of four unknowns for every node and one for every edge: position and radius.
+struct TreeSystem {
+    std::vector<Mat4> diagonal, across;  // across: rows of the parent, columns of the child
+    std::vector<Vec4> right;
+};
+
+TreeSystem assemble(const DraftTree& tree, std::span<const Block> blocks, double stiffness) {
+    const std::uint32_t size = tree.size();
+    TreeSystem system{std::vector<Mat4>(size), std::vector<Mat4>(size), std::vector<Vec4>(size)};
+    auto& [diagonal, across, right] = system;
     double mean = 0;
-    for (std::uint32_t n = 0; n < n_nodes; ++n) mean += blocks[n].weight * t_.radius[n] * t_.radius[n];
-    mean /= n_nodes;
-    for (std::uint32_t n = 0; n < n_nodes; ++n) {
+    for (std::uint32_t n = 0; n < size; ++n) mean += blocks[n].weight * tree.radius[n] * tree.radius[n];
+    mean /= std::max(size, 1u);
+    for (std::uint32_t n = 0; n < size; ++n) {
         const Block& b = blocks[n];
-        const double unit = std::max(mean, 1.0) / (t_.radius[n] * t_.radius[n]);
-        const double spring = options_.stiffness * unit, hold = 1e-4 * unit;
-        const std::uint32_t q = t_.parent[n];
+        const double unit = std::max(mean, 1.0) / (tree.radius[n] * tree.radius[n]);
+        const double spring = stiffness * unit, hold = 1e-4 * unit;
+        const std::uint32_t q = tree.parent[n];
         for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
                 diagonal[n][i][j] += b.cc[i][j];
@@ -172,9 +172,15 @@ void Fit::solve(const std::vector<Block>& blocks) {
             right[q][i] += b.gp[i];
         }
     }
-    for (std::uint32_t n = n_nodes; n-- > 0;) {
-        extract_internal::poll_stop(ctx_, n);
-        const std::uint32_t q = t_.parent[n];
+    return system;
+}
+
+/// Eliminates the nodes from the tips to the root, and solves for them on the way back.
+std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context& ctx) {
+    auto& [diagonal, across, right] = system;
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        poll_stop(ctx, n);
+        const std::uint32_t q = tree.parent[n];
         if (q == kNone) continue;
         // Columns of diagonal^-1 across^T, and diagonal^-1 right.
         std::array<Vec4, 5> x;
@@ -189,57 +195,62 @@ void Fit::solve(const std::vector<Block>& blocks) {
             }
         }
     }
-    std::vector<Vec4> step(n_nodes);
-    for (std::uint32_t n = 0; n < n_nodes; ++n) {
+    std::vector<Vec4> step(tree.size());
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
         std::array<Vec4, 1> x{right[n]};
-        const std::uint32_t q = t_.parent[n];
+        const std::uint32_t q = tree.parent[n];
         if (q != kNone)
             for (int i = 0; i < 4; ++i)
                 for (int k = 0; k < 4; ++k) x[0][i] -= across[n][k][i] * step[q][k];
         solve_spd(diagonal[n], x);
         step[n] = x[0];
     }
-    for (std::uint32_t n = 0; n < n_nodes; ++n) {
-        const Vec3d move(step[n][0], step[n][1], step[n][2]);
-        const double most = options_.move * t_.radius[n], l = length(move);
-        if (!std::isfinite(l) || !std::isfinite(step[n][3])) continue;
-        t_.position[n] += l > most ? move * (most / l) : move;
-        // A few samples on a plane would call for any radius.
-        t_.radius[n] = std::clamp(t_.radius[n] + step[n][3], first_radius_[n] / kMostChange,
-                                  first_radius_[n] * kMostChange);
-    }
+    return step;
 }
 
-void Fit::run() {
-    std::vector<Block> blocks(t_.size());
-    for (int k = 0; k < options_.iterations; ++k) {
-        links_.update_leaders(t_);
-        assign();
-        samples_of_ = group_by(s_.node, t_.size());
-        extract_internal::stoppable_for(
-            ctx_, t_.size(), 64, [&](std::size_t n) { blocks[n] = block(static_cast<std::uint32_t>(n)); });
-        solve(blocks);
-        ctx_.report(static_cast<float>(k + 1) / static_cast<float>(options_.iterations));
+/// Moves the nodes, each by at most `most` of its radii. A few samples on a plane would call for any radius:
+/// those stay within a range of what they were at first.
+void move_nodes(DraftTree& tree, std::span<const Vec4> step, std::span<const double> first_radius,
+                double most) {
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const Vec3d move(step[n][0], step[n][1], step[n][2]);
+        const double farthest = most * tree.radius[n], l = length(move);
+        if (!std::isfinite(l) || !std::isfinite(step[n][3])) continue;
+        tree.position[n] += l > farthest ? move * (farthest / l) : move;
+        tree.radius[n] = std::clamp(tree.radius[n] + step[n][3], first_radius[n] / kMostChange,
+                                    first_radius[n] * kMostChange);
     }
-    links_.update_leaders(t_);
-    assign();
 }
 
 }  // namespace
 
 void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx) {
-    Fit(tree, samples, options, ctx).run();
+    DraftLinks links(tree);
+    const Model model{tree, links, samples.positions, samples.normals};
+    const std::vector<double> first_radius = tree.radius;
+    std::vector<Block> blocks(tree.size());
+    for (int k = 0; k < options.iterations; ++k) {
+        assign_samples(model, samples.node, ctx);
+        const auto samples_of = group_by(samples.node, tree.size());
+        stoppable_for(ctx, tree.size(), 64, [&](std::size_t i) {
+            const auto n = static_cast<std::uint32_t>(i);
+            blocks[n] = normal_equations(model, n, samples_of[n], options.robust);
+        });
+        const auto step = solve(tree, assemble(tree, blocks, options.stiffness), ctx);
+        move_nodes(tree, step, first_radius, options.move);
+        links.update_leaders(tree);
+        ctx.report(static_cast<float>(k + 1) / static_cast<float>(options.iterations));
+    }
+    assign_samples(model, samples.node, ctx);
 }
 
 std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& samples, const Context& ctx) {
     std::vector<float> out(samples.positions.size(), 0);
-    DraftTree copy = tree;
-    FitSamples same = samples;
-    const FitOptions options;
-    const Fit fit(copy, same, options, ctx);
-    extract_internal::stoppable_for(ctx, out.size(), kGrain, [&](std::size_t i) {
+    const DraftLinks links(tree);
+    const Model model{tree, links, samples.positions, samples.normals};
+    stoppable_for(ctx, out.size(), kGrain, [&](std::size_t i) {
         if (samples.node[i] != kNone)
-            out[i] = static_cast<float>(fit.foot(samples.node[i], i).signed_distance());
+            out[i] = static_cast<float>(model.foot(samples.node[i], i).signed_distance());
     });
     return out;
 }

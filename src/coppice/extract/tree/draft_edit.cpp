@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::uint32_t kNone = DraftTree::kNoParent;
 
-/// The node below the edge that is thinnest on the way between two nodes of one tree: kNone when every edge
-/// is thicker than `limit`, or when the nodes belong to different trees.
+/// The tipward node of the edge that is thinnest on the way between two nodes of one tree: kNone when every
+/// edge is thicker than `limit`, or when the nodes belong to different trees.
 std::uint32_t thinnest_edge(const DraftTree& t, std::uint32_t a, std::uint32_t b, double limit) {
     std::vector<std::uint32_t> up_a{a}, up_b{b};
     while (t.parent[up_a.back()] != kNone) up_a.push_back(t.parent[up_a.back()]);
@@ -37,9 +37,9 @@ std::uint32_t thinnest_edge(const DraftTree& t, std::uint32_t a, std::uint32_t b
     return best;
 }
 
-bool is_above(const DraftTree& t, std::uint32_t above, std::uint32_t n) {
-    while (n != kNone && n != above) n = t.parent[n];
-    return n == above;
+bool is_ancestor(const DraftTree& t, std::uint32_t ancestor, std::uint32_t n) {
+    while (n != kNone && n != ancestor) n = t.parent[n];
+    return n == ancestor;
 }
 
 /// Nodes with at most one neighbour.
@@ -50,7 +50,7 @@ std::vector<std::uint32_t> ends_of(const DraftTree& t, const DraftLinks& links) 
     return ends;
 }
 
-std::vector<std::uint32_t> tree_of(const DraftTree& t) {
+std::vector<std::uint32_t> root_of_each(const DraftTree& t) {
     std::vector<std::uint32_t> root(t.size());
     for (std::uint32_t n = 0; n < t.size(); ++n) root[n] = t.parent[n] == kNone ? n : root[t.parent[n]];
     return root;
@@ -70,8 +70,8 @@ std::uint32_t inner_node(const DraftTree& t, const DraftLinks& links, std::uint3
     return n;
 }
 
-/// Where the end of one tree may hang on a segment of another.
-struct Joint {
+/// Where the end of one tree may be attached to a segment of another.
+struct Attachment {
     double cost;  // distance in radii of the segment
     std::uint32_t end, segment;
     double t;
@@ -79,8 +79,8 @@ struct Joint {
 
 /// For every end the segment of another tree whose axis is nearest in radii, nearest pairs first. They must
 /// overlap: the axis of one lies within `reach` radii of the other.
-std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint32_t> root, double reach,
-                               const Context& ctx) {
+std::vector<Attachment> find_attachments(const DraftTree& tree, std::span<const std::uint32_t> root,
+                                         double reach, const Context& ctx) {
     constexpr double kThicker = 1.3;      // a branch rather starts on a thicker one, or one not much thinner
     constexpr double kMuchThicker = 2.5;  // and no trunk on a twig
     std::vector<std::uint32_t> lower;
@@ -92,12 +92,12 @@ std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint3
         lower.push_back(n);
         boxes.push_back(capsule_box(Vec3(tree.position[n]), Vec3(tree.position[q]), static_cast<float>(r)));
     }
-    std::vector<Joint> joints;
-    if (boxes.empty() || reach <= 0) return joints;
+    std::vector<Attachment> attachments;
+    if (boxes.empty() || reach <= 0) return attachments;
     const BoxTree index(boxes, ctx);
     for (const std::uint32_t e : ends_of(tree, DraftLinks(tree))) {
         const double r = tree.radius[e];
-        Joint best{std::numeric_limits<double>::infinity(), e, kNone, 0};
+        Attachment best{std::numeric_limits<double>::infinity(), e, kNone, 0};
         Box3 at;
         for (const double way : {-reach * r, reach * r})
             at.extend(Vec3(tree.position[e] + Vec3d(way, way, way)));
@@ -110,41 +110,57 @@ std::vector<Joint> find_joints(const DraftTree& tree, std::span<const std::uint3
             const double cost = d / f.radius + std::max(0.0, r / f.radius - kThicker);
             if (cost < best.cost || (cost == best.cost && n < best.segment)) best = {cost, e, n, f.t};
         });
-        if (best.segment != kNone) joints.push_back(best);
+        if (best.segment != kNone) attachments.push_back(best);
     }
-    std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
+    std::sort(attachments.begin(), attachments.end(), [](const Attachment& a, const Attachment& b) {
         return a.cost != b.cost ? a.cost < b.cost : a.end < b.end;
     });
-    return joints;
+    return attachments;
 }
 
-/// Takes away joints between trees that are joined already.
-void keep_a_forest(std::vector<Joint>& joints, std::span<const std::uint32_t> root) {
+/// Takes away attachments between trees that are connected already.
+void drop_cycles(std::vector<Attachment>& attachments, std::span<const std::uint32_t> root) {
     DisjointSets trees(root.size());
-    std::erase_if(joints, [&](const Joint& j) { return !trees.join(root[j.end], root[j.segment]); });
+    std::erase_if(attachments,
+                  [&](const Attachment& j) { return !trees.join(root[j.end], root[j.segment]); });
 }
 
-/// Adds a node for every joint on its segment; sorts the joints along segments and returns their nodes.
-std::vector<std::uint32_t> add_places(DraftTree& tree, std::vector<Joint>& joints) {
-    std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
+/// Adds a node for every attachment on its segment; sorts the attachments along segments and returns their
+/// nodes.
+std::vector<std::uint32_t> add_attachment_nodes(DraftTree& tree, std::vector<Attachment>& attachments) {
+    std::sort(attachments.begin(), attachments.end(), [](const Attachment& a, const Attachment& b) {
         return a.segment != b.segment ? a.segment < b.segment : a.t != b.t ? a.t > b.t : a.end < b.end;
     });
     std::vector<std::uint32_t> place;
-    for (std::size_t i = 0; i < joints.size();) {
-        const std::uint32_t n = joints[i].segment, q = tree.parent[n];
+    for (std::size_t i = 0; i < attachments.size();) {
+        const std::uint32_t n = attachments[i].segment, q = tree.parent[n];
         const Vec3d a = tree.position[q], d = tree.position[n] - a;
         const double ra = tree.radius[q], dr = tree.radius[n] - ra;
-        std::uint32_t below = n;
-        for (; i < joints.size() && joints[i].segment == n; ++i) {
-            const std::uint32_t x = tree.add(q, a + d * joints[i].t, ra + dr * joints[i].t);
-            tree.parent[below] = x;
-            place.push_back(below = x);
+        std::uint32_t child = n;
+        for (; i < attachments.size() && attachments[i].segment == n; ++i) {
+            const std::uint32_t x = tree.add(q, a + d * attachments[i].t, ra + dr * attachments[i].t);
+            tree.parent[child] = x;
+            place.push_back(child = x);
         }
     }
     return place;
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> axis_children(const DraftTree& tree) {
+    std::vector<std::uint32_t> child(tree.size(), kNone);
+    std::vector<double> longest(tree.size(), 0);
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        const std::uint32_t parent = tree.parent[n];
+        if (parent == kNone) continue;
+        const double way = longest[n] + distance(tree.position[n], tree.position[parent]);
+        if (child[parent] != kNone && way < longest[parent]) continue;
+        longest[parent] = way;
+        child[parent] = n;
+    }
+    return child;
+}
 
 std::vector<std::uint32_t> cut_loops(DraftTree& tree,
                                      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& loops,
@@ -156,12 +172,12 @@ std::vector<std::uint32_t> cut_loops(DraftTree& tree,
             if (keep) tree.add(tip, tree.position[touched], tree.radius[tip]);
             continue;
         }
-        // The part below the cut hangs by the joint now.
-        const bool below = is_above(tree, cut, tip);
-        const std::uint32_t inner = below ? tip : touched, outer = below ? touched : tip;
+        // The part tipward of the cut is attached where the loop was open.
+        const bool tipward = is_ancestor(tree, cut, tip);
+        const std::uint32_t inner = tipward ? tip : touched, outer = tipward ? touched : tip;
         const std::uint32_t from = tree.parent[cut];
         tree.parent[cut] = kNone;
-        root_at(tree, inner);
+        reroot(tree, inner);
         tree.parent[inner] = outer;
         if (keep) tree.add(cut, tree.position[from], tree.radius[cut]);
     }
@@ -202,7 +218,7 @@ std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least) {
     return count;
 }
 
-std::uint32_t unfold(DraftTree& tree, FitSamples& samples) {
+std::uint32_t remove_reversals(DraftTree& tree, FitSamples& samples) {
     constexpr double kBack = -0.2;  // cosine between the segments
     const DraftLinks links(tree);
     std::vector<char> gone(tree.size(), 0);
@@ -210,16 +226,16 @@ std::uint32_t unfold(DraftTree& tree, FitSamples& samples) {
     std::iota(stands_for.begin(), stands_for.end(), 0u);
     std::uint32_t count = 0;
     for (std::uint32_t n = tree.size(); n-- > 0;) {
-        const std::uint32_t above = tree.parent[n];
-        if (above == kNone || links.children(n).size() != 1) continue;
-        std::uint32_t below = links.children(n)[0];
-        while (gone[below]) below = links.children(below)[0];
-        const Vec3d in = normalized(tree.position[n] - tree.position[above], {});
-        const Vec3d out = normalized(tree.position[below] - tree.position[n], {});
+        const std::uint32_t parent = tree.parent[n];
+        if (parent == kNone || links.children(n).size() != 1) continue;
+        std::uint32_t child = links.children(n)[0];
+        while (gone[child]) child = links.children(child)[0];
+        const Vec3d in = normalized(tree.position[n] - tree.position[parent], {});
+        const Vec3d out = normalized(tree.position[child] - tree.position[n], {});
         if (!(dot(in, out) < kBack)) continue;
         gone[n] = 1;
-        stands_for[n] = below;
-        tree.parent[below] = above;
+        stands_for[n] = child;
+        tree.parent[child] = parent;
         ++count;
     }
     const auto new_of_old = sort_parents_first(tree, gone);
@@ -311,20 +327,20 @@ std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {
 }
 
 std::uint32_t join_trees(DraftTree& tree, double reach, const Context& ctx) {
-    const std::vector<std::uint32_t> root = tree_of(tree);
-    std::vector<Joint> joints = find_joints(tree, root, reach, ctx);
-    keep_a_forest(joints, root);
-    const std::vector<std::uint32_t> place = add_places(tree, joints);
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-        root_at(tree, joints[i].end);
-        tree.parent[joints[i].end] = place[i];
+    const std::vector<std::uint32_t> root = root_of_each(tree);
+    std::vector<Attachment> attachments = find_attachments(tree, root, reach, ctx);
+    drop_cycles(attachments, root);
+    const std::vector<std::uint32_t> place = add_attachment_nodes(tree, attachments);
+    for (std::size_t i = 0; i < attachments.size(); ++i) {
+        reroot(tree, attachments[i].end);
+        tree.parent[attachments[i].end] = place[i];
     }
-    return static_cast<std::uint32_t>(joints.size());
+    return static_cast<std::uint32_t>(attachments.size());
 }
 
 void choose_roots(DraftTree& tree, int up, std::optional<Vec3d> wanted) {
     const DraftLinks links(tree);
-    const std::vector<std::uint32_t> root = tree_of(tree);
+    const std::vector<std::uint32_t> root = root_of_each(tree);
     const std::vector<std::uint32_t> ends = ends_of(tree, links);
     std::vector<std::uint32_t> chosen(tree.size(), kNone);
     for (const std::uint32_t e : ends) {
@@ -339,7 +355,7 @@ void choose_roots(DraftTree& tree, int up, std::optional<Vec3d> wanted) {
         if (nearest != ends.end()) chosen[root[*nearest]] = *nearest;
     }
     for (const std::uint32_t e : chosen)
-        if (e != kNone) root_at(tree, e);
+        if (e != kNone) reroot(tree, e);
 }
 
 std::vector<NodeConfidence> rate_nodes(const DraftTree& tree, const FitSamples& samples, float& residual,

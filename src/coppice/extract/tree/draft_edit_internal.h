@@ -11,6 +11,10 @@
 
 namespace coppice::extract_internal {
 
+/// For every node the child that continues its axis, the one with the longest way to a tip, or kNoParent. Of
+/// equal ones the first. O(nodes).
+std::vector<std::uint32_t> axis_children(const DraftTree& tree);
+
 /// Closes each way round from a tip to the node it touches, and cuts it where it is thinnest. With `keep` the
 /// cut end is led on to the node it was cut from, so that nothing of the axis is missing. Sorts the tree;
 /// returns the new index of every old node.
@@ -23,8 +27,8 @@ std::vector<std::uint32_t> cut_loops(DraftTree& tree,
 std::uint32_t prune_stubs(DraftTree& tree, FitSamples& samples, double least);
 
 /// Takes away nodes at which a branch turns back on itself: forks that have slid past them. Their samples go
-/// to the node below. Returns their number. O(nodes).
-std::uint32_t unfold(DraftTree& tree, FitSamples& samples);
+/// to the next node tipward. Returns their number. O(nodes).
+std::uint32_t remove_reversals(DraftTree& tree, FitSamples& samples);
 
 /// Makes one of a fork and the next fork rootward of it where they are nearer than `factor` times the larger
 /// radius: the thicker one stays in place and has the children of both, and the samples of what lies between.

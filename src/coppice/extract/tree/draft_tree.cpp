@@ -28,11 +28,11 @@ RoundCone surface_cone(const DraftTree& t, const DraftLinks& links, std::uint32_
     return round_cone(t.position[q], t.position[n], links.leader(q) == n ? t.radius[q] : r, r);
 }
 
-void root_at(DraftTree& tree, std::uint32_t end) {
-    std::uint32_t above = DraftTree::kNoParent;
+void reroot(DraftTree& tree, std::uint32_t end) {
+    std::uint32_t parent = DraftTree::kNoParent;
     for (std::uint32_t n = end; n != DraftTree::kNoParent;) {
-        const std::uint32_t next = std::exchange(tree.parent[n], above);
-        above = std::exchange(n, next);
+        const std::uint32_t next = std::exchange(tree.parent[n], parent);
+        parent = std::exchange(n, next);
     }
 }
 

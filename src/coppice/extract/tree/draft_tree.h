@@ -22,8 +22,8 @@ struct DraftTree {
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }  ///< number of nodes
     /// Appends a node; returns its index.
-    std::uint32_t add(std::uint32_t above, Vec3d p, double r) {
-        parent.push_back(above);
+    std::uint32_t add(std::uint32_t from, Vec3d p, double r) {
+        parent.push_back(from);
         position.push_back(p);
         radius.push_back(r);
         return size() - 1;
@@ -55,7 +55,7 @@ RoundCone surface_cone(const DraftTree& tree, const DraftLinks& links, std::uint
 
 /// Makes `end` the root of its tree, by turning the way from it to the root round. The order of nodes is left
 /// alone: see `sort_parents_first`.
-void root_at(DraftTree& tree, std::uint32_t end);
+void reroot(DraftTree& tree, std::uint32_t end);
 
 /// Puts parents before children, roots in order of index and each tree as one run. Nodes with `gone` set are
 /// left out; they must not have children that stay. Returns the new index of every old node, or kNoParent.

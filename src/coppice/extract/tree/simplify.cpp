@@ -72,7 +72,7 @@ void keep_leaders(const DraftTree& tree, const DraftLinks& links, std::vector<ch
 }  // namespace
 
 void simplify(DraftTree& tree, FitSamples& samples, double tolerance) {
-    unfold(tree, samples);
+    remove_reversals(tree, samples);
     merge_forks(tree, samples, kForkSpacing);
     const DraftLinks links(tree);
     std::vector<char> kept = choose_nodes(tree, links, tolerance);

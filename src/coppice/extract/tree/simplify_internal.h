@@ -5,7 +5,7 @@
 
 namespace coppice::extract_internal {
 
-/// Unfolds the tree, and takes away the nodes between forks that its surface does not need to stay within
+/// Removes reversals, and takes away the nodes between forks that its surface does not need to stay within
 /// `tolerance` radii, or that lie nearer together than 0.9 radii (see `simplify_chain`). Forks nearer
 /// together than half a radius become one (`merge_forks`); roots and tips stay. The samples of a node that
 /// goes fall to the next one towards the tip, or to the fork that it is part of. In double precision. O(n log

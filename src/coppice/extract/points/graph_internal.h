@@ -9,12 +9,15 @@
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
-#include "coppice/extract/cloud/neighbours_internal.h"
+#include "coppice/extract/points/neighbours_internal.h"
 
 namespace coppice::extract_internal {
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
+using StemBases = std::span<const std::vector<std::uint32_t>>;  ///< points of the lowest slice of each tree
+
+/// An edge between two points.
 struct Link {
     std::uint32_t from, to;
     float length;  ///< [m]
@@ -44,6 +47,15 @@ Components components(const Graph& graph, const Context& ctx);
 std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
                               const Components& parts, double limit, const Context& ctx);
 
+/// The points joined to their neighbours, with gaps between components bridged.
+struct ConnectedGraph {
+    Graph graph;
+    Components components;
+    std::uint32_t bridges = 0;
+};
+ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
+                              std::span<const std::uint8_t> ignored, double gap, const Context& ctx);
+
 /// Shortest paths from sources, where a link costs the square of its length in spacings: many short steps go
 /// before one long jump, which keeps paths on the wood, and a cost is about a number of points passed.
 struct Paths {
@@ -56,11 +68,16 @@ Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
                      std::span<const std::uint32_t> taken, std::span<const float> spacing,
                      const Context& ctx);
 
-/// Where trees stand: for each the points of its lowest slice. With `given`, the one tree whose point is
-/// nearest to that place. Else for each part with enough points: the lowest places as thick as a trunk.
+struct RootOptions {
+    double spacing;                   ///< [m] of the points
+    std::optional<Vec3d> given = {};  ///< [m] there is one tree, and it stands at the point nearest to this
+    int most_trees = 0;               ///< the thickest so many; 0 = all
+};
+
+/// Where trees stand: for each the points of its lowest slice, its stem base. Without a given place they
+/// stand, in each component with enough points, at the lowest places as thick as a trunk.
 std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points, const Graph& graph,
-                                                   const Components& parts, double spacing,
-                                                   const std::optional<Vec3d>& given, int most_trees,
+                                                   const Components& parts, const RootOptions& options,
                                                    const Context& ctx);
 
 }  // namespace coppice::extract_internal

@@ -1,4 +1,4 @@
-#include "coppice/extract/cloud/leaves_internal.h"
+#include "coppice/extract/points/leaves_internal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include "coppice/base/box.h"
 #include "coppice/base/parallel.h"
-#include "coppice/extract/cloud/disorder_internal.h"
-#include "coppice/extract/cloud/graph_internal.h"
+#include "coppice/extract/points/graph_internal.h"
+#include "coppice/extract/points/normal_dispersion_internal.h"
 #include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
@@ -16,41 +16,43 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 constexpr double kCoarsest = 0.025;         // [height] spacing; beyond either, crowns of twigs look like
 constexpr double kWidest = 0.1;             // [m] leaves
-constexpr double kLeafyShare = 0.25;        // least share of places in disorder that tells of leaves
+constexpr double kLeafyShare = 0.25;        // least share of places of high dispersion that tells of leaves
 constexpr double kLeafyMean = 0.175;        // least mean above the threshold that tells of leaves
 constexpr double kSmoothMean = 0.09;        // greatest mean below it; more is noise
 constexpr std::size_t kFewestPlaces = 100;  // of a scale
-constexpr int kSmoothPasses = 2;            // of the disorder of points
+constexpr int kSmoothPasses = 2;            // of the dispersion of points
 constexpr double kBeyond = 10;              // [spacing] wood is longer, or leads to what is farther
 constexpr float kSlender = 35;              // [radius] length that a branch bears at most
-constexpr int kGirthPasses = 24;            // each reaches over about two spacings
+constexpr int kReachPasses = 24;            // each reaches over about two spacings
 
 /// A cloud as it is seen from afar; at the finest scale the points themselves, which it does not own.
 struct Scale {
     std::span<const Vec3> points;
     const Neighbours* point_rows;
-    Places places;
+    VoxelGrid voxels;
     Neighbours rows;
-    Disorder disorder;
+    NormalDispersion dispersion;
     bool coarse = false;
 
-    std::span<const Vec3> at() const { return coarse ? std::span<const Vec3>(places.at) : points; }
+    std::span<const Vec3> at() const { return coarse ? std::span<const Vec3>(voxels.centroid) : points; }
     const Neighbours& near() const { return coarse ? rows : *point_rows; }
-    std::uint32_t of(std::size_t i) const { return coarse ? places.of[i] : static_cast<std::uint32_t>(i); }
-    bool leafy() const { return disorder.share >= kLeafyShare && disorder.above >= kLeafyMean; }
+    std::uint32_t of(std::size_t i) const {
+        return coarse ? voxels.of_point[i] : static_cast<std::uint32_t>(i);
+    }
+    bool leafy() const { return dispersion.share >= kLeafyShare && dispersion.high_mean >= kLeafyMean; }
 };
 
 Scale finest_scale(std::span<const Vec3> points, const Neighbours& near, const Context& ctx) {
-    return {points, &near, {}, {}, disorder(points, near, ctx)};
+    return {points, &near, {}, {}, normal_dispersion(points, near, ctx)};
 }
 
-/// Nothing where cubes no longer change anything, or too little is left.
+/// Nothing where voxels no longer change anything, or too little is left.
 std::optional<Scale> coarser_scale(const Scale& fine, double edge, const Context& ctx) {
-    Scale scale{fine.points, fine.point_rows, places_of(fine.points, edge, ctx), {}, {}, true};
-    if (scale.places.at.size() < kFewestPlaces) return {};
-    scale.rows = nearest_neighbours(scale.places.at, kDisorderNeighbours, ctx);
-    scale.disorder = disorder(scale.places.at, scale.rows, ctx);
-    if (!(scale.disorder.spacing > fine.disorder.spacing)) return {};
+    Scale scale{fine.points, fine.point_rows, voxel_grid(fine.points, edge, ctx), {}, {}, true};
+    if (scale.voxels.centroid.size() < kFewestPlaces) return {};
+    scale.rows = nearest_neighbours(scale.voxels.centroid, kDispersionNeighbours, ctx);
+    scale.dispersion = normal_dispersion(scale.voxels.centroid, scale.rows, ctx);
+    if (!(scale.dispersion.spacing > fine.dispersion.spacing)) return {};
     return scale;
 }
 
@@ -60,24 +62,24 @@ std::pair<Scale, bool> find_scale(std::span<const Vec3> points, const Neighbours
     for (const Vec3 p : points) box.extend(p);
     const double coarsest = std::min(kWidest, kCoarsest * (double{box.high.z} - double{box.low.z}));
     Scale here = finest_scale(points, near, ctx);
-    for (double edge = 2 * here.disorder.spacing; here.disorder.spacing <= coarsest; edge *= 2) {
+    for (double edge = 2 * here.dispersion.spacing; here.dispersion.spacing <= coarsest; edge *= 2) {
         std::optional<Scale> next = coarser_scale(here, edge, ctx);
         if (!next) break;
-        // Noise puts wood in disorder too, but not at the next scale.
-        if (here.leafy() && next->leafy() && here.disorder.below <= kSmoothMean)
+        // Noise gives wood a high dispersion too, but not at the next scale.
+        if (here.leafy() && next->leafy() && here.dispersion.low_mean <= kSmoothMean)
             return {std::move(here), true};
-        if (next->disorder.spacing > coarsest) break;
+        if (next->dispersion.spacing > coarsest) break;
         here = std::move(*next);
     }
     return {std::move(here), false};
 }
 
-/// The disorder of the places of points, averaged over neighbours.
+/// The dispersion of the places of points, averaged over neighbours.
 Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
     const Neighbours& near = *scale.point_rows;
-    const std::uint32_t count = std::min(kDisorderNeighbours, near.count);
+    const std::uint32_t count = std::min(kDispersionNeighbours, near.count);
     Buffer<float> value(scale.points.size()), scratch(scale.points.size());
-    for (std::size_t i = 0; i < value.size(); ++i) value[i] = scale.disorder.value[scale.of(i)];
+    for (std::size_t i = 0; i < value.size(); ++i) value[i] = scale.dispersion.value[scale.of(i)];
     for (int pass = 0; pass < kSmoothPasses; ++pass) {
         stoppable_for(ctx, value.size(), kGrain, [&](std::size_t i) {
             float sum = value[i];
@@ -90,59 +92,57 @@ Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
 }
 
 /// Marks the places all points of which are marked.
-std::vector<std::uint8_t> marked_places(const Scale& scale, std::span<const std::uint8_t> marked) {
+std::vector<std::uint8_t> marked_voxels(const Scale& scale, std::span<const std::uint8_t> marked) {
     std::vector<std::uint8_t> all(scale.at().size(), 1);
     for (std::size_t i = 0; i < marked.size(); ++i) all[scale.of(i)] &= marked[i];
     return all;
 }
 
 /// How far the shortest paths from the roots go on beyond every place [m].
-Buffer<float> beyond(const Scale& scale, std::span<const std::uint8_t> ignored, const LeafOptions& options,
-                     const Context& ctx) {
+Buffer<float> length_beyond(const Scale& scale, std::span<const std::uint8_t> ignored,
+                            const LeafOptions& options, const Context& ctx) {
     const auto at = scale.at();
-    Graph graph = make_graph(scale.near(), ignored, {}, ctx);
-    const auto bridges = bridge_gaps(at, ignored, components(graph, ctx), options.gap, ctx);
-    if (!bridges.empty()) graph = make_graph(scale.near(), ignored, bridges, ctx);
+    const auto [graph, parts, bridges] = connect_points(at, scale.near(), ignored, options.gap, ctx);
     std::vector<std::uint32_t> sources;
-    for (const auto& root :
-         find_roots(at, graph, components(graph, ctx), scale.disorder.spacing, options.root, 0, ctx)) {
-        sources.insert(sources.end(), root.begin(), root.end());
+    for (const auto& base : find_roots(at, graph, parts, {scale.dispersion.spacing, options.root}, ctx)) {
+        sources.insert(sources.end(), base.begin(), base.end());
     }
     // One spacing for all: leaves are no sparser than wood.
-    const Buffer<float> spacing(at.size(), static_cast<float>(scale.disorder.spacing));
+    const Buffer<float> spacing(at.size(), static_cast<float>(scale.dispersion.spacing));
     const std::vector<std::uint32_t> free(at.size(), kNone);
     const Paths paths = shortest_paths(graph, sources, free, spacing, ctx);
-    Buffer<float> reach(at.size(), 0);
+    Buffer<float> beyond(at.size(), 0);
     for (std::size_t k = paths.order.size(); k-- > 0;) {
         const std::uint32_t p = paths.order[k], q = paths.parent[p];
         if (q == kNone) continue;
-        reach[q] = std::max(reach[q], reach[p] + length(at[p] - at[q]));
+        beyond[q] = std::max(beyond[q], beyond[p] + length(at[p] - at[q]));
+    }
+    return beyond;
+}
+
+/// How far about every place there may be wood that bears what lies beyond [m], negative where there is none:
+/// paths lead along the surface of a branch, the rest of which is as far from them as it is thick.
+Buffer<float> wood_reach(const Buffer<float>& beyond, const Neighbours& near, double least,
+                         const Context& ctx) {
+    Buffer<float> reach(beyond.size()), scratch(beyond.size());
+    for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = beyond[i] > least ? beyond[i] / kSlender : -1;
+    for (int pass = 0; pass < kReachPasses; ++pass) {
+        stoppable_for(ctx, reach.size(), kGrain, [&](std::size_t i) {
+            float most = reach[i];
+            for (std::uint32_t k = 0; k < near.count; ++k)
+                most = std::max(most, reach[near.of(i)[k]] - near.distances(i)[k]);
+            scratch[i] = most;
+        });
+        reach.swap(scratch);
     }
     return reach;
 }
 
-/// How far about every place there may be wood that bears what lies beyond [m], negative where there is none:
-/// paths lead up along strands of a branch, the rest of which is as far from them as it is thick.
-Buffer<float> girth(const Buffer<float>& reach, const Neighbours& near, double least, const Context& ctx) {
-    Buffer<float> girth(reach.size()), scratch(reach.size());
-    for (std::size_t i = 0; i < reach.size(); ++i) girth[i] = reach[i] > least ? reach[i] / kSlender : -1;
-    for (int pass = 0; pass < kGirthPasses; ++pass) {
-        stoppable_for(ctx, girth.size(), kGrain, [&](std::size_t i) {
-            float most = girth[i];
-            for (std::uint32_t k = 0; k < near.count; ++k)
-                most = std::max(most, girth[near.of(i)[k]] - near.distances(i)[k]);
-            scratch[i] = most;
-        });
-        girth.swap(scratch);
-    }
-    return girth;
-}
-
 /// Gives pieces of wood that are shorter than `least` [m] to the leaves around them. `out` are leaves and
 /// points that are ignored.
-void drop_crumbs(std::vector<std::uint8_t>& leaf, const Scale& scale, std::span<const std::uint8_t> out,
-                 double least, const Context& ctx) {
-    const Components parts = components(make_graph(scale.near(), marked_places(scale, out), {}, ctx), ctx);
+void drop_small_wood(std::vector<std::uint8_t>& leaf, const Scale& scale, std::span<const std::uint8_t> out,
+                     double least, const Context& ctx) {
+    const Components parts = components(make_graph(scale.near(), marked_voxels(scale, out), {}, ctx), ctx);
     std::vector<Box3> box(parts.size.size());
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (!out[i]) box[parts.of[scale.of(i)]].extend(scale.points[i]);
@@ -158,23 +158,23 @@ std::vector<std::uint8_t> find_leaves(std::span<const Vec3> points, const Neighb
                                       std::span<const std::uint8_t> ignored, const LeafOptions& options,
                                       const Context& ctx) {
     // Other numbers of neighbours would shift all thresholds.
-    if (near.count < kDisorderNeighbours && near.count + 1 < points.size()) {
-        return find_leaves(points, nearest_neighbours(points, kDisorderNeighbours, ctx), ignored, options,
+    if (near.count < kDispersionNeighbours && near.count + 1 < points.size()) {
+        return find_leaves(points, nearest_neighbours(points, kDispersionNeighbours, ctx), ignored, options,
                            ctx);
     }
     std::vector<std::uint8_t> leaf(points.size(), 0);
     const auto [scale, leafy] = find_scale(points, near, ctx);
     if (!leafy && !options.always) return leaf;
-    const double least = kBeyond * scale.disorder.spacing;
-    const Buffer<float> wood =
-        girth(beyond(scale, marked_places(scale, ignored), options, ctx), scale.near(), least, ctx);
+    const double least = kBeyond * scale.dispersion.spacing;
+    const Buffer<float> wood = wood_reach(length_beyond(scale, marked_voxels(scale, ignored), options, ctx),
+                                          scale.near(), least, ctx);
     const Buffer<float> value = smoothed(scale, ctx);
     std::vector<std::uint8_t> out(ignored.begin(), ignored.end());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        leaf[i] = !ignored[i] && value[i] > scale.disorder.threshold && wood[scale.of(i)] < 0;
+        leaf[i] = !ignored[i] && value[i] > scale.dispersion.threshold && wood[scale.of(i)] < 0;
         out[i] |= leaf[i];
     }
-    drop_crumbs(leaf, scale, out, least, ctx);
+    drop_small_wood(leaf, scale, out, least, ctx);
     return leaf;
 }
 

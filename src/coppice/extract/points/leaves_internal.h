@@ -8,7 +8,7 @@
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
-#include "coppice/extract/cloud/neighbours_internal.h"
+#include "coppice/extract/points/neighbours_internal.h"
 
 namespace coppice::extract_internal {
 
@@ -20,10 +20,10 @@ struct LeafOptions {
 
 /// Marks the points of leaves (1), told from wood by coordinates alone; none where the cloud shows none.
 ///
-/// Normals of wood lie in a plane, those of leaves point everywhere: `Disorder`. It is measured at scales
-/// from the points themselves on, each twice as coarse, up to a spacing of 10 cm or 2.5 % of the height.
-/// Leaves show where a quarter of the places is in disorder, which is strong above the threshold, both hold
-/// at the next scale too, and disorder is low below the threshold: noise differs in one of the last two.
+/// Normals of wood lie in a plane, those of leaves point everywhere: `NormalDispersion`. It is measured at
+/// scales from the points themselves on, each twice as coarse, up to a spacing of 10 cm or 2.5 % of the
+/// height. Leaves show where a quarter of the places has a high dispersion, the mean above the threshold is
+/// high, both hold at the next scale too, and the mean below it is low: noise differs in one of the last two.
 ///
 /// Points above the threshold there are leaves, unless shortest paths from the roots lead through or beside
 /// them to what lies ten spacings beyond: that is wood amid leaves, as in [Vicari2019]. Beside means within

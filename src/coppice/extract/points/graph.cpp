@@ -1,4 +1,4 @@
-#include "coppice/extract/cloud/graph_internal.h"
+#include "coppice/extract/points/graph_internal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> i
     for (const Link& link : more) visit(link.from, link.to, link.length);
 }
 
-/// Nearest points of other parts, by a tree of boxes that knows which boxes belong to one part alone.
+/// Nearest points of other components, by a tree of boxes that knows which boxes belong to one part alone.
 class NearestOther {
   public:
     NearestOther(std::span<const Vec3> points, std::span<const std::uint8_t> ignored, const Context& ctx)
@@ -162,6 +162,7 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
         stoppable_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
             double squared = limit * limit;
             for (const std::uint32_t p : members[part]) {
+                if (ctx.stop.stop_requested()) return;  // one part may hold nearly all points
                 std::uint32_t found = kNone;
                 nearest.search(p, squared, found);
                 if (found != kNone) best[part] = {p, found, static_cast<float>(std::sqrt(squared))};
@@ -182,6 +183,19 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
         }
     }
     return bridges;
+}
+
+ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
+                              std::span<const std::uint8_t> ignored, double gap, const Context& ctx) {
+    ConnectedGraph out;
+    out.graph = make_graph(neighbours, ignored, {}, ctx);
+    out.components = components(out.graph, ctx);
+    const auto bridges = bridge_gaps(points, ignored, out.components, gap, ctx);
+    if (bridges.empty()) return out;
+    out.bridges = static_cast<std::uint32_t>(bridges.size());
+    out.graph = make_graph(neighbours, ignored, bridges, ctx);
+    out.components = components(out.graph, ctx);
+    return out;
 }
 
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,

@@ -1,14 +1,16 @@
+#include "coppice/extract/points/clean_internal.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "coppice/base/box.h"
 #include "coppice/base/median.h"
 #include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
-#include "coppice/extract/cloud/clean_internal.h"
 #include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
@@ -31,11 +33,11 @@ bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y <
 
 }  // namespace
 
-Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Context& ctx) {
+Buffer<MortonPlace> morton_order(std::span<const Vec3> points, double edge, const Context& ctx) {
     const Box3 box = bounds_of(points);
     constexpr double kLast = kMortonCells - 1;
     edge = std::max(edge, widest(box) / kLast);
-    Buffer<CubePlace> place(points.size());
+    Buffer<MortonPlace> place(points.size());
     stoppable_for(ctx, points.size(), kGrain, [&](std::size_t i) {
         const auto cell = [&](int axis) {
             const double at = (double{points[i][axis]} - double{box.low[axis]}) / edge;
@@ -43,12 +45,12 @@ Buffer<CubePlace> by_cube(std::span<const Vec3> points, double edge, const Conte
         };
         place[i] = {morton_code(cell(0), cell(1), cell(2)), static_cast<std::uint32_t>(i)};
     });
-    radix_sort(ctx, place, 63, [](const CubePlace& p) { return p.key; });
+    radix_sort(ctx, place, 63, [](const MortonPlace& p) { return p.key; });
     return place;
 }
 
 Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Context& ctx) {
-    const Buffer<CubePlace> place = by_cube(points, 1e-30, ctx);
+    const Buffer<MortonPlace> place = morton_order(points, 1e-30, ctx);
     Buffer<Vec3> sorted;
     sorted.reserve(points.size());
     for (std::size_t first = 0, turn = 0; first < place.size();) {
@@ -66,8 +68,8 @@ Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Conte
     return sorted;
 }
 
-Buffer<Vec3> thinned(std::span<const Vec3> points, double edge, const Context& ctx) {
-    const Buffer<CubePlace> place = by_cube(points, edge, ctx);
+Buffer<Vec3> voxel_downsample(std::span<const Vec3> points, double edge, const Context& ctx) {
+    const Buffer<MortonPlace> place = morton_order(points, edge, ctx);
     Buffer<Vec3> kept;
     for (std::size_t first = 0, turn = 0; first < place.size();) {
         poll_stop(ctx, turn++);
@@ -82,27 +84,19 @@ Buffer<Vec3> thinned(std::span<const Vec3> points, double edge, const Context& c
     return kept;
 }
 
-Buffer<Vec3> thinned_to(Buffer<Vec3> points, std::size_t limit, const Context& ctx) {
+Buffer<Vec3> downsample_to(Buffer<Vec3> points, std::size_t limit, const Context& ctx) {
     if (points.size() <= limit) return points;
     Buffer<Vec3> kept;
-    // Points lie on surfaces, of which cubes of the widest extent / sqrt(limit) leave about `limit`.
+    // Points lie on surfaces, of which voxels of the widest extent / sqrt(limit) leave about `limit`.
     double edge = widest(bounds_of(points)) / std::sqrt(static_cast<double>(limit)) / 4;
     for (bool enough = false; !enough; edge *= 1.25) {
-        kept = thinned(points, edge, ctx);
+        kept = voxel_downsample(points, edge, ctx);
         enough = kept.size() <= limit;
     }
     return kept;
 }
 
-Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank) {
-    const std::size_t n = neighbours.count == 0 ? 0 : neighbours.index.size() / neighbours.count;
-    Buffer<float> spacing(n);
-    const std::uint32_t last = std::min(rank, neighbours.count) - 1;
-    for (std::size_t i = 0; i < n; ++i) spacing[i] = neighbours.distances(i)[last];
-    return spacing;
-}
-
-std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, const Context& ctx) {
+std::vector<std::uint8_t> find_outliers(const Neighbours& neighbours, double factor, const Context& ctx) {
     constexpr std::uint32_t kNear = 6;
     const std::uint32_t near = std::min(kNear, neighbours.count);
     const std::size_t n = neighbours.index.size() / neighbours.count;
@@ -112,13 +106,13 @@ std::vector<std::uint8_t> strays(const Neighbours& neighbours, double factor, co
         for (std::uint32_t k = 0; k < near; ++k) sum += neighbours.distances(i)[k];
         mean[i] = static_cast<float>(sum / near);
     });
-    std::vector<std::uint8_t> stray(n, 0);
+    std::vector<std::uint8_t> outlier(n, 0);
     stoppable_for(ctx, n, kGrain, [&](std::size_t i) {
         std::array<float, kNear> about{};
         for (std::uint32_t k = 0; k < near; ++k) about[k] = mean[neighbours.of(i)[k]];
-        stray[i] = mean[i] > factor * median_in_place(std::span(about).first(near));
+        outlier[i] = mean[i] > factor * median_in_place(std::span(about).first(near));
     });
-    return stray;
+    return outlier;
 }
 
 }  // namespace coppice::extract_internal

@@ -23,4 +23,7 @@ struct Neighbours {
 /// At least one point, at most 2^32 - 2. Points that are near in memory should be near in space. O(n log n).
 Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count, const Context& ctx);
 
+/// The distance to the `rank`-th neighbour of every point [m].
+Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank);
+
 }  // namespace coppice::extract_internal

@@ -1,4 +1,4 @@
-#include "coppice/extract/cloud/disorder_internal.h"
+#include "coppice/extract/points/normal_dispersion_internal.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
-#include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/points/clean_internal.h"
 #include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
@@ -48,7 +48,7 @@ float least_eigenvalue(const Tensor& t) {
 }
 
 void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& near, const Context& ctx) {
-    const std::uint32_t count = std::min(kDisorderNeighbours, near.count);
+    const std::uint32_t count = std::min(kDispersionNeighbours, near.count);
     stoppable_for(ctx, tensor.size(), kGrain, [&](std::size_t i) {
         Tensor sum = tensor[i];
         for (const std::uint32_t j : near.of(i).first(count)) {
@@ -60,33 +60,38 @@ void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& 
     tensor.swap(scratch);
 }
 
-/// Divides the values such that the variance within both parts is least.
-void divide(Disorder& d) {
+struct OtsuSplit {
+    float threshold = 0;
+    double low_mean = 0, high_mean = 0;  // of the values on both sides
+};
+
+/// Divides values in [0, 1/3] such that the variance within both parts is least [Otsu1979].
+OtsuSplit otsu_threshold(std::span<const float> values) {
     constexpr std::size_t kBins = 256;
     constexpr double kWidth = 1.0 / (3 * kBins);
     std::array<double, kBins> count{};
-    for (const float v : d.value) ++count[std::min(static_cast<std::size_t>(v / kWidth), kBins - 1)];
+    for (const float v : values) ++count[std::min(static_cast<std::size_t>(v / kWidth), kBins - 1)];
     double sum = 0;
     for (std::size_t b = 0; b < kBins; ++b) sum += (static_cast<double>(b) + 0.5) * count[b];
-    const auto all = static_cast<double>(d.value.size());
-    double count_below = 0, sum_below = 0, best = -1;
+    const auto all = static_cast<double>(values.size());
+    double low_count = 0, low_sum = 0, best = -1;
+    OtsuSplit split;
     for (std::size_t b = 0; b + 1 < kBins; ++b) {
-        count_below += count[b];
-        sum_below += (static_cast<double>(b) + 0.5) * count[b];
-        if (count_below == 0 || count_below == all) continue;
-        const double below = sum_below / count_below, above = (sum - sum_below) / (all - count_below);
-        const double between = count_below * (all - count_below) * (above - below) * (above - below);
+        low_count += count[b];
+        low_sum += (static_cast<double>(b) + 0.5) * count[b];
+        if (low_count == 0 || low_count == all) continue;
+        const double low = low_sum / low_count, high = (sum - low_sum) / (all - low_count);
+        const double between = low_count * (all - low_count) * (high - low) * (high - low);
         if (between <= best) continue;
         best = between;
-        d.threshold = static_cast<float>(kWidth * static_cast<double>(b + 1));
-        d.below = kWidth * below;
-        d.above = kWidth * above;
+        split = {static_cast<float>(kWidth * static_cast<double>(b + 1)), kWidth * low, kWidth * high};
     }
+    return split;
 }
 
-/// For every point the first point in its cube.
-Buffer<std::uint32_t> first_in_cube(std::span<const Vec3> points, double edge, const Context& ctx) {
-    const Buffer<CubePlace> sorted = by_cube(points, edge, ctx);
+/// For every point the first point in its voxel.
+Buffer<std::uint32_t> first_in_voxel(std::span<const Vec3> points, double edge, const Context& ctx) {
+    const Buffer<MortonPlace> sorted = morton_order(points, edge, ctx);
     Buffer<std::uint32_t> first(points.size());
     for (std::size_t begin = 0, i = 0; i < sorted.size(); ++i) {
         if (sorted[i].key != sorted[begin].key) begin = i;
@@ -97,8 +102,8 @@ Buffer<std::uint32_t> first_in_cube(std::span<const Vec3> points, double edge, c
 
 }  // namespace
 
-Disorder disorder(std::span<const Vec3> points, const Neighbours& near, const Context& ctx) {
-    Disorder out;
+NormalDispersion normal_dispersion(std::span<const Vec3> points, const Neighbours& near, const Context& ctx) {
+    NormalDispersion out;
     const std::size_t count = points.size();
     Buffer<Tensor> tensor(count), scratch(count);
     stoppable_for(ctx, count, kGrain, [&](std::size_t i) { tensor[i] = normal_squared(points, near, i); });
@@ -110,30 +115,34 @@ Disorder disorder(std::span<const Vec3> points, const Neighbours& near, const Co
     out.spacing = median(local_spacing(near, kSpacingRank));
     out.share = static_cast<double>(std::ranges::count_if(out.value, [](float v) { return v > kHigh; })) /
                 static_cast<double>(count);
-    divide(out);
+    const OtsuSplit split = otsu_threshold(out.value);
+    out.threshold = split.threshold;
+    out.low_mean = split.low_mean;
+    out.high_mean = split.high_mean;
     return out;
 }
 
-Places places_of(std::span<const Vec3> points, double edge, const Context& ctx) {
-    const Buffer<std::uint32_t> first = first_in_cube(points, edge, ctx);
-    Places places;
-    places.of.resize(points.size());
+VoxelGrid voxel_grid(std::span<const Vec3> points, double edge, const Context& ctx) {
+    const Buffer<std::uint32_t> first = first_in_voxel(points, edge, ctx);
+    VoxelGrid voxels;
+    voxels.of_point.resize(points.size());
     std::vector<std::uint32_t> count;
     std::vector<Vec3d> sum;
     for (std::size_t i = 0; i < points.size(); ++i) {
         poll_stop(ctx, i);
         if (first[i] == i) {
-            places.of[i] = static_cast<std::uint32_t>(sum.size());
+            voxels.of_point[i] = static_cast<std::uint32_t>(sum.size());
             sum.emplace_back();
             count.push_back(0);
         }
-        const std::uint32_t k = places.of[i] = places.of[first[i]];
+        const std::uint32_t k = voxels.of_point[i] = voxels.of_point[first[i]];
         sum[k] += Vec3d(points[i]);
         ++count[k];
     }
-    places.at.resize(sum.size());
-    for (std::size_t k = 0; k < sum.size(); ++k) places.at[k] = Vec3(sum[k] / static_cast<double>(count[k]));
-    return places;
+    voxels.centroid.resize(sum.size());
+    for (std::size_t k = 0; k < sum.size(); ++k)
+        voxels.centroid[k] = Vec3(sum[k] / static_cast<double>(count[k]));
+    return voxels;
 }
 
 }  // namespace coppice::extract_internal

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "coppice/base/parallel.h"
-#include "coppice/extract/cloud/neighbours_internal.h"
+#include "coppice/extract/points/neighbours_internal.h"
 #include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/kd_tree.h"
 
@@ -41,6 +41,14 @@ Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count,
         }
     });
     return out;
+}
+
+Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank) {
+    const std::size_t n = neighbours.count == 0 ? 0 : neighbours.index.size() / neighbours.count;
+    Buffer<float> spacing(n);
+    const std::uint32_t last = std::min(rank, neighbours.count) - 1;
+    for (std::size_t i = 0; i < n; ++i) spacing[i] = neighbours.distances(i)[last];
+    return spacing;
 }
 
 }  // namespace coppice::extract_internal

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "coppice/base/box.h"
-#include "coppice/extract/cloud/clean_internal.h"
+#include "coppice/extract/points/clean_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
 constexpr int kCells = 24;            // of the plan along its longer side
-constexpr int kFewest = 12;           // cells that tell ground from the foot of a tree
+constexpr int kFewest = 12;           // cells that tell ground from the base of a stem
 constexpr int kPasses = 12;           // of the robust fit
 constexpr double kClearance = 0.02;   // of the height of the cloud, half of it below the surface
 constexpr double kGroundShare = 0.6;  // of the cells whose lowest point must lie on the ground

@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/median.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/round_cone.h"
+#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/cloud/tree_internal.h"
+#include "coppice/extract/stage_internal.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr double kLook = 1;           // [spacing] beyond a surface, up to which distances are known
+constexpr double kSpacing = 0.3;      // [spacing] off a surface that is still on it
+constexpr double kRadius = 0.2;       // [radius] the same
+constexpr double kSigmas = 4;         // [noise] the same
+constexpr double kThick = 1;          // [spacing] least radius of a segment that shows the noise
+constexpr std::size_t kEnough = 100;  // points that tell how much noise there is
+
+constexpr double kSearchReach = 2;  // [spacing] beyond a surface, up to which it may explain a point
+constexpr double kSecondSpacing =
+    0.5;  // [spacing] off another surface, from which on it does not explain a point
+constexpr double kSecondRadius = 0.8;  // [radius] of that, the same
+constexpr double kOwnRadius = 2;       // [radius] of its own branch, more than which is never asked for
+constexpr double kLeastGain = 1.5;     // points that a branch must explain
+constexpr double kLeastShare = 0.35;   // of its points, which it must explain
+constexpr double kThin = 0.08;         // [spacing] thinner branches within reach of others are not believed
+constexpr std::size_t kGrain = 4096;
+
+/// All segments of a tree, found by place.
+class Cones {
+  public:
+    Cones(const DraftTree& tree, const DraftLinks& links, const Context& ctx)
+        : cones_(cones_of(tree, links)), index_(boxes_of(cones_), ctx) {}
+    const RoundCone& operator[](std::uint32_t n) const { return cones_[n]; }
+    /// Visits those whose surface may be within reach of p.
+    template <class Visit>
+    void visit(Vec3 p, float reach, const Visit& visit) const {
+        index_.visit_overlapping(Box3{p, p}.inflated(reach), visit);
+    }
+
+  private:
+    static std::vector<RoundCone> cones_of(const DraftTree& tree, const DraftLinks& links) {
+        std::vector<RoundCone> cones;
+        for (std::uint32_t n = 0; n < tree.size(); ++n) cones.push_back(surface_cone(tree, links, n));
+        return cones;
+    }
+    static std::vector<Box3> boxes_of(std::span<const RoundCone> cones) {
+        std::vector<Box3> boxes;
+        for (const RoundCone& c : cones) {
+            const auto r = static_cast<float>(1.0001 * std::max(c.radius_a, c.radius_b()));
+            boxes.push_back(capsule_box(Vec3(c.a), Vec3(c.b()), r));
+        }
+        return boxes;
+    }
+    std::vector<RoundCone> cones_;
+    BoxTree index_;
+};
+
+/// The standard deviation of the points about segments that are thick against their spacing.
+double noise_of(std::span<const float> distance, std::span<const float> radius,
+                std::span<const float> spacing) {
+    std::vector<float> off;
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+        if (radius[i] > kThick * spacing[i] && std::abs(distance[i]) < kRadius * radius[i])
+            off.push_back(std::abs(distance[i]));
+    }
+    if (off.size() < kEnough) return 0;
+    return 1.4826 * median_in_place(off);
+}
+
+/// What explains a point, what would without that, and what the first is worth: from 0 to 1.
+struct NearestBranches {
+    std::uint32_t first = kNone, second = kNone;
+    float gain = 0;
+};
+
+/// Looks up the segments about a point; `branch` names the branch of each.
+NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32_t> branch, double noise,
+                                 Vec3 point, double spacing) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const Vec3d p(point);
+    double best = kInfinity, next = kInfinity, best_radius = 0, next_radius = 0;
+    NearestBranches out;
+    cones.visit(point, static_cast<float>(kSearchReach * spacing), [&](std::uint32_t n) {
+        const RoundCone::Foot foot = cones[n].foot(p);
+        const double d = foot.signed_distance(), r = foot.radius;
+        if (d < best) {
+            if (out.first != kNone && branch[out.first] != branch[n]) {
+                next = best;
+                next_radius = best_radius;
+                out.second = out.first;
+            }
+            best = d;
+            best_radius = r;
+            out.first = n;
+        } else if (d < next && branch[n] != branch[out.first]) {
+            next = d;
+            next_radius = r;
+            out.second = n;
+        }
+    });
+    if (out.first == kNone) return out;
+    if (out.second == kNone) {
+        out.gain = 1;
+        return out;
+    }
+    const double slack = std::max({kSigmas * noise, kSecondSpacing * spacing,
+                                   std::min(kSecondRadius * next_radius, kOwnRadius * best_radius)});
+    const auto cost = [&](double d) { return std::min(1.0, d * d / (slack * slack)); };
+    out.gain = static_cast<float>(cost(std::max(next, 0.0)) - cost(best));
+    return out;
+}
+
+/// The branch of every node: a run of segments between forks, named by its last node.
+std::vector<std::uint32_t> branches_of(const DraftTree& tree, const DraftLinks& links) {
+    std::vector<std::uint32_t> branch(tree.size());
+    for (std::uint32_t n = tree.size(); n-- > 0;) {
+        const auto children = links.children(n);
+        branch[n] = children.size() == 1 ? branch[children[0]] : n;
+    }
+    return branch;
+}
+
+/// A terminal branch, and for how many points it is needed.
+struct Candidate {
+    double gain;
+    std::uint32_t tip;
+};
+
+/// The terminal branches, those least needed first.
+std::vector<Candidate> candidates_of(const DraftTree& tree, const DraftLinks& links,
+                                     std::span<const NearestBranches> nearest,
+                                     const CompressedRows<std::uint32_t>& members,
+                                     std::span<const float> spacing) {
+    std::vector<Candidate> order;
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (!links.is_tip(n) || tree.parent[n] == kNone) continue;
+        Candidate c{0, n};
+        bool near_others = true;
+        double about = 0;
+        for (const std::uint32_t i : members[n]) {
+            c.gain += nearest[i].gain;
+            about += spacing[i];
+            near_others = near_others && nearest[i].second != kNone;
+        }
+        // A branch without points explains nothing as it is.
+        const auto points = static_cast<double>(std::max<std::size_t>(members[n].size(), 1));
+        if (near_others && tree.radius[n] < kThin * about / points) c.gain = 0;
+        order.push_back(c);
+    }
+    std::ranges::stable_sort(order, {}, &Candidate::gain);
+    return order;
+}
+
+/// The same once branches that are gone explain nothing any more.
+double gain_now(const Candidate& c, std::span<const std::uint32_t> members,
+                std::span<const NearestBranches> nearest, std::span<const char> gone) {
+    double gain = 0;
+    for (const std::uint32_t i : members) {
+        if (c.gain > 0)
+            gain += nearest[i].second != kNone && gone[nearest[i].second] ? 1.0 : double{nearest[i].gain};
+    }
+    return gain;
+}
+
+}  // namespace
+
+PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
+                             const Context& ctx) {
+    const std::size_t count = samples.positions.size();
+    const DraftLinks links(tree);
+    const Cones cones(tree, links, ctx);
+    PointDistances distances;
+    distances.distance.assign(count, std::numeric_limits<float>::infinity());
+    Buffer<float> radius;
+    radius.assign(count, 0);
+    samples.node.assign(count, kNone);
+    stoppable_for(ctx, count, kGrain, [&](std::size_t i) {
+        double best = std::numeric_limits<double>::infinity();
+        const Vec3d p(samples.positions[i]);
+        cones.visit(samples.positions[i], static_cast<float>(kLook * spacing[i]), [&](std::uint32_t n) {
+            const RoundCone::Foot foot = cones[n].foot(p);
+            const double d = foot.signed_distance();
+            if (!(d < best || (d == best && n < samples.node[i]))) return;
+            best = d;
+            radius[i] = static_cast<float>(foot.radius);
+            samples.node[i] = n;
+        });
+        distances.distance[i] = static_cast<float>(best);
+    });
+    distances.noise = noise_of(distances.distance, radius, spacing);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double tolerance =
+            std::max({kSigmas * distances.noise, kRadius * radius[i], kSpacing * double{spacing[i]}});
+        if (!(distances.distance[i] <= tolerance)) samples.node[i] = kNone;
+    }
+    return distances;
+}
+
+std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
+                              double noise, const Context& ctx) {
+    const DraftLinks links(tree);
+    const Cones cones(tree, links, ctx);
+    const auto branch = branches_of(tree, links);
+    std::vector<NearestBranches> nearest(samples.positions.size());
+    std::vector<std::uint32_t> key(nearest.size(), kNone);
+    stoppable_for(ctx, nearest.size(), kGrain, [&](std::size_t i) {
+        nearest[i] = nearest_branches(cones, branch, noise, samples.positions[i], spacing[i]);
+        if (nearest[i].first != kNone) key[i] = branch[nearest[i].first];
+    });
+    const auto members = group_by(key, tree.size());
+    std::vector<char> gone(tree.size(), 0);
+    std::uint32_t count = 0;
+    for (const Candidate& c : candidates_of(tree, links, nearest, members, spacing)) {
+        const auto points = members[c.tip];
+        if (gain_now(c, points, nearest, gone) >=
+            std::max(kLeastGain, kLeastShare * static_cast<double>(points.size())))
+            continue;
+        for (std::uint32_t n = c.tip; tree.parent[n] != kNone && branch[n] == c.tip; n = tree.parent[n])
+            gone[n] = 1;
+        for (const std::uint32_t i : points) nearest[i].first = nearest[i].second;
+        ++count;
+    }
+    const auto new_of_old = sort_parents_first(tree, gone);
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+        const std::uint32_t n = nearest[i].first;
+        samples.node[i] = n != kNone && samples.node[i] != kNone && !gone[n] ? new_of_old[n] : kNone;
+    }
+    return count;
+}
+
+}  // namespace coppice::extract_internal

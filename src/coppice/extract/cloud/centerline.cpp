@@ -1,0 +1,204 @@
+#include "coppice/extract/cloud/centerline_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/segment_distance.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr double kFirstReach = 0.75;  // [spacing] from the path, where points are gathered at first
+constexpr double kWiden = 1.5;        // times the reach, as long as the branch goes on beyond it
+constexpr double kMostReach = 4;      // [spacing]
+constexpr double kGrowth = 1.25;      // times the mean distance: a branch that goes on beyond the reach
+constexpr double kOfOwner = 2.3;      // [radius] of what the branch leaves, less
+constexpr double kLess = 0.6;         // [spacing]: no branch is much thicker
+constexpr double kStep = 0.8;         // [radius] between nodes, at least
+constexpr double kMostNodes = 1e6;
+constexpr double kWindow = 1.5;  // [step] along the line, from which a node takes its points
+
+/// Draws a line to the middle of itself; its ends stay.
+void smooth(std::vector<Vec3d>& line) {
+    constexpr int kPasses = 3;
+    std::vector<Vec3d> moved = line;
+    for (int pass = 0; pass < kPasses; ++pass) {
+        for (std::size_t i = 1; i + 1 < line.size(); ++i)
+            moved[i] = 0.5 * line[i] + 0.25 * (line[i - 1] + line[i + 1]);
+        line.swap(moved);
+    }
+}
+
+/// Where a point p lies on a line, sought from index `from` on.
+BranchPoint closest_on_line(std::span<const Vec3d> line, std::uint32_t point, Vec3d p, double from) {
+    constexpr std::size_t kAside = 4;
+    const std::size_t most = line.size() - 2;
+    BranchPoint best{point, 0, std::numeric_limits<double>::infinity()};
+    std::size_t k = std::min(static_cast<std::size_t>(from), most);
+    for (bool moves = true; moves;) {
+        const double before = best.squared;
+        const std::size_t first = k < kAside ? 0 : k - kAside, last = std::min(k + kAside, most);
+        for (std::size_t j = first; j <= last; ++j) {
+            const Vec3d d = line[j + 1] - line[j];
+            const double t = closest_parameter(p, line[j], d);
+            const double squared = length_squared(p - line[j] - d * t);
+            if (squared < best.squared) best = {point, static_cast<double>(j) + t, squared};
+        }
+        const std::size_t next = std::min(static_cast<std::size_t>(best.t), most);
+        moves = best.squared < before && next != k;
+        k = next;
+    }
+    return best;
+}
+
+/// Collects the free points within reach of the line that are connected to the path; returns their mean
+/// distance from the line [m].
+double gather_members(Centerline& branch, BranchPoints& points, double reach) {
+    const auto& graph = points.graph;
+    const std::uint32_t round = ++points.round;
+    auto& members = branch.members;
+    const auto closest = [&](std::uint32_t p, double from) {
+        return closest_on_line(branch.line, p, Vec3d(points.position[p]), from);
+    };
+    members.clear();
+    for (std::size_t k = 0; k < branch.path.size(); ++k) {
+        const double share = static_cast<double>(k + 1) / static_cast<double>(branch.path.size());
+        members.push_back(closest(branch.path[k], share * static_cast<double>(branch.line.size() - 1)));
+        points.seen[branch.path[k]] = round;
+    }
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        const BranchPoint from = members[i];
+        for (std::uint32_t e = graph.first[from.point]; e < graph.first[from.point + 1]; ++e) {
+            const std::uint32_t q = graph.to[e];
+            if (points.seen[q] == round || points.node[q] != kNone) continue;
+            points.seen[q] = round;
+            const BranchPoint member = closest(q, from.t);
+            if (member.squared <= reach * reach) members.push_back(member);
+        }
+    }
+    double sum = 0;
+    for (const BranchPoint& m : members) sum += std::sqrt(m.squared);
+    return sum / static_cast<double>(members.size());
+}
+
+/// Moments of the points near a node of the line, in steps along it.
+struct Moments {
+    double w = 0, x = 0, xx = 0;
+    Vec3d p, xp;
+
+    void add(double along, double weight, Vec3d at) {
+        w += weight;
+        x += weight * along;
+        xx += weight * along * along;
+        p += weight * at;
+        xp += (weight * along) * at;
+    }
+    /// Of the line fitted to the points the place at the node; their mean where they have no length.
+    Vec3d middle() const {
+        const double spread = xx * w - x * x;
+        return spread > 0.05 * w * w ? (p * xx - xp * x) / spread : p / w;
+    }
+};
+
+/// The moments about `count` + 1 nodes `h` [m] apart, where `way` [m] is the length up to each point of the
+/// line.
+std::vector<Moments> moments_along(const Centerline& branch, const BranchPoints& points,
+                                   std::span<const double> way, std::size_t count, double h) {
+    std::vector<Moments> moments(count + 1);
+    for (const BranchPoint& m : branch.members) {
+        const std::size_t k = std::min(static_cast<std::size_t>(m.t), branch.line.size() - 2);
+        const double s = std::lerp(way[k], way[k + 1], m.t - static_cast<double>(k)) / h;
+        const Vec3d p(points.position[m.point]);
+        const auto first = static_cast<std::size_t>(std::max(0.0, std::ceil(s - kWindow)));
+        for (std::size_t j = first; j <= count && static_cast<double>(j) < s + kWindow; ++j) {
+            const double x = s - static_cast<double>(j);
+            moments[j].add(x, 1 - x * x / (kWindow * kWindow), p);
+        }
+    }
+    return moments;
+}
+
+/// Replaces the line by one through the middle of its members, with nodes a step or most of a radius apart.
+void recentre(Centerline& branch, const BranchPoints& points) {
+    const auto& line = branch.line;
+    std::vector<double> way(line.size(), 0);
+    for (std::size_t i = 1; i < line.size(); ++i) way[i] = way[i - 1] + distance(line[i], line[i - 1]);
+    const double whole = way.back();
+    const double wanted = whole / std::max(points.step * branch.spacing, kStep * branch.radius);
+    const auto count = static_cast<std::size_t>(std::clamp(wanted, 1.0, kMostNodes));
+    const double h = whole / static_cast<double>(count);
+    if (!(h > 0)) return;
+    const std::vector<Moments> moments = moments_along(branch, points, way, count, h);
+    std::vector<Vec3d> next(count + 1);
+    std::size_t k = 0;
+    for (std::size_t j = 0; j <= count; ++j) {
+        const double along = h * static_cast<double>(j);
+        while (k + 2 < line.size() && way[k + 1] < along) ++k;
+        const double l = way[k + 1] - way[k];
+        next[j] = lerp(line[k], line[k + 1], l > 0 ? std::clamp((along - way[k]) / l, 0.0, 1.0) : 0);
+        if (moments[j].w > 0) next[j] = moments[j].middle();
+    }
+    branch.line.swap(next);
+}
+
+}  // namespace
+
+std::uint32_t trace_path(Centerline& branch, const BranchPoints& points, std::uint32_t start,
+                         const Paths& paths) {
+    branch.path.clear();
+    branch.line.clear();
+    std::uint32_t p = start;
+    double sum = 0;
+    for (; points.node[p] == kNone; p = paths.parent[p]) {
+        branch.path.push_back(p);
+        sum += points.spacing[p];
+    }
+    branch.spacing =
+        branch.path.empty() ? double{points.spacing[p]} : sum / static_cast<double>(branch.path.size());
+    std::ranges::reverse(branch.path);
+    branch.line.push_back(Vec3d(points.position[p]));
+    for (const std::uint32_t q : branch.path) branch.line.push_back(Vec3d(points.position[q]));
+    return p;
+}
+
+double line_length(const Centerline& branch) {
+    double sum = 0;
+    for (std::size_t i = 1; i < branch.line.size(); ++i) sum += distance(branch.line[i], branch.line[i - 1]);
+    return sum;
+}
+
+void fit_centerline(Centerline& branch, BranchPoints& points, double thickest) {
+    smooth(branch.line);
+    branch.radius = 0;
+    double reach = kFirstReach * branch.spacing;
+    gather_members(branch, points, reach);
+    recentre(branch, points);
+    branch.radius = gather_members(branch, points, reach);
+    const double most = std::min(kMostReach * branch.spacing, kOfOwner * thickest - kLess * branch.spacing);
+    for (; kWiden * reach <= most; reach *= kWiden) {
+        const std::vector<Vec3d> line = branch.line;
+        const std::vector<BranchPoint> members = branch.members;
+        recentre(branch, points);
+        const double wider = gather_members(branch, points, kWiden * reach);
+        if (wider < kGrowth * branch.radius) {
+            branch.line = line;
+            branch.members = members;
+            break;
+        }
+        branch.radius = wider;
+    }
+}
+
+std::uint32_t add_branch(const Centerline& branch, DraftTree& tree, std::vector<std::uint32_t>& node,
+                         std::uint32_t owner) {
+    const std::uint32_t first = tree.size();
+    const double radius = std::min(branch.radius, tree.radius[owner]);
+    std::uint32_t last = owner;
+    for (std::size_t k = 1; k < branch.line.size(); ++k) last = tree.add(last, branch.line[k], radius);
+    for (const BranchPoint& m : branch.members)
+        node[m.point] = first + std::min(static_cast<std::uint32_t>(m.t), tree.size() - first - 1);
+    return last;
+}
+
+}  // namespace coppice::extract_internal

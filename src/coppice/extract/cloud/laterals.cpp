@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "coppice/base/round_cone.h"
+#include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/tree/draft_edit_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr double kBend = 2;       // how much a detour by bending counts, against length
+constexpr double kReach = 3;      // [radius] of what it leaves, how far from its fork a lateral may start
+constexpr double kDirection = 5;  // [radius] over which the direction of a lateral is taken
+constexpr int kPlaces = 8;        // on a segment, that a lateral may start from
+
+/// A place on the segment that ends at `node`.
+struct Place {
+    std::uint32_t node = kNone;
+    double t = 1;  ///< from the parent, 0, to the node, 1
+    Vec3d at;
+    double radius = 0;
+    double cost = std::numeric_limits<double>::infinity();
+};
+
+struct Move {
+    std::uint32_t lateral;
+    Place to;
+};
+
+/// What laterals are moved on: the tree with its axes, and the nodes that go.
+struct Laterals {
+    DraftTree& tree;
+    std::vector<std::uint32_t> next;  ///< per node, on its axis
+    DraftLinks links;
+    std::vector<char> gone;
+    std::vector<std::uint32_t> stands_for;  ///< per node: itself, or the next one tipward where it goes
+};
+
+/// Visits the segments of the axis that a fork lies on, as far as a lateral from p may start.
+template <class Visit>
+void visit_host(const Laterals& l, std::uint32_t fork, Vec3d p, const Visit& visit) {
+    const DraftTree& tree = l.tree;
+    const double reach = kReach * tree.radius[fork] + distance(p, tree.position[fork]);
+    double way = 0;
+    for (std::uint32_t q = fork; tree.parent[q] != kNone && way < reach; q = tree.parent[q]) {
+        visit(q);
+        way += distance(tree.position[q], tree.position[tree.parent[q]]);
+    }
+    way = 0;
+    for (std::uint32_t q = l.next[fork]; q != kNone && way < reach; q = l.next[q]) {
+        visit(q);
+        way += distance(tree.position[q], tree.position[tree.parent[q]]);
+    }
+}
+
+/// The first node of a lateral that lies outside of what it leaves; those before it are marked as gone.
+std::uint32_t outer_node(Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
+    std::uint32_t n = lateral;
+    for (; l.next[n] != kNone && l.links.children(n).size() == 1; n = l.next[n]) {
+        const Vec3d p = l.tree.position[n];
+        bool inside = false;
+        visit_host(l, fork, p, [&](std::uint32_t q) {
+            inside = inside || axis_cone(l.tree, q).foot(p).signed_distance() <= 0;
+        });
+        if (!inside) break;
+        l.gone[n] = 1;
+        l.stands_for[n] = l.next[n];
+    }
+    return n;
+}
+
+/// Where a lateral points to, as seen over some radii.
+Vec3d direction_of(const Laterals& l, std::uint32_t n) {
+    const DraftTree& tree = l.tree;
+    std::uint32_t m = n;
+    while (l.next[m] != kNone && distance(tree.position[m], tree.position[n]) < kDirection * tree.radius[n])
+        m = l.next[m];
+    return normalized(tree.position[m] - tree.position[n], {});
+}
+
+/// The place from which the way to a lateral is short and leads on as the lateral does.
+Place best_place(const Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
+    const Vec3d start = l.tree.position[lateral], direction = direction_of(l, lateral);
+    Place best;
+    visit_host(l, fork, start, [&](std::uint32_t q) {
+        const std::uint32_t parent = l.tree.parent[q];
+        if (l.gone[q] || l.gone[parent]) return;
+        const RoundCone cone = axis_cone(l.tree, q);
+        // The first segment of another lateral is about to move: only its end will do.
+        for (int k = l.next[parent] == q ? 0 : kPlaces; k <= kPlaces; ++k) {
+            const double t = static_cast<double>(k) / kPlaces;
+            const Vec3d at = cone.point(t), way = start - at;
+            const double length_of_way = length(way);
+            const double cost = length_of_way + kBend * (length_of_way - dot(way, direction));
+            if (cost < best.cost) best = {q, t, at, cone.radius(t), cost};
+        }
+    });
+    return best;
+}
+
+/// Attaches the laterals where they belong. Of several on one segment the new nodes follow one another.
+void carry_out(DraftTree& tree, std::vector<Move>& moves) {
+    std::ranges::stable_sort(moves, [](const Move& a, const Move& b) {
+        return a.to.node != b.to.node ? a.to.node < b.to.node : a.to.t < b.to.t;
+    });
+    for (std::size_t i = 0; i < moves.size();) {
+        const std::uint32_t node = moves[i].to.node;
+        std::uint32_t parent = tree.parent[node];
+        double last = 0;
+        for (; i < moves.size() && moves[i].to.node == node; ++i) {
+            const Place& to = moves[i].to;
+            if (to.t > last && to.t < 1) {
+                parent = tree.add(parent, to.at, to.radius);
+                last = to.t;
+            }
+            tree.parent[moves[i].lateral] = to.t == 1 ? node : parent;
+        }
+        tree.parent[node] = parent;
+    }
+}
+
+}  // namespace
+
+void reattach_laterals(DraftTree& tree, FitSamples& samples, const Context& ctx) {
+    const std::uint32_t size = tree.size();
+    Laterals l{tree, axis_children(tree), DraftLinks(tree), std::vector<char>(size, 0),
+               std::vector<std::uint32_t>(size)};
+    std::iota(l.stands_for.begin(), l.stands_for.end(), 0u);
+    std::vector<Move> moves;
+    for (std::uint32_t n = 0; n < size; ++n) {
+        const std::uint32_t fork = tree.parent[n];
+        if (fork == kNone || l.next[fork] == n) continue;
+        ctx.throw_if_cancelled();
+        const std::uint32_t outer = outer_node(l, n, fork);
+        const Place place = best_place(l, outer, fork);
+        if (place.node != kNone) {
+            moves.push_back({outer, place});
+        } else {
+            tree.parent[outer] = fork;
+        }
+    }
+    carry_out(tree, moves);
+    l.gone.resize(tree.size(), 0);
+    const auto new_of_old = sort_parents_first(tree, l.gone);
+    for (std::uint32_t& n : samples.node) {
+        if (n == kNone) continue;
+        while (l.stands_for[n] != n) n = l.stands_for[n];
+        n = new_of_old[n];
+    }
+}
+
+}  // namespace coppice::extract_internal
