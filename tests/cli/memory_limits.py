@@ -41,7 +41,7 @@ def make_inputs():
             file.write("%d 1 %.3f %.3f %.3f 0.05 %d\n" % (i + 1, *place, i or -1))
             place = [x + random.gauss(0, 0.2) for x in place[:2]] + [place[2] + 0.3]
     rings, sides = 5000, 20
-    points = ["%.4f %.4f %.4f\n" % (0.1 * math.cos(math.tau * k / sides), 0.1 * math.sin(math.tau * k / sides), 0.02 * i)
+    points = ["%.4f %.4f %.4f\n" % (1.5 * math.cos(math.tau * k / sides), 1.5 * math.sin(math.tau * k / sides), 0.02 * i)
               for i in range(rings) for k in range(sides)]
     with open("tube.xyz", "w") as file:
         file.writelines(points)
@@ -69,8 +69,8 @@ def peak_of(program, words, limit):
 
 
 def complaints(command, limit, before, code, err, peak):
-    done = code == 0 or (code == 1 and command.startswith("check"))  # the tube is open
-    if not (done or code == 3) or (done and err):
+    faulty = code == 1 and command.startswith("check")  # the tube is open, and not about that skeleton
+    if code not in (0, 3) and not faulty or (code == 0 and err):
         yield f"exit code {code}"
     if code == 3 and (err.count("\n") != 1 or not ("memory" in err or " MiB" in err)):
         yield "not one sentence about memory"
