@@ -39,7 +39,7 @@ TEST(Precondition, ABrokenPreconditionIsThrownWithItsPlaceAndNotPrinted) {
     EXPECT_TRUE(text.ends_with("precondition broken: 2 < 1")) << text;
 }
 
-// No user can mend it, so it must not be told like the user's mistakes.
+// No user can repair it, so it must not be told like the user's mistakes.
 TEST(Precondition, ABrokenPreconditionIsNoErrorOfTheUser) {
     EXPECT_FALSE((std::is_base_of_v<Error, PreconditionBroken>));
 }

@@ -53,7 +53,7 @@ std::vector<NodeId> neighbours(const Skeleton& s, NodeId segment) {
     return all;
 }
 
-/// The segments that hang together with the seed through segments that contribute at one of the points.
+/// The segments that are connected with the seed through segments that contribute at one of the points.
 std::set<std::uint32_t> connected_contributors(const Skeleton& s, const ConvolutionField& field, NodeId seed,
                                                const std::vector<Vec3>& points) {
     std::set<std::uint32_t> found{seed.index()};

@@ -95,7 +95,7 @@ TEST(GlobalWeights, ABallKeepsItsRadius) {
 TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
     const Skeleton s({NodeId{}, NodeId(0), NodeId{}, NodeId(2)},
                      {{0, 0, 0}, {0, 0, 30}, {0, 0, 0}, {0, 0, 30}}, {1, 1, 1, 1});
-    // The trees do not hang together: each fits its own points alone. As one tree they would be halved.
+    // The trees are not connected: each fits its own points alone. As one tree they would be halved.
     EXPECT_NEAR(global_weights(s, global()).factors[1], 1, 0.01);
     const Skeleton one({NodeId{}, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 30}, {0, 0, 30}}, {1, 1, 1});
     const GlobalWeights w = global_weights(one, global());

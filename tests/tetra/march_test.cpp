@@ -397,7 +397,7 @@ TEST(March, NeverMovesTheHull) {
 struct RegionField {
     KernelField field;
     std::vector<Box3> boxes;
-    std::atomic<std::uint64_t>* strays;
+    std::atomic<std::uint64_t>* outside;
     std::atomic<std::uint64_t>* samples;
     float level() const { return field.level(); }
     void sample(std::uint32_t region, std::span<const Vec3> points, std::span<FieldSample> out) const {
@@ -406,26 +406,26 @@ struct RegionField {
         for (const Vec3 p : points) {
             Box3 point;
             point.extend(p);
-            *strays += boxes.at(region).inflated(1e-4f).overlaps(point) ? 0 : 1;
+            *outside += boxes.at(region).inflated(1e-4f).overlaps(point) ? 0 : 1;
         }
     }
 };
 
 TEST(March, AsksEveryRegionAboutItself) {
     const TetraMesh mesh = bcc_block({6, 6, 6}, 1, {-3, -3, -3});
-    std::atomic<std::uint64_t> strays = 0, samples = 0;
-    RegionField field{ball_field({}, 1.7f), std::vector<Box3>(mesh.region_count()), &strays, &samples};
+    std::atomic<std::uint64_t> outside = 0, samples = 0;
+    RegionField field{ball_field({}, 1.7f), std::vector<Box3>(mesh.region_count()), &outside, &samples};
     for (std::uint32_t r = 0; r < mesh.region_count(); ++r) {
         for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
             for (const std::uint32_t v : mesh.tetra[t]) field.boxes[r].extend(mesh.positions[v]);
         }
     }
     const MarchResult r = march(mesh, FieldRef(field), {.snap = 0, .refinements = 0});
-    EXPECT_EQ(strays, 0u);
+    EXPECT_EQ(outside, 0u);
     EXPECT_EQ(samples, r.report.vertices) << "each fine vertex once";
     march(mesh, FieldRef(field), {.snap = 0, .refinements = 3});
     EXPECT_EQ(samples, 2 * r.report.vertices + 3 * r.mesh.positions.size());
-    EXPECT_EQ(strays, 0u);
+    EXPECT_EQ(outside, 0u);
 }
 
 TEST(March, RefinementsComeNearerToTheSurface) {

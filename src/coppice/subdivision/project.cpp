@@ -105,9 +105,9 @@ struct Ray {
 // points at a time.
 class RayBatch {
   public:
-    // Vertices that no surface was found for are appended to `strays`.
-    RayBatch(const Task& task, ProjectReport& report, std::vector<std::uint32_t>& strays)
-        : task_(task), report_(report), strays_(strays) {}
+    // Vertices that no surface was found for are appended to `unprojected`.
+    RayBatch(const Task& task, ProjectReport& report, std::vector<std::uint32_t>& unprojected)
+        : task_(task), report_(report), unprojected_(unprojected) {}
 
     void add(std::uint32_t vertex, Vec3 anchor) {
         ++report_.vertices;
@@ -168,7 +168,7 @@ class RayBatch {
         if (outcome == RayOutcome::converged) return;
         ++report_.not_converged;
         report_.anchors_outside += outcome == RayOutcome::no_surface;
-        strays_.push_back(vertex_[k]);
+        unprojected_.push_back(vertex_[k]);
     }
     // Out of evaluations.
     void give_up(std::size_t k) {
@@ -184,7 +184,7 @@ class RayBatch {
 
     const Task& task_;
     ProjectReport& report_;
-    std::vector<std::uint32_t>& strays_;
+    std::vector<std::uint32_t>& unprojected_;
     std::size_t size_ = 0;
     std::array<std::uint32_t, kFieldBatch> vertex_;
     RayLanes rays_{};
@@ -253,20 +253,20 @@ class GradientBatch {
 };
 
 // Vertices of one region whose rays found no surface: along the gradient, from where they were.
-void follow_gradient(const Task& task, std::uint32_t region, std::vector<std::uint32_t>& strays,
+void follow_gradient(const Task& task, std::uint32_t region, std::vector<std::uint32_t>& unprojected,
                      ProjectReport& report) {
-    if (strays.empty()) return;
+    if (unprojected.empty()) return;
     ProjectReport again;
     const auto batch = std::make_unique<GradientBatch>(task, again);
-    for (const std::uint32_t v : strays) {
+    for (const std::uint32_t v : unprojected) {
         batch->add(v, task.anchors[v]);
         if (batch->full()) batch->move(region);
     }
     batch->move(region);
     report.evaluations += again.evaluations;
     report.max_evaluations = std::max(report.max_evaluations, again.max_evaluations);
-    report.not_converged -= strays.size() - again.not_converged;
-    strays.clear();
+    report.not_converged -= unprojected.size() - again.not_converged;
+    unprojected.clear();
 }
 
 // What one pass runs over.
@@ -306,11 +306,11 @@ ProjectReport project_faces(const Task& task, const Surface& surface, IndexRange
         project_faces(*batch, task, surface, faces, [&](std::uint32_t region) { batch->move(region); });
         return report;
     }
-    std::vector<std::uint32_t> strays;
-    const auto batch = std::make_unique<RayBatch>(task, report, strays);
+    std::vector<std::uint32_t> unprojected;
+    const auto batch = std::make_unique<RayBatch>(task, report, unprojected);
     project_faces(*batch, task, surface, faces, [&](std::uint32_t region) {
         batch->move(region);
-        follow_gradient(task, region, strays, report);
+        follow_gradient(task, region, unprojected, report);
     });
     return report;
 }
@@ -320,7 +320,7 @@ ProjectReport project_faces(const Task& task, const Surface& surface, IndexRange
 class FlatEndPass {
   public:
     FlatEndPass(const Task& task, const Surface& surface)
-        : task_(task), surface_(surface), rays_(std::make_unique<RayBatch>(task, report_, strays_)) {}
+        : task_(task), surface_(surface), rays_(std::make_unique<RayBatch>(task, report_, unprojected_)) {}
 
     void project(std::size_t end) {
         const ClipPlane& plane = surface_.regions.clips[end];
@@ -364,7 +364,7 @@ class FlatEndPass {
             if (rays_->full()) rays_->move(region);
         }
         rays_->move(region);
-        strays_.clear();  // they have stayed where they were, which keeps the rim whole
+        unprojected_.clear();  // they have stayed where they were, which keeps the rim whole
         for (const RimVertex& r : rim_) task_.positions[r.vertex] = dropped(task_.positions[r.vertex], plane);
     }
 
@@ -382,7 +382,7 @@ class FlatEndPass {
     const Task& task_;
     const Surface& surface_;
     ProjectReport report_;
-    std::vector<std::uint32_t> strays_;
+    std::vector<std::uint32_t> unprojected_;
     std::unique_ptr<RayBatch> rays_;
     std::vector<RimVertex> rim_;
 };

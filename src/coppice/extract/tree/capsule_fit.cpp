@@ -177,7 +177,9 @@ TreeSystem assemble(const DraftTree& tree, std::span<const Block> blocks, double
 
 /// Eliminates the nodes from the tips to the root, and solves for them on the way back.
 std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context& ctx) {
-    auto& [diagonal, across, right] = system;
+    auto& diagonal = system.diagonal;
+    auto& across = system.across;
+    auto& right = system.right;
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         poll_stop(ctx, n);
         const std::uint32_t q = tree.parent[n];

@@ -149,8 +149,8 @@ class PolygonSkeleton {
         V odd = zero();
         for (std::uint32_t i = first_; i < first_ + count_; ++i) odd = hn::Xor(odd, crossed(i, q));
         const auto inside = hn::Ne(odd, zero());
-        const auto mend = [&](V v) { return hn::IfThenElse(inside, zero(), v); };
-        const Point away{mend(nearest.away.x), mend(nearest.away.y), q.z};
+        const auto zero_inside = [&](V v) { return hn::IfThenElse(inside, zero(), v); };
+        const Point away{zero_inside(nearest.away.x), zero_inside(nearest.away.y), q.z};
         return {squared_length(away), away};
     }
 
