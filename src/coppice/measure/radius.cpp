@@ -98,7 +98,6 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton,
 }
 
 std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
-    constexpr std::size_t kGrain = 1024;
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
     std::vector<float> out(mesh.positions.size());
     parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
