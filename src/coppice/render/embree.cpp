@@ -18,7 +18,6 @@ EmbreeDevice new_embree_device(const Context& ctx) {
 void attach_geometry(RTCScene scene, RTCGeometry geometry) {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
 }
 
 void commit_scene(RTCDevice device, RTCScene scene, const Context& ctx) {

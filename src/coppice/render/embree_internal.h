@@ -19,6 +19,7 @@ struct Release {
 };
 using EmbreeDevice = std::unique_ptr<RTCDevice, Release<RTCDevice, rtcReleaseDevice>>;
 using EmbreeScene = std::unique_ptr<RTCScene, Release<RTCScene, rtcReleaseScene>>;
+using EmbreeGeometry = std::unique_ptr<RTCGeometry, Release<RTCGeometry, rtcReleaseGeometry>>;
 
 /// Throws Unsupported where the processor is too old.
 EmbreeDevice new_embree_device(const Context& ctx);
@@ -32,7 +33,7 @@ std::span<T> new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCForm
     return {static_cast<T*>(data), count};
 }
 
-/// Commits the geometry and hands it over to the scene.
+/// Commits the geometry; the scene keeps it alive from then on.
 void attach_geometry(RTCScene scene, RTCGeometry geometry);
 
 /// Builds the scene's tree; throws Cancelled, std::bad_alloc, Unsupported.

@@ -136,14 +136,14 @@ class Target {
         device_ = new_embree_device(ctx);
         scene_.reset(rtcNewScene(device_.get()));
         rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-        RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-        const auto positions = new_embree_buffer<Vec3>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
-                                                       mesh_.positions.size());
-        const auto triangles = new_embree_buffer<Triangle>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
-                                                           mesh_.triangles.size());
+        const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+        const auto positions = new_embree_buffer<Vec3>(geometry.get(), RTC_BUFFER_TYPE_VERTEX,
+                                                       RTC_FORMAT_FLOAT3, mesh_.positions.size());
+        const auto triangles = new_embree_buffer<Triangle>(geometry.get(), RTC_BUFFER_TYPE_INDEX,
+                                                           RTC_FORMAT_UINT3, mesh_.triangles.size());
         parallel_for(ctx, positions.size(), kGrain, [&](std::size_t i) { positions[i] = Vec3(at(i)); });
         std::ranges::copy(mesh_.triangles, triangles.begin());
-        attach_geometry(scene_.get(), geometry);
+        attach_geometry(scene_.get(), geometry.get());
         commit_scene(device_.get(), scene_.get(), ctx);
     }
 

@@ -45,16 +45,16 @@ struct Tubes {
 
 void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::vector<Ball>& balls) {
     if (balls.empty()) return;
-    RTCGeometry geometry = rtcNewGeometry(device, type);
-    std::ranges::copy(
-        balls,
-        new_embree_buffer<Ball>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, balls.size()).begin());
+    const EmbreeGeometry geometry(rtcNewGeometry(device, type));
+    std::ranges::copy(balls, new_embree_buffer<Ball>(geometry.get(), RTC_BUFFER_TYPE_VERTEX,
+                                                     RTC_FORMAT_FLOAT4, balls.size())
+                                 .begin());
     if (type == RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE) {
-        const auto first = new_embree_buffer<std::uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT,
-                                                            balls.size() / 2);
+        const auto first = new_embree_buffer<std::uint32_t>(geometry.get(), RTC_BUFFER_TYPE_INDEX,
+                                                            RTC_FORMAT_UINT, balls.size() / 2);
         for (std::size_t i = 0; i < first.size(); ++i) first[i] = static_cast<std::uint32_t>(2 * i);
     }
-    attach_geometry(scene, geometry);
+    attach_geometry(scene, geometry.get());
 }
 
 }  // namespace
@@ -148,14 +148,14 @@ void TracedScene::collect_frame_points(const RenderScene& scene, float skeleton_
 
 EmbreeScene TracedScene::build_mesh(const Context& ctx) {
     EmbreeScene scene(rtcNewScene(device_.get()));
-    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD);
+    const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD));
     const auto positions =
-        new_embree_buffer<Vec3>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
+        new_embree_buffer<Vec3>(geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
     const auto quads =
-        new_embree_buffer<Quad>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, quads_.size());
+        new_embree_buffer<Quad>(geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, quads_.size());
     parallel_for(ctx, positions.size(), kGrain, [&](std::size_t i) { positions[i] = positions_[i]; });
     parallel_for(ctx, quads.size(), kGrain, [&](std::size_t i) { quads[i] = quads_[i]; });
-    attach_geometry(scene.get(), geometry);
+    attach_geometry(scene.get(), geometry.get());
     commit_scene(device_.get(), scene.get(), ctx);
     return scene;
 }
