@@ -18,6 +18,11 @@ inline Context part_of(const Context& ctx, float begin, float end) {
     return part;
 }
 
+/// Looks for a stop every 65,536 turns of a long loop of short ones. Throws Cancelled.
+inline void poll_stop(const Context& ctx, std::size_t turn) {
+    if (turn % 65536 == 0) ctx.throw_if_cancelled();
+}
+
 /// One look up from a long loop, after `done` of `total` steps: throws Cancelled when a stop was asked for,
 /// else reports how far the work is.
 inline void check_in(const Context& ctx, std::size_t done, std::size_t total) {

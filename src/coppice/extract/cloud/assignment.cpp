@@ -5,10 +5,10 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
-#include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -180,7 +180,7 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
     Buffer<float> radius;
     radius.assign(count, 0);
     samples.node.assign(count, kNone);
-    stoppable_for(ctx, count, kGrain, [&](std::size_t i) {
+    parallel_for(ctx, count, kGrain, [&](std::size_t i) {
         double best = std::numeric_limits<double>::infinity();
         const Vec3d p(samples.positions[i]);
         cones.visit(samples.positions[i], static_cast<float>(kLook * spacing[i]), [&](std::uint32_t n) {
@@ -209,7 +209,7 @@ std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<co
     const auto branch = branches_of(tree, links);
     std::vector<NearestBranches> nearest(samples.positions.size());
     std::vector<std::uint32_t> key(nearest.size(), kNone);
-    stoppable_for(ctx, nearest.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, nearest.size(), kGrain, [&](std::size_t i) {
         nearest[i] = nearest_branches(cones, branch, noise, samples.positions[i], spacing[i]);
         if (nearest[i].first != kNone) key[i] = branch[nearest[i].first];
     });

@@ -3,8 +3,8 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/cloud/bins_internal.h"
-#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {

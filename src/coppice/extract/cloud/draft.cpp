@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "coppice/base/median.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/points/clean_internal.h"
-#include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 #include "coppice/extract/tree/simplify_internal.h"
 
@@ -67,11 +67,11 @@ void refine(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
     assign_stem_bases(draft, cloud.bases);
     grow_chains(draft.tree, draft.samples, cloud, distances, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    fit(draft, kLongFit, stage_context(ctx, 0.3f, 0.7f));
+    fit(draft, kLongFit, part_of(ctx, 0.3f, 0.7f));
     simplify(draft.tree, draft.samples, kTolerance);
     draft.pruned += prune_redundant(draft.tree, draft.samples, cloud.spacing, distances.noise, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    fit(draft, kShortFit, stage_context(ctx, 0.8f, 1));
+    fit(draft, kShortFit, part_of(ctx, 0.8f, 1));
     draft.ends = extend_ends(draft.tree, draft.samples);
 }
 
@@ -101,17 +101,17 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const DraftClou
                             const Context& ctx) {
     CloudDraft draft{std::move(tubes), std::move(samples)};
     if (draft.tree.size() > 0) {
-        fit(draft, kLongFit, stage_context(ctx, 0, kFitted));
+        fit(draft, kLongFit, part_of(ctx, 0, kFitted));
         assign_points(draft.tree, draft.samples, cloud.spacing, ctx);
     }
     draft.reached = attach_tubes(draft.tree, draft.samples, cloud, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    fit(draft, kLongFit, stage_context(ctx, kFitted, kAttached));
+    fit(draft, kLongFit, part_of(ctx, kFitted, kAttached));
     extend_ends(draft.tree, draft.samples);
     for (int k = 0; k < kRounds; ++k) {
         const float share = (kRefined - kAttached) / kRounds,
                     start = kAttached + static_cast<float>(k) * share;
-        refine(draft, cloud, stage_context(ctx, start, start + share));
+        refine(draft, cloud, part_of(ctx, start, start + share));
     }
     correct_swollen_radii(draft.tree);
     const double least = kLeast * double{median(cloud.spacing)};

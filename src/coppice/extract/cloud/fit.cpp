@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "coppice/base/compressed_rows.h"
-#include "coppice/extract/stage_internal.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/tree/circle_fit_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 
@@ -149,7 +149,7 @@ void fit_axes(CloudTree& tree, std::uint32_t first, std::span<const Vec3> points
     for (int pass = 0; pass < passes; ++pass) {
         const Axes axes = axes_of(tree, points);
         std::vector<Measured> measured(tree.size());
-        stoppable_for_ranges(ctx, tree.size(), 64, [&](IndexRange range) {
+        parallel_for_ranges(ctx, tree.size(), 64, [&](IndexRange range) {
             std::vector<PlanePoint> plane;
             for (std::size_t n = std::max<std::size_t>(range.begin, first); n < range.end; ++n) {
                 measured[n] = measure(axes, static_cast<std::uint32_t>(n), plane);

@@ -7,13 +7,13 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/cloud/clean_cloud_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tubes_internal.h"
 #include "coppice/extract/points/clean_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/points/leaves_internal.h"
-#include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 
 namespace coppice {
@@ -80,11 +80,11 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     ctx.report(kRootsFound);
 
     CloudTree tubes = find_tubes(points, graph, bases, spacing, {options.step, options.fit_passes},
-                                 stage_context(ctx, kRootsFound, kTubesFound));
+                                 part_of(ctx, kRootsFound, kTubesFound));
     FitSamples samples{points, {}, {tubes.node_of_point.begin(), tubes.node_of_point.end()}};
     const CloudDraft draft = draft_from_cloud(std::move(tubes), std::move(samples),
                                               {graph, bases, spacing, {options.step, options.twig}},
-                                              stage_context(ctx, kTubesFound, kDrafted));
+                                              part_of(ctx, kTubesFound, kDrafted));
     cleaning.unreached = points.size() - cleaning.outliers - draft.reached;
     CloudExtraction out{result_of(draft, set.origin, ctx), cleaning, {std::move(leaves), set.origin}};
     out.report.joined = bridges;

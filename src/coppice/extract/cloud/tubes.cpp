@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/bins_internal.h"
 #include "coppice/extract/cloud/fit_internal.h"
-#include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -127,7 +127,7 @@ void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, const Contex
         owner.push_back(n);
     }
     const BoxTree index(boxes, ctx);
-    stoppable_for(ctx, points.size(), 4096, [&](std::size_t i) {
+    parallel_for(ctx, points.size(), 4096, [&](std::size_t i) {
         double best = 1 + kSlack;
         std::uint32_t found = kNone;
         const Vec3d p(points[i]);

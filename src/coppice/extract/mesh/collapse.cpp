@@ -1,10 +1,11 @@
 #include "coppice/extract/mesh/collapse_internal.h"
-#include "coppice/extract/stage_internal.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <queue>
+
+#include "coppice/base/progress.h"
 
 namespace coppice::extract_internal {
 namespace {

@@ -7,10 +7,10 @@
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/extract/mesh/cholesky_internal.h"
 #include "coppice/extract/mesh/collapse_internal.h"
-#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -157,10 +157,10 @@ void check_valences(const Surface& s) {
 
 Contraction contract(const Surface& s, const Context& ctx) {
     check_valences(s);
-    const Points thin = smoothed(s, stage_context(ctx, 0, kSmoothingShare));
+    const Points thin = smoothed(s, part_of(ctx, 0, kSmoothingShare));
     std::vector<Vec3d> at(s.size());
     for (std::uint32_t v = 0; v < s.size(); ++v) at[v] = point(thin, v);
-    Contraction out = collapse_to_graph(s, at, stage_context(ctx, kSmoothingShare, 1));
+    Contraction out = collapse_to_graph(s, at, part_of(ctx, kSmoothingShare, 1));
     center_nodes(s, out);
     measure_radii(s, ctx, out);
     return out;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/progress.h"
+
 namespace coppice::extract_internal {
 namespace {
 
@@ -42,7 +44,6 @@ bool later(const Candidate& a, const Candidate& b) {
 
 std::vector<double> march_distances(const Surface& s, std::span<const std::uint32_t> sources,
                                     const Context& ctx) {
-    constexpr std::size_t kPoll = 1 << 16;
     std::vector<double> distance(s.size(), std::numeric_limits<double>::infinity());
     std::vector<Candidate> heap;
     std::vector<char> fixed(s.size(), 0);
@@ -54,7 +55,7 @@ std::vector<double> march_distances(const Surface& s, std::span<const std::uint3
     };
     for (const std::uint32_t v : sources) offer(v, 0);
     for (std::size_t step = 1; !heap.empty(); ++step) {
-        if (step % kPoll == 0) ctx.throw_if_cancelled();
+        poll_stop(ctx, step);
         const auto [d, v] = heap.front();
         std::pop_heap(heap.begin(), heap.end(), later);
         heap.pop_back();

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/mesh/contraction_internal.h"
 #include "coppice/extract/mesh/distance_internal.h"
 #include "coppice/extract/mesh/ring_tree_internal.h"
-#include "coppice/extract/stage_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 #include "coppice/extract/tree/simplify_internal.h"
 
@@ -41,7 +41,7 @@ class Stages {
     void run(std::string_view name, float done, const Work& work) {
         ctx_.throw_if_cancelled();
         const auto start = std::chrono::steady_clock::now();
-        work(stage_context(ctx_, done_, done));
+        work(part_of(ctx_, done_, done));
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
         times_.emplace_back(name, took.count());
         ctx_.report(done_ = done);
@@ -130,8 +130,7 @@ std::size_t draft_from_rings(Draft& draft, const FromMeshOptions& options, const
     const Surface& s = draft.surface;
     const Sources sources = sources_of(s, static_cast<int>(options.up), wanted_root(options, draft.origin));
     const std::vector<double> distance = march_distances(s, sources.vertices, ctx);
-    const RingForest forest =
-        follow_chains(s, distance, sources.from_border, stage_context(ctx, kMarchShare, 1));
+    const RingForest forest = follow_chains(s, distance, sources.from_border, part_of(ctx, kMarchShare, 1));
     if (forest.chains.empty())
         throw InvalidInput("no piece of the mesh is long enough to have an axis; a skeleton needs a branch");
     RingTree rings = connect_rings(s, forest);
@@ -206,9 +205,9 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
     });
     stages.run("refine", 0.99f, [&](const Context& stage) {
         simplify(tree, samples, options.tolerance);
-        fit(kLastFit, kNarrow, stage_context(stage, 0, 0.5f));
+        fit(kLastFit, kNarrow, part_of(stage, 0, 0.5f));
         simplify(tree, samples, options.tolerance);
-        fit(kLastFit, kNarrow, stage_context(stage, 0.5f, 1));
+        fit(kLastFit, kNarrow, part_of(stage, 0.5f, 1));
         extend_ends(tree, samples);
     });
     stages.run("join", 1.0f, [&](const Context& stage) {

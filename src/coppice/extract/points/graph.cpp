@@ -9,7 +9,7 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/parallel.h"
-#include "coppice/extract/stage_internal.h"
+#include "coppice/base/progress.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -159,7 +159,7 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
         for (std::uint32_t i = 0; i < part_of.size(); ++i) part_of[i] = sets.find(parts.of[i]);
         nearest.set_parts(part_of);
         std::vector<Link> best(parts.size.size(), {kNone, kNone, 0});
-        stoppable_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
+        parallel_for(ctx, parts.size.size(), 16, [&](std::size_t part) {
             double squared = limit * limit;
             for (const std::uint32_t p : members[part]) {
                 if (ctx.stop.stop_requested()) return;  // one part may hold nearly all points

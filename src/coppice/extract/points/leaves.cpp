@@ -6,9 +6,9 @@
 
 #include "coppice/base/box.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/points/normal_dispersion_internal.h"
-#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -81,7 +81,7 @@ Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
     Buffer<float> value(scale.points.size()), scratch(scale.points.size());
     for (std::size_t i = 0; i < value.size(); ++i) value[i] = scale.dispersion.value[scale.of(i)];
     for (int pass = 0; pass < kSmoothPasses; ++pass) {
-        stoppable_for(ctx, value.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx, value.size(), kGrain, [&](std::size_t i) {
             float sum = value[i];
             for (const std::uint32_t j : near.of(i).first(count)) sum += value[j];
             scratch[i] = sum / static_cast<float>(count + 1);
@@ -127,7 +127,7 @@ Buffer<float> wood_reach(const Buffer<float>& beyond, const Neighbours& near, do
     Buffer<float> reach(beyond.size()), scratch(beyond.size());
     for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = beyond[i] > least ? beyond[i] / kSlender : -1;
     for (int pass = 0; pass < kReachPasses; ++pass) {
-        stoppable_for(ctx, reach.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx, reach.size(), kGrain, [&](std::size_t i) {
             float most = reach[i];
             for (std::uint32_t k = 0; k < near.count; ++k)
                 most = std::max(most, reach[near.of(i)[k]] - near.distances(i)[k]);

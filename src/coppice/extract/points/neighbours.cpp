@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/extract/points/neighbours_internal.h"
-#include "coppice/extract/stage_internal.h"
 #include "coppice/spatial/kd_tree.h"
 
 namespace coppice::extract_internal {
@@ -33,7 +33,7 @@ Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count,
     out.index.resize(points.size() * out.count);
     out.distance.resize(points.size() * out.count);
     const KdTree tree(points, ctx);
-    stoppable_for_ranges(ctx, points.size(), kGrain, [&](IndexRange range) {
+    parallel_for_ranges(ctx, points.size(), kGrain, [&](IndexRange range) {
         std::vector<std::uint32_t> index(out.count + 1);
         std::vector<double> squared(out.count + 1);
         for (std::size_t i = range.begin; i < range.end; ++i) {

@@ -3,8 +3,8 @@
 #include <functional>
 #include <limits>
 
+#include "coppice/base/progress.h"
 #include "coppice/extract/points/graph_internal.h"
-#include "coppice/extract/stage_internal.h"
 
 namespace coppice::extract_internal {
 namespace {

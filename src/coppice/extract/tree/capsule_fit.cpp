@@ -6,14 +6,11 @@
 #include <span>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/progress.h"
 #include "coppice/base/round_cone.h"
-#include "coppice/extract/stage_internal.h"
 
 namespace coppice {
 namespace {
-
-using extract_internal::poll_stop;
-using extract_internal::stoppable_for;
 
 constexpr std::uint32_t kNone = DraftTree::kNoParent;
 constexpr std::size_t kGrain = 4096;
@@ -70,7 +67,7 @@ std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i
 }
 
 void assign_samples(const Model& model, std::span<std::uint32_t> node, const Context& ctx) {
-    stoppable_for(ctx, node.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, node.size(), kGrain, [&](std::size_t i) {
         if (node[i] != kNone) node[i] = deepest_segment(model, node[i], i);
     });
 }
@@ -234,7 +231,7 @@ void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& option
     for (int k = 0; k < options.iterations; ++k) {
         assign_samples(model, samples.node, ctx);
         const auto samples_of = group_by(samples.node, tree.size());
-        stoppable_for(ctx, tree.size(), 64, [&](std::size_t i) {
+        parallel_for(ctx, tree.size(), 64, [&](std::size_t i) {
             const auto n = static_cast<std::uint32_t>(i);
             blocks[n] = normal_equations(model, n, samples_of[n], options.robust);
         });
@@ -250,7 +247,7 @@ std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& sample
     std::vector<float> out(samples.positions.size(), 0);
     const DraftLinks links(tree);
     const Model model{tree, links, samples.positions, samples.normals};
-    stoppable_for(ctx, out.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, out.size(), kGrain, [&](std::size_t i) {
         if (samples.node[i] != kNone)
             out[i] = static_cast<float>(model.foot(samples.node[i], i).signed_distance());
     });
