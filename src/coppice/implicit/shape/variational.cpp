@@ -138,8 +138,8 @@ Solution solve(std::span<const Constraint> points, const Context& ctx) {
     f.applyOnTheLeft(qr.householderQ().adjoint());
     ctx.throw_if_cancelled();
 
-    Eigen::VectorXd y(n);
-    y << Eigen::Vector4d::Zero(), solve_positive(a.bottomRightCorner(n - 4, n - 4), f.tail(n - 4), ctx);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(n);
+    y.tail(n - 4) = solve_positive(a.bottomRightCorner(n - 4, n - 4), f.tail(n - 4), ctx);
     Solution s;
     s.polynomial = r.solve(f.head<4>() - a.topRightCorner(4, n - 4) * y.tail(n - 4));
     y.applyOnTheLeft(qr.householderQ());
