@@ -35,8 +35,12 @@ ExitCode check(Run& run, const CheckFlags& flags) {
             "{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
             grouped(report.coverage->missing), grouped(report.coverage->judged), flags.skeleton.string(),
             flags.mesh.string()));
+    } else if (!report.holds_volume()) {
+        say(fmt::format("{:.3g} % of the volume of '{}' is missing in '{}', most of it at node {}",
+                        report.volume->missing_percent(), flags.skeleton.string(), flags.mesh.string(),
+                        report.volume->lumps.front().node.index()));
     }
-    return report.sound() && report.covers_skeleton() ? kDone : kCheckFailed;
+    return report.sound() && report.covers_skeleton() && report.holds_volume() ? kDone : kCheckFailed;
 }
 
 }  // namespace

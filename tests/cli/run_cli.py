@@ -49,6 +49,7 @@ def make_inputs():
     # Rings of 16 points on a stem of radius 0.1 and 2 m.
     stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
             for k in range(51) for i in range(16)]
+    write("burl.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.4 1\n3 1 0 0 2 0.1 2\n")  # the stem, swollen in the middle
     rows = ["%.4f %.4f %.4f" % p for p in stem]
     write("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1]) / 10, int(v[2]) / 10, int(v[3]) + 1),
                              CUBE) + "".join(CUBE_FACES))

@@ -37,6 +37,16 @@ TEST(RadiusDeviation, OfATrueCapsuleIsNone) {
     EXPECT_NEAR(r.tip_reach.p50, 1, 1e-6);
 }
 
+TEST(RadiusDeviation, OverAreasSeesThatChordsLieInside) {
+    // Four sides: distances on a chord are r cos(pi / 4) sqrt(1 + x^2), x even in [-1, 1]; the mean of the
+    // root is (sqrt 2 + asinh 1) / 2.
+    const double mean = std::cos(std::numbers::pi / 4) * (std::numbers::sqrt2 + std::asinh(1.0)) / 2 - 1;
+    const RadiusReport r = radius(tube(4, 2, 0.5f, 10), pole());
+    EXPECT_NEAR(r.areas.mean, mean, 1e-3);
+    EXPECT_NEAR(r.areas.min, std::cos(std::numbers::pi / 4) - 1, 1e-3);
+    EXPECT_EQ(r.areas.n, 10'000u);
+}
+
 TEST(RadiusDeviation, OfThickerAndThinnerOnes) {
     const RadiusReport thick = radius(capsule(32, 8, 0.6f, 0, 10), pole());
     EXPECT_NEAR(thick.regular.mean, 0.2, 1e-5);

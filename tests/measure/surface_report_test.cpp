@@ -28,12 +28,27 @@ TEST(CheckSurface, BringsAllTogether) {
     EXPECT_EQ(r.intersections->total, 0u);
     EXPECT_EQ(r.radius->all.n, m.positions.size());
     EXPECT_EQ(r.coverage->missing, 0u);
+    // 0.974 is the area of 16 sides over that of their circle; the base is round but is meant to be flat.
+    ASSERT_TRUE(r.volume);
+    EXPECT_TRUE(r.holds_volume());
+    EXPECT_GT(r.volume->ratio(), 0.98);
+    const SurfaceReport round = check_surface(m, &s, {.base = EndShape::round});
+    EXPECT_NEAR(round.volume->ratio(), 0.974, 0.002);
+}
+
+TEST(CheckSurface, SaysWhenVolumeIsMissing) {
+    // Half of the pole, by its length.
+    const Skeleton s = pole();
+    const SurfaceReport r = check_surface(capsule(16, 4, 0.5f, 0, 5), &s);
+    EXPECT_FALSE(r.holds_volume());
+    EXPECT_GT(r.volume->missing_percent(), 40);
+    EXPECT_EQ(r.coverage->missing, 0u);
 }
 
 TEST(CheckSurface, LeavesOutWhatIsNotAskedFor) {
     const SurfaceReport r = check_surface(cube(), nullptr, {.intersections = false});
-    EXPECT_FALSE(r.intersections || r.radius || r.coverage);
-    EXPECT_TRUE(r.sound());
+    EXPECT_FALSE(r.intersections || r.radius || r.coverage || r.volume);
+    EXPECT_TRUE(r.sound() && r.holds_volume());
     const Skeleton s = pole();
     EXPECT_TRUE(check_surface(cube(), &s, {.intersections = false}).coverage);
 }
@@ -98,7 +113,7 @@ struct Names {
     std::string prefix;
     std::string* all;
     template <class T>
-    void operator()(const char* name, const T& value) const {
+    void operator()(const std::string& name, const T& value) const {
         if constexpr (requires { visit_figures(value, *this); }) {
             visit_figures(value, Names{prefix + name + ".", all});
         } else {
@@ -115,7 +130,8 @@ TEST(Figures, AreNamedOnce) {
     for (const char* name :
          {"sound\n", "vertices\n", "euler\n", "open_edges\n", "scaled_jacobian.p1\n", "signed_volume\n",
           "intersections.local\n", "radius_all.n\n", "radius_regular.mean_abs\n", "tip_reach.p99\n",
-          "segments_missing\n", "segments_pinched\n", "middle_to_surface.p50\n"}) {
+          "segments_missing\n", "segments_pinched\n", "middle_to_surface.p50\n", "radius_areas.mean\n",
+          "volume.ratio\n", "volume.missing_percent\n"}) {
         EXPECT_NE(all.find(name), std::string::npos) << name;
     }
     std::string bare;

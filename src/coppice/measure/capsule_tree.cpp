@@ -93,9 +93,11 @@ std::vector<double> crowd_pieces(std::size_t capsules) {
 }  // namespace
 
 CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
-    : nodes_(nodes_with_parents(skeleton)),
-      cones_(cones_of(skeleton, nodes_, origin)),
-      boxes_(axis_boxes(cones_, std::array{1.0}), ctx) {
+    : CapsuleTree(nodes_with_parents(skeleton), cones_of(skeleton, nodes_with_parents(skeleton), origin),
+                  ctx) {}
+
+CapsuleTree::CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones, const Context& ctx)
+    : nodes_(std::move(nodes)), cones_(std::move(cones)), boxes_(axis_boxes(cones_, std::array{1.0}), ctx) {
     if (is_crowded(boxes_, cones_)) {
         const std::vector<double> ends = crowd_pieces(cones_.size());
         pieces_ = static_cast<std::uint32_t>(ends.size());

@@ -23,6 +23,9 @@ class CapsuleTree {
     /// `origin` is that of the points that will be asked about. The skeleton may go afterwards. O(n).
     CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx = {});
 
+    /// Of cones in the frame of the points, each with the node that names it. O(n).
+    CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones, const Context& ctx = {});
+
     /// number of capsules
     std::uint32_t size() const { return static_cast<std::uint32_t>(cones_.size()); }
     const RoundCone& cone(std::uint32_t i) const { return cones_[i]; }  ///< i < size()
@@ -40,6 +43,19 @@ class CapsuleTree {
 
     /// Whether a capsule other than `except` has rho below `rho`.
     bool any_within(Vec3d p, double rho, std::uint32_t except) const;
+
+    /// Calls visit(capsule, foot) for the capsules that have p, some of them more than once, until it returns
+    /// false.
+    template <class Visit>
+    void visit_containing(Vec3d p, const Visit& visit) const {
+        double limit = 1;
+        boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
+                      [&](std::uint32_t piece) {
+                          const std::uint32_t i = capsule_of(piece);
+                          const RoundCone::Foot foot = cones_[i].foot(p);
+                          if (limit > 0 && foot.relative_squared() <= 1 && !visit(i, foot)) limit = -1;
+                      });
+    }
 
     /// The distance from p to the nearest axis; infinite where there is none. O(log n).
     double axis_distance(Vec3d p) const;

@@ -18,6 +18,9 @@ struct RadiusReport {
     /// Of the vertices beside a segment, further than two radii from its ends where it ends in a branch node,
     /// root or tip.
     Statistics regular;
+    /// Deviation of points spread evenly over the area of the faces, which chords lower where vertices lie on
+    /// the radius. As many as vertices, at least 10,000.
+    Statistics areas;
     /// Of every tip that vertices belong to: how far they reach beyond it along the last segment, in radii of
     /// the tip. A round tip reads 1.
     Statistics tip_reach;

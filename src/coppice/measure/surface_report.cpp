@@ -1,6 +1,7 @@
 #include "coppice/measure/surface_report.h"
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/progress.h"
 
 namespace coppice {
 namespace {
@@ -16,7 +17,13 @@ void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const Capsule
         report.intersections = classify(crossing_faces(surface, limit, ctx), mesh, skeleton, capsules, ctx);
     }
     ctx.report(0.7f);
-    if (capsules != nullptr) report.coverage = coverage(surface, *capsules, ctx);
+    if (capsules == nullptr) return;
+    report.coverage = coverage(surface, *capsules, ctx);
+    ctx.throw_if_cancelled();
+    ctx.report(0.75f);
+    const ConeUnion solid(*skeleton, mesh.origin, options.base, options.tips, ctx);
+    report.volume =
+        volume_report(surface, report.shape.signed_volume, *skeleton, solid, part_of(ctx, 0.75f, 0.9f));
 }
 
 }  // namespace
@@ -36,7 +43,7 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     const CapsuleTree* tree = capsules ? &*capsules : nullptr;
     if (options.intersections || tree != nullptr) check_tree(mesh, skeleton, tree, options, ctx, report);
     ctx.throw_if_cancelled();
-    ctx.report(0.8f);
+    ctx.report(0.9f);
     if (tree != nullptr) report.radius = radius_deviation(mesh, *skeleton, *tree, ctx);
     ctx.report(1);
     return report;

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
+#include "coppice/measure/volume_report.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
@@ -17,6 +19,8 @@ namespace coppice {
 struct CheckOptions {
     bool intersections = true;           ///< look for faces that cross
     int most_intersections = 1'000'000;  ///< stop looking after so many pairs; >= 0
+    EndShape base = EndShape::flat;      ///< how the skeleton's trees end at a root with one child
+    EndShape tips = EndShape::round;     ///< how its branches end
 };
 
 template <class Self, class Visitor>
@@ -25,6 +29,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"intersections", "look for self-intersections: faces that cross"}, o.intersections);
     visit(Field{"most_intersections", "stop looking after so many crossing pairs", Unit::none, 0, 1e9},
           o.most_intersections);
+    visit(Field{"base", "how trees are meant to end at a root with one child, for the volume"}, o.base);
+    visit(Field{"tips", "how branches are meant to end, for the volume"}, o.tips);
 }
 
 /// All that is known of a surface, on its own and against its skeleton.
@@ -34,10 +40,13 @@ struct SurfaceReport {
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
     std::optional<CoverageReport> coverage;           ///< none without a skeleton
+    std::optional<VolumeReport> volume;               ///< none without a skeleton
 
     bool sound() const { return topology.sound(); }  ///< closed, manifold and oriented
     /// Most free segments of the skeleton lie within the surface; true without a skeleton.
     bool covers_skeleton() const { return !coverage || 2 * coverage->missing <= coverage->judged; }
+    /// Hardly any volume of the skeleton's rounded cones lies outside; true without a skeleton.
+    bool holds_volume() const { return !volume || volume->complete(); }
     friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;  ///< member by member
 };
 
@@ -73,11 +82,18 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
     if (r.radius) {
         visit("radius_all", r.radius->all);
         visit("radius_regular", r.radius->regular);
+        visit("radius_areas", r.radius->areas);
     }
     if (r.coverage) {
         visit("middle_to_surface", r.coverage->middle_to_surface);
         visit("segments_missing", r.coverage->missing);
         visit("segments_pinched", r.coverage->pinched);
+    }
+    if (r.volume) {
+        visit("volume", *r.volume);
+        for (std::size_t k = 0; k < r.volume->lumps.size(); ++k) {
+            visit(std::string("missing_lump_") + static_cast<char>('1' + k), r.volume->lumps[k]);
+        }
     }
     if (r.radius) {
         visit("tips", r.radius->tips);

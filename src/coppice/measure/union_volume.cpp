@@ -1,0 +1,222 @@
+#include "coppice/measure/union_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "coppice/base/parallel.h"
+#include "coppice/base/random.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 16;
+constexpr std::uint32_t kFirstRound = 32;  // points in every part
+constexpr int kMostRounds = 12;
+
+/// A cone consists of what lies beside its axis and the half balls beyond its ends. Parts of equal kind come
+/// in the order of their capsules; a point belongs to the first part that has it.
+enum Kind : std::uint8_t { kFrustum, kStart, kEnd, kBall, kKinds };
+
+struct Part {
+    std::uint32_t capsule = 0;
+    Kind kind = kFrustum;
+    double volume = 0;         ///< [m^3] cuts not counted
+    std::uint64_t points = 0;  ///< looked at
+    std::uint64_t own = 0;     ///< of these, in the union and in no part before
+    std::uint64_t marked = 0;  ///< of these, marked
+    std::uint64_t wanted = kFirstRound;
+
+    double share() const {
+        // A part with no or all points its own may yet have others (Jeffreys' prior).
+        return (static_cast<double>(own) + 0.5) / (static_cast<double>(points) + 1);
+    }
+    double deviation() const { return volume * std::sqrt(share() * (1 - share())); }
+    double estimate(std::uint64_t count) const {
+        return points == 0 ? 0 : volume * static_cast<double>(count) / static_cast<double>(points);
+    }
+};
+
+/// Where the foot of a point says it is.
+Kind kind_at(const RoundCone& cone, const RoundCone::Foot& foot) {
+    if (length_squared(cone.axis) == 0) return kBall;
+    return foot.t <= 0 ? kStart : foot.t >= 1 ? kEnd : kFrustum;
+}
+
+double cube(double x) { return x * x * x; }
+
+std::vector<Part> parts_of(const CapsuleTree& capsules) {
+    constexpr double kPi = std::numbers::pi;
+    std::vector<Part> parts;
+    parts.reserve(3 * std::size_t{capsules.size()});
+    for (std::uint32_t i = 0; i < capsules.size(); ++i) {
+        const RoundCone& c = capsules.cone(i);
+        const double a = c.radius_a, b = c.radius_b(), l = length(c.axis);
+        if (l == 0) {
+            parts.push_back({i, kBall, 4 * kPi / 3 * cube(std::max(a, b))});
+            continue;
+        }
+        parts.push_back({i, kFrustum, kPi * l / 3 * (a * a + a * b + b * b)});
+        parts.push_back({i, kStart, 2 * kPi / 3 * cube(a)});
+        parts.push_back({i, kEnd, 2 * kPi / 3 * cube(b)});
+    }
+    return parts;
+}
+
+/// Two unit vectors across u and each other.
+std::array<Vec3d, 2> across(Vec3d u) {
+    const Vec3d other = std::fabs(u.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    const Vec3d v = normalized(cross(u, other));
+    return {v, cross(u, v)};
+}
+
+/// Where along a cone the volume between its start and there is the share u of the whole.
+double parameter_of_share(const RoundCone& c, double u) {
+    const double a = c.radius_a, b = c.radius_b();
+    if (std::fabs(b - a) < 1e-5 * (a + b)) return u;
+    return std::clamp((std::cbrt(cube(a) + u * (cube(b) - cube(a))) - a) / (b - a), 0.0, 1.0);
+}
+
+/// Maps points of the unit cube to points of a part, evenly by volume.
+class PartMap {
+  public:
+    PartMap(const RoundCone& cone, Kind kind) : cone_(cone), kind_(kind) {
+        along_ = normalized(cone.axis, {0, 0, 1});
+        if (kind == kStart) along_ = -along_;
+        side_ = across(along_);
+    }
+
+    struct Point {
+        Vec3d position;
+        double radius;
+    };
+    Point operator()(double u, double v, double w) const {
+        const double turn = 2 * std::numbers::pi * w;
+        const Vec3d out = side_[0] * std::cos(turn) + side_[1] * std::sin(turn);
+        if (kind_ == kFrustum) {
+            const double t = parameter_of_share(cone_, u), r = cone_.radius(t);
+            return {cone_.point(t) + out * (r * std::sqrt(v)), r};
+        }
+        const double r = kind_ == kBall    ? std::max(cone_.radius_a, cone_.radius_b())
+                         : kind_ == kStart ? cone_.radius_a
+                                           : cone_.radius_b();
+        const double height = kind_ == kBall ? 2 * v - 1 : v;
+        const Vec3d direction = along_ * height + out * std::sqrt(std::max(0.0, 1 - height * height));
+        return {(kind_ == kEnd ? cone_.b() : cone_.a) + direction * (r * std::cbrt(u)), r};
+    }
+
+  private:
+    const RoundCone& cone_;
+    Kind kind_;
+    Vec3d along_;
+    std::array<Vec3d, 2> side_;
+};
+
+/// Looks at more points of a part, up to as many as it wants.
+class Sampler {
+  public:
+    Sampler(const ConeUnion& solid, const MarkPoint& mark) : solid_(solid), mark_(mark) {}
+
+    void operator()(Part& part) const {
+        // Shares of the solution of x^4 = x + 1: points k times these, modulo 1, fill the cube evenly.
+        constexpr double kGolden = 1.2207440846057596;
+        constexpr std::array kStep{1 / kGolden, 1 / (kGolden * kGolden), 1 / (kGolden * kGolden * kGolden)};
+        const CounterRandom random(0, part.kind);
+        std::array<double, 3> shift;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            shift[axis] = random.uniform(3 * std::uint64_t{part.capsule} + axis);
+        }
+        const PartMap map(solid_.capsules().cone(part.capsule), part.kind);
+        for (; part.points < part.wanted; ++part.points) {
+            std::array<double, 3> x;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                x[axis] = shift[axis] + static_cast<double>(part.points) * kStep[axis];
+                x[axis] -= std::floor(x[axis]);
+            }
+            const PartMap::Point p = map(x[0], x[1], x[2]);
+            if (!is_own(part, p.position)) continue;
+            ++part.own;
+            if (mark_ && mark_(p.position, p.radius)) ++part.marked;
+        }
+    }
+
+  private:
+    /// Whether p, in this part, is in the union and in no part before.
+    bool is_own(const Part& part, Vec3d p) const {
+        if (solid_.is_cut_off(part.capsule, p)) return false;
+        bool own = true;
+        solid_.capsules().visit_containing(p, [&](std::uint32_t i, const RoundCone::Foot& foot) {
+            if (i == part.capsule) return true;
+            const Kind kind = kind_at(solid_.capsules().cone(i), foot);
+            const bool before = kind < part.kind || (kind == part.kind && i < part.capsule);
+            own = !before || solid_.is_cut_off(i, p);
+            return own;
+        });
+        return own;
+    }
+
+    const ConeUnion& solid_;
+    const MarkPoint& mark_;
+};
+
+struct Sums {
+    double volume = 0, deviation = 0, variance = 0;
+    std::uint64_t points = 0;
+};
+
+Sums sums_of(std::span<const Part> parts) {
+    Sums s;
+    for (const Part& p : parts) {
+        s.volume += p.estimate(p.own);
+        s.deviation += p.deviation();
+        s.variance += p.deviation() * p.deviation() / static_cast<double>(p.points);
+        s.points += p.points;
+    }
+    return s;
+}
+
+/// Gives the parts more points, in proportion to their deviations; false when there are enough.
+bool allocate(std::span<Part> parts, const Sums& now, const UnionVolumeOptions& options) {
+    const double target = options.tolerance * now.volume / 2;  // a standard error
+    if (now.variance <= target * target || now.points >= options.most_samples) return false;
+    // At most four times the points per round: deviations are guesses at first.
+    const double ideal = now.deviation * now.deviation / (target * target);
+    const double budget =
+        std::min({ideal, 4 * static_cast<double>(now.points), static_cast<double>(options.most_samples)});
+    bool more = false;
+    for (Part& p : parts) {
+        const double share = p.deviation() / now.deviation * budget;
+        p.wanted = std::max(p.points, static_cast<std::uint64_t>(share));
+        more = more || p.wanted > p.points;
+    }
+    return more;
+}
+
+}  // namespace
+
+UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& options, const MarkPoint& mark,
+                         const Context& ctx) {
+    std::vector<Part> parts = parts_of(solid.capsules());
+    const Sampler sample(solid, mark);
+    Sums sums;
+    for (int round = 0; round < kMostRounds; ++round) {
+        parallel_for(ctx, parts.size(), kGrain, [&](std::size_t i) { sample(parts[i]); });
+        sums = sums_of(parts);
+        ctx.report(static_cast<float>(round + 1) / kMostRounds);
+        if (!allocate(parts, sums, options)) break;
+    }
+    UnionVolume out;
+    out.of_capsule.assign(solid.capsules().size(), 0.0);
+    out.marked.assign(solid.capsules().size(), 0.0);
+    for (const Part& p : parts) {
+        out.of_capsule[p.capsule] += p.estimate(p.own);
+        out.marked[p.capsule] += p.estimate(p.marked);
+    }
+    out.total = sums.volume;
+    out.error = 2 * std::sqrt(sums.variance);
+    out.samples = sums.points;
+    return out;
+}
+
+}  // namespace coppice
