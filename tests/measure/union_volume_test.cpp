@@ -66,18 +66,18 @@ TEST(UnionVolume, CountsWhatOverlapsOnce) {
 }
 
 TEST(UnionVolume, OfARingIsThatOfATorus) {
-    // A closed polygon of 240 segments about the origin, major radius 3, minor 1: 2 pi^2 R r^2 less the
-    // polygon's shortfall, (pi / 240)^2 / 2 of it.
+    // A closed polygon of 120 segments about the origin, major radius 3, minor 1: 2 pi^2 R r^2 less the
+    // polygon's shortfall, (pi / 120)^2 / 2 of it.
     std::vector<NodeId> parent;
     std::vector<Vec3> position;
-    for (std::uint32_t i = 0; i <= 240; ++i) {
+    for (std::uint32_t i = 0; i <= 120; ++i) {
         parent.push_back(i == 0 ? kRoot : NodeId(i - 1));
-        const double turn = 2 * kPi * i / 240;
+        const double turn = 2 * kPi * i / 120;
         position.push_back(Vec3(Vec3d(3 * std::cos(turn), 3 * std::sin(turn), 0)));
     }
-    const UnionVolume v = volume(Skeleton(parent, position, std::vector<float>(241, 1.0f)));
+    const UnionVolume v = volume(Skeleton(parent, position, std::vector<float>(121, 1.0f)));
     const double exact = 2 * kPi * kPi * 3;
-    EXPECT_NEAR(v.total, exact, v.error + 1e-4 * exact);
+    EXPECT_NEAR(v.total, exact, v.error + 4e-4 * exact);
 }
 
 TEST(UnionVolume, EndsInsideOthersAddNothing) {
