@@ -181,6 +181,11 @@ TEST(Lattice, HoldsNeitherWhatLiesBeyondAllSegmentsNorWhatLiesWithinOne) {
                 return thinnest_ball_meeting(growing_cone(s, {}), double(options.outside), middle, reach)
                     .has_value();
             }));
+            // But for those that an axis passes through.
+            if (std::ranges::any_of(segments, [&](const Segment& s) {
+                    return growing_cone(s, {}).foot(middle).distance() < reach;
+                }))
+                continue;
             EXPECT_FALSE(std::ranges::any_of(segments, [&](const Segment& s) {
                 return holds_ball(growing_cone(s, {}), double(options.inside), middle, reach);
             }));

@@ -19,6 +19,11 @@ namespace {
 using Local = TetraPattern::Local;
 using tetra_internal::Samples;
 
+Samples sampled(const TetraRefinement& refinement, FieldRef field, float snap) {
+    const tetra_internal::HeldVertices none{tetra_internal::RankedBits(refinement.vertex_count()), {}, {}};
+    return tetra_internal::sample_vertices(refinement, field, snap, none, {}, {});
+}
+
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -57,7 +62,7 @@ TEST(March, CutsOneTetrahedronInAllSixteenWays) {
             return at(0) + p.x * (at(1) - at(0)) + p.y * (at(2) - at(0)) + p.z * (at(3) - at(0));
         }};
         const TetraRefinement refinement(mesh, 0);
-        Samples samples = tetra_internal::sample_vertices(refinement, FieldRef(field), 0, {});
+        Samples samples = sampled(refinement, FieldRef(field), 0);
         const auto [cut, crossed] =
             tetra_internal::extract(refinement, FieldRef(field), samples,
                                     {tetra_internal::CrossedTetra(refinement, samples, {}), {}}, 0, {});
@@ -224,7 +229,7 @@ TEST(March, MovedVerticesMakeGoodTriangles) {
 /// A lattice in which every tetrahedron with moved vertices keeps its orientation.
 void expect_unfolded(const TetraMesh& mesh, FieldRef field, const MarchOptions& options) {
     const TetraRefinement refinement(mesh, options.levels);
-    Samples samples = tetra_internal::sample_vertices(refinement, field, options.snap, {});
+    Samples samples = sampled(refinement, field, options.snap);
     TetraMesh fine = fine_mesh(refinement);
     std::vector<double> before;
     for (const Tetra& t : fine.tetra) before.push_back(volume6(fine, t));
@@ -381,7 +386,7 @@ TEST(March, NeverMovesTheHull) {
     const TetraMesh mesh = bcc_block({4, 4, 4}, 1, {0, 0, 0});
     const AnyField field{[](Vec3 p) { return 1.45f - std::abs(p.z - 2); }};
     const TetraRefinement refinement(mesh, 2);
-    const Samples samples = tetra_internal::sample_vertices(refinement, FieldRef(field), 0.5f, {});
+    const Samples samples = sampled(refinement, FieldRef(field), 0.5f);
     std::size_t moved = 0;
     for (std::uint32_t t = 0; t < mesh.tetra.size(); ++t) {
         for (std::size_t v = 0; v < refinement.pattern(t).weights.size(); ++v) {

@@ -69,7 +69,7 @@ class ConcurrentDisjointSets {
         return sets;
     }
 
-  private:
+    /// The least member of the set that i is in; of some member while others join.
     std::uint32_t find(std::uint32_t i) {
         for (;;) {
             const std::uint32_t parent = std::atomic_ref(parent_[i]).load(std::memory_order_relaxed);
@@ -82,6 +82,8 @@ class ConcurrentDisjointSets {
             i = grandparent;
         }
     }
+
+  private:
     Buffer<std::uint32_t> parent_;
 };
 

@@ -15,6 +15,11 @@ constexpr float kSlope = 1.6f;
 
 }  // namespace
 
+bool ends_flat(const Skeleton& skeleton, NodeId node, const ControlOptions& ends) {
+    if (skeleton.is_root(node)) return ends.base == BaseShape::flat && skeleton.children(node).size() == 1;
+    return ends.tips == TipShape::flat && skeleton.is_tip(node);
+}
+
 CutField::CutField(FieldRef field, const Skeleton& skeleton, const ControlOptions& ends,
                    std::span<const Box3> regions, const Context& ctx)
     : field_(field) {
@@ -24,11 +29,8 @@ CutField::CutField(FieldRef field, const Skeleton& skeleton, const ControlOption
         if (l > 0) cuts_.push_back({skeleton.position(end), axis / l, skeleton.radius(end)});
     };
     for (const NodeId n : nodes(skeleton)) {
-        if (skeleton.is_root(n)) {
-            if (ends.base == BaseShape::flat && skeleton.children(n).size() == 1) add(n, skeleton.leader(n));
-        } else if (ends.tips == TipShape::flat && skeleton.is_tip(n)) {
-            add(n, skeleton.parent(n));
-        }
+        if (ends_flat(skeleton, n, ends))
+            add(n, skeleton.is_root(n) ? skeleton.leader(n) : skeleton.parent(n));
     }
     if (cuts_.empty()) return;
     std::vector<Box3> boxes;

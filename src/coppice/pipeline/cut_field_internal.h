@@ -11,6 +11,9 @@
 
 namespace coppice {
 
+/// Whether a tree ends at this node in a plane across it.
+bool ends_flat(const Skeleton& skeleton, NodeId node, const ControlOptions& ends);
+
 /// A field cut off by planes through the flat ends of its trees, each within a few radii of its end.
 class CutField {
   public:

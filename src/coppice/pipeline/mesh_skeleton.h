@@ -125,8 +125,8 @@ struct MeshResult {
 ///
 /// Or, with tetrahedra, wraps it in triangles, as large as the local radius asks for: prepares the skeleton,
 /// puts a lattice of tetrahedra about it, and finds the surface in them. Branches that cross or touch become
-/// one body: the surface is closed, manifold and never crosses itself, but may have handles, and as many
-/// parts as the field has.
+/// one body: the surface is closed, manifold and never crosses itself, but may have handles. It has a part
+/// for each tree, whatever the options, or fewer where trees touch.
 ///
 /// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index,
 /// and when tetrahedra find no surface because it is thinner than they are.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
@@ -24,6 +25,40 @@ std::vector<Segment> segments_of(const Skeleton& skeleton) {
         }
     }
     return segments;
+}
+
+/// Takes from the axes a radius, or a third of the segment, where a tree ends flat: there the surface passes
+/// through the node. Segments are those of segments_of().
+void shorten_flat_ends(std::vector<Segment>& axes, const Skeleton& skeleton, const ControlOptions& ends) {
+    std::size_t i = 0;
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.is_root(n) && !skeleton.is_tip(n)) continue;
+        const Segment s = axes[i];
+        Segment& axis = axes[i++];
+        const float l = distance(s.a, s.b);
+        if (skeleton.is_root(n) || l == 0) continue;
+        const auto cut = [&](Vec3& end, float& radius_at_end, Vec3 other, float radius_at_other) {
+            const float part = std::min(1.0f / 3, radius_at_end / l);
+            end = lerp(end, other, part);
+            radius_at_end += part * (radius_at_other - radius_at_end);
+        };
+        if (ends_flat(skeleton, skeleton.parent(n), ends)) cut(axis.a, axis.radius_a, s.b, s.radius_b);
+        if (ends_flat(skeleton, n, ends)) cut(axis.b, axis.radius_b, s.a, s.radius_a);
+    }
+}
+
+/// Whether a flat end is wider than all the rest reaches from it, so that axes tell nothing of the surface.
+bool is_cut_away(const Skeleton& skeleton, const ControlOptions& ends) {
+    Box3 box;
+    float others = 0;
+    for (const NodeId n : nodes(skeleton)) {
+        box.extend(skeleton.position(n));
+        if (!skeleton.is_root(n)) others = std::max(others, skeleton.radius(n));
+    }
+    for (const NodeId n : nodes(skeleton)) {
+        if (ends_flat(skeleton, n, ends) && skeleton.radius(n) > box.diagonal() + others) return true;
+    }
+    return false;
 }
 
 std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
@@ -53,7 +88,9 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
         .cell = kCellOverEdge * options.tetra.edge * static_cast<float>(1 << options.tetra.march.levels),
         .inside = 1 - shell,
         .outside = 1 + shell};
-    Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(segments_of(prepared), sizes, ctx); });
+    std::vector<Segment> axes = segments_of(prepared);
+    Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(axes, sizes, ctx); });
+    shorten_flat_ends(axes, prepared, options.control);
     ConvolutionField field = stages.run(
         "weights", 0.25f, [&] { return surface_field(prepared, options, constraints, weights, ctx); });
     for (bool again = true; again;) {
@@ -64,8 +101,9 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
             return found;
         });
         const CutField cut(FieldRef(field), prepared, options.control, boxes, ctx);
-        MarchResult marched =
-            stages.run("march", 0.95f, [&] { return march(mesh, FieldRef(cut), options.tetra.march, ctx); });
+        MarchResult marched = stages.run("march", 0.95f, [&] {
+            return march(mesh, FieldRef(cut), InsideAxes{axes, lattice.passing()}, options.tetra.march, ctx);
+        });
         out.march = marched.report;
         out.mesh = std::move(marched.mesh);
         again = !marched.open.empty();
@@ -74,7 +112,7 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
             if (!lattice.grow(marched.open, ctx)) throw Error("mesh: the surface leaves the lattice");
         }
     }
-    if (out.mesh.triangles.empty()) {
+    if (out.march.inside == 0 && is_cut_away(prepared, options.control)) {
         throw InvalidInput(
             "mesh: nothing is left of the surface, which is thinner than the tetrahedra everywhere; choose "
             "base round where a trunk is wider than long, a smaller edge, or method quads");

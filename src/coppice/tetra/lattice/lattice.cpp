@@ -30,9 +30,17 @@ unsigned slot_of(std::uint64_t mask, std::uint32_t rank) {
 
 struct Lattice::State {
     LatticeCube cube;
+    Buffer<RoundCone> cones;
     LatticeCells cells;
+    LeafSegments segments;
     SlotMasks masks;
     LatticeMesh out;
+    CompressedRows<std::uint32_t> passing;
+
+    void gather(const Context& ctx) {
+        out = gather_tetra(cells, masks, cube, ctx);
+        passing = passing_axes(cells, segments, cones, cube, out.region_leaf, ctx);
+    }
 
     LatticeCells::Name name(std::uint32_t tetra) const {
         const auto& first = out.mesh.first;
@@ -46,12 +54,14 @@ struct Lattice::State {
 Lattice::Lattice(std::span<const Segment> segments, const LatticeOptions& options, const Context& ctx) {
     check_fields(options, "lattice");
     const LatticeCube cube = lattice_cube(segments, options);
-    const Buffer<RoundCone> cones = cones_of(segments, cube.low, ctx);
+    Buffer<RoundCone> cones = cones_of(segments, cube.low, ctx);
     LatticeSizing sizing = size_cells(cones, cube, options, ctx);
     LatticeCells cells(Octree(std::move(sizing.split), ctx), ctx);
-    SlotMasks masks = select_tetra(cells, sizing, cones, cube, options, ctx);
-    LatticeMesh out = gather_tetra(cells, masks, cube, ctx);
-    state_ = std::make_unique<State>(State{cube, std::move(cells), std::move(masks), std::move(out)});
+    LeafSegments of_leaf(cells.octree(), std::move(sizing));
+    SlotMasks masks = select_tetra(cells, of_leaf, cones, cube, options, ctx);
+    state_ = std::make_unique<State>(
+        State{cube, std::move(cones), std::move(cells), std::move(of_leaf), std::move(masks), {}, {}});
+    state_->gather(ctx);
 }
 
 Lattice::~Lattice() = default;
@@ -59,6 +69,8 @@ Lattice::Lattice(Lattice&&) noexcept = default;
 Lattice& Lattice::operator=(Lattice&&) noexcept = default;
 
 const TetraMesh& Lattice::mesh() const { return state_->out.mesh; }
+
+const CompressedRows<std::uint32_t>& Lattice::passing() const { return state_->passing; }
 
 bool Lattice::grow(std::span<const TetraFace> faces, const Context& ctx) {
     State& s = *state_;
@@ -74,7 +86,7 @@ bool Lattice::grow(std::span<const TetraFace> faces, const Context& ctx) {
         grown |= (s.masks[name.leaf] & bit) == 0;
         s.masks[name.leaf] |= bit;
     }
-    if (grown) s.out = gather_tetra(s.cells, s.masks, s.cube, ctx);
+    if (grown) s.gather(ctx);
     return grown;
 }
 

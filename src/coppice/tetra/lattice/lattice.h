@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/skeleton/skeleton.h"
@@ -36,7 +37,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// centers of the two cells, makes a tetrahedron: cells of one size give the body-centered cubic lattice,
 /// whose tetrahedra are all alike, and a face between two sizes, or an edge that a smaller cell halves, needs
 /// no special case. The lattice holds those tetrahedra that the surface may cross: all but those that lie
-/// within `inside` radii of one segment or beyond `outside` radii of all. Sides of cells are powers of two,
+/// within `inside` radii of one segment or beyond `outside` radii of all. And it holds all that a segment's
+/// axis passes through. Sides of cells are powers of two,
 /// so they lie between half of `cell` radii and `cell` radii, less where a thinner branch is near, and all
 /// positions are floats without rounding.
 ///
@@ -54,6 +56,9 @@ class Lattice {
     Lattice& operator=(Lattice&&) noexcept;  ///< leaves the other one empty
 
     const TetraMesh& mesh() const;  ///< what it holds now
+    /// For each region of the mesh, the numbers of the segments whose axes may pass through its tetrahedra,
+    /// ascending: all that do, and some that pass it by.
+    const CompressedRows<std::uint32_t>& passing() const;
 
     /// Adds the tetrahedra on the other side of faces that belong to one tetrahedron only, and rebuilds the
     /// mesh, so that its numbers change. False when there is nothing there, at the border of the octree.

@@ -58,6 +58,11 @@ class TetraRefinement {
     const Parts& parts(std::uint32_t tetra) const { return parts_[tetra]; }  ///< see Parts
     /// how a coarse tetrahedron is cut
     const TetraPattern& pattern(std::uint32_t tetra) const { return patterns_[traits_[tetra].diagonal]; }
+    /// The number of the diagonal along which it is cut.
+    std::uint32_t diagonal(std::uint32_t tetra) const { return traits_[tetra].diagonal; }
+    const TetraPattern& pattern_along(std::uint32_t diagonal) const {
+        return patterns_[diagonal];
+    }  ///< by number
     /// Whether the ascending order of the vertices is a negative one.
     bool mirrored(std::uint32_t tetra) const { return traits_[tetra].mirrored; }
     /// Bit g is set when the part of group g has this as its first tetrahedron.

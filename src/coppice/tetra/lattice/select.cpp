@@ -12,32 +12,15 @@ namespace {
 constexpr std::size_t kGrain = 1 << 10;
 constexpr std::uint32_t kOutside = kNone, kShell = kNone - 1;  ///< else the segment that a vertex is deep in
 
-/// For each leaf, the node of `sizing` that it is or lies in.
-Buffer<std::uint32_t> sizing_nodes(const Octree& octree, const LatticeSizing& sizing) {
-    Buffer<std::uint32_t> node(octree.node_count()), of_leaf(octree.leaf_count());
-    node[0] = 0;
-    for (std::uint32_t n = 0; n < octree.node_count(); ++n) {
-        if (octree.is_leaf(n)) {
-            of_leaf[octree.leaf(n)] = node[n];
-            continue;
-        }
-        const std::uint32_t split = sizing.split_number[node[n]];
-        for (unsigned o = 0; o < 8; ++o)
-            node[octree.child(n, o)] = split == kNone ? node[n] : 8 * split + 1 + o;
-    }
-    return of_leaf;
-}
-
 class Selection {
   public:
-    Selection(const LatticeCells& cells, const LatticeSizing& sizing, std::span<const RoundCone> cones,
+    Selection(const LatticeCells& cells, const LeafSegments& of_leaves, std::span<const RoundCone> cones,
               const LatticeCube& cube, const LatticeOptions& options, const Context& ctx)
         : cells_(cells),
-          sizing_(sizing),
+          segments_(of_leaves),
           cones_(cones),
           options_(options),
           unit_(cube.side / Octree::kSide),
-          node_(sizing_nodes(cells.octree(), sizing)),
           state_(cells.vertex_count()) {
         parallel_for(ctx, cells.leaf_count(), kGrain, [&](std::size_t leaf) {
             cells_.visit_vertices(static_cast<std::uint32_t>(leaf), [&](std::uint32_t vertex, auto place) {
@@ -57,7 +40,7 @@ class Selection {
     }
 
   private:
-    std::span<const std::uint32_t> segments(std::uint32_t leaf) const { return sizing_.of_node(node_[leaf]); }
+    std::span<const std::uint32_t> segments(std::uint32_t leaf) const { return segments_.of_leaf(leaf); }
 
     Vec3d at(const std::array<std::uint32_t, 3>& place) const {
         return {place[0] * unit_, place[1] * unit_, place[2] * unit_};
@@ -81,7 +64,7 @@ class Selection {
     /// The two centers, then the places of the border.
     using Points = std::array<Vec3d, 10>;
 
-    /// The places of a face's tetrahedra that the surface may cross.
+    /// The places of a face's tetrahedra that the surface may cross, or that an axis passes through.
     unsigned places(const LatticeFace& face, std::vector<std::uint32_t>& near) const {
         unsigned out = 0;
         bool probed = false;
@@ -97,7 +80,9 @@ class Selection {
                 probed = true;
                 const std::array<Vec3d, 4> corners{points[0], points[1], points[2 + place],
                                                    points[2 + LatticeCells::next_place(face, place)]};
-                if (outside ? beyond_all(near, corners) : within_one(state, corners)) continue;
+                if (outside ? beyond_all(near, options_.outside, corners)
+                            : within_one(state, corners) && beyond_all(near, 0, corners))
+                    continue;
             }
             out |= 1u << place;
         }
@@ -119,25 +104,27 @@ class Selection {
         near.clear();
         const auto add = [&](std::span<const std::uint32_t> segments) {
             for (const std::uint32_t s : segments) {
-                if (!apart(s, middle, hull)) near.push_back(s);
+                if (!apart(s, options_.outside, middle, hull)) near.push_back(s);
             }
         };
         add(segments(face.leaf));
-        if (node_[face.leaf] != node_[face.other]) add(segments(face.other));
+        if (!segments_.same(face.leaf, face.other)) add(segments(face.other));
     }
 
     template <std::size_t N>
-    bool apart(std::uint32_t segment, Vec3d middle, const std::array<Vec3d, N>& corners) const {
-        return separated(cones_[segment], options_.outside, middle, [&](Vec3d n, double) {
+    bool apart(std::uint32_t segment, double times, Vec3d middle, const std::array<Vec3d, N>& corners) const {
+        return separated(cones_[segment], times, middle, [&](Vec3d n, double) {
             double least = dot(n, corners[0]);
             for (std::size_t i = 1; i < N; ++i) least = std::min(least, dot(n, corners[i]));
             return least;
         });
     }
 
-    bool beyond_all(std::span<const std::uint32_t> near, const std::array<Vec3d, 4>& corners) const {
+    /// Whether balls `times` as large leave the tetrahedron alone, of all segments near.
+    bool beyond_all(std::span<const std::uint32_t> near, double times,
+                    const std::array<Vec3d, 4>& corners) const {
         const Vec3d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-        return std::ranges::all_of(near, [&](std::uint32_t s) { return apart(s, middle, corners); });
+        return std::ranges::all_of(near, [&](std::uint32_t s) { return apart(s, times, middle, corners); });
     }
 
     /// A cone is convex: what has its corners in it lies in it.
@@ -149,20 +136,19 @@ class Selection {
     }
 
     const LatticeCells& cells_;
-    const LatticeSizing& sizing_;
+    const LeafSegments& segments_;
     std::span<const RoundCone> cones_;
     const LatticeOptions& options_;
     double unit_;
-    Buffer<std::uint32_t> node_;   ///< of sizing, per leaf
     Buffer<std::uint32_t> state_;  ///< per vertex
 };
 
 }  // namespace
 
-SlotMasks select_tetra(const LatticeCells& cells, const LatticeSizing& sizing,
+SlotMasks select_tetra(const LatticeCells& cells, const LeafSegments& segments,
                        std::span<const RoundCone> cones, const LatticeCube& cube,
                        const LatticeOptions& options, const Context& ctx) {
-    const Selection selection(cells, sizing, cones, cube, options, ctx);
+    const Selection selection(cells, segments, cones, cube, options, ctx);
     SlotMasks masks(cells.leaf_count());
     parallel_for_ranges(ctx, masks.size(), kGrain, [&](IndexRange range) {
         std::vector<std::uint32_t> scratch;

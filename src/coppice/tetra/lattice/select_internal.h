@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coppice/base/column.h"
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/tetra/lattice/cells_internal.h"
 #include "coppice/tetra/lattice/sizing_internal.h"
@@ -15,8 +16,22 @@ namespace coppice {
 /// Per leaf the slots of the tetrahedra in use, as bits.
 using SlotMasks = Buffer<std::uint64_t>;
 
-/// Those that the surface may cross.
-SlotMasks select_tetra(const LatticeCells& cells, const LatticeSizing& sizing,
+/// The segments that leaves of the balanced octree meet, by those of the leaves before.
+class LeafSegments {
+  public:
+    LeafSegments(const Octree& octree, LatticeSizing sizing);
+
+    std::span<const std::uint32_t> of_leaf(std::uint32_t leaf) const { return sizing_.of_node(node_[leaf]); }
+    /// Whether both lie in one leaf of before.
+    bool same(std::uint32_t leaf, std::uint32_t other) const { return node_[leaf] == node_[other]; }
+
+  private:
+    LatticeSizing sizing_;
+    Buffer<std::uint32_t> node_;  ///< of the sizing, per leaf
+};
+
+/// Those that the surface may cross, and those that an axis passes through.
+SlotMasks select_tetra(const LatticeCells& cells, const LeafSegments& segments,
                        std::span<const RoundCone> cones, const LatticeCube& cube,
                        const LatticeOptions& options, const Context& ctx);
 
@@ -31,5 +46,11 @@ struct LatticeMesh {
 /// The tetrahedra in use, in the order of leaves and slots, and their vertices in the order of leaves.
 LatticeMesh gather_tetra(const LatticeCells& cells, const SlotMasks& masks, const LatticeCube& cube,
                          const Context& ctx);
+
+/// For each of these leaves the segments whose axes may pass through the tetrahedra that it handles,
+/// ascending.
+CompressedRows<std::uint32_t> passing_axes(const LatticeCells& cells, const LeafSegments& segments,
+                                           std::span<const RoundCone> cones, const LatticeCube& cube,
+                                           std::span<const std::uint32_t> leaves, const Context& ctx);
 
 }  // namespace coppice

@@ -156,8 +156,8 @@ class Sizing {
         }
     }
 
-    /// Appends those of the parent's segments that meet a cell, or the one alone that holds it. Returns
-    /// the first that is too thin for the cell.
+    /// Appends those of the parent's segments that meet a cell, or the one that holds it with the axes in it.
+    /// Returns the first that is too thin for the cell.
     std::uint32_t meet(std::size_t parent, Vec3d center, double side, std::vector<std::uint32_t>& out) const {
         const std::size_t begin = out.size();
         const double reach = kHalfDiagonal * side, least_radius = side / options_.cell;
@@ -171,13 +171,24 @@ class Sizing {
             if (!radius || separated(cone, options_.outside, center, lowest)) continue;
             if (holds_ball(cone, options_.inside, center, reach)) {
                 out.resize(begin);
-                out.push_back(open_[k]);
+                name_axes(parent, open_[k], center, lowest, out);
                 return kNone;
             }
             out.push_back(open_[k]);
             if (thin == kNone && *radius < least_radius) thin = open_[k];
         }
         return thin;
+    }
+
+    /// Appends the segment that holds a cell, and those whose axes pass through it.
+    template <class Lowest>
+    void name_axes(std::size_t parent, std::uint32_t holder, Vec3d center, const Lowest& lowest,
+                   std::vector<std::uint32_t>& out) const {
+        out.push_back(holder);
+        for (std::size_t k = open_first_[parent]; k < open_first_[parent + 1]; ++k) {
+            if (open_[k] != holder && !separated(cones_[open_[k]], 0, center, lowest))
+                out.push_back(open_[k]);
+        }
     }
 
     void gather(std::vector<Found>& found, std::size_t node, std::size_t grain) {

@@ -30,7 +30,8 @@ struct LatticeCube {
 /// Throws InvalidInput for no segments, or one that is not finite or has no radius.
 LatticeCube lattice_cube(std::span<const Segment> segments, const LatticeOptions& options);
 
-/// Cells as the segments ask for them, not balanced, and which segments each leaf meets.
+/// Cells as the segments ask for them, not balanced, and which segments each leaf meets: all whose axes pass
+/// through it are among them.
 struct LatticeSizing {
     std::vector<Buffer<std::uint64_t>> split;  ///< see Octree; nodes are numbered as there
     Buffer<std::uint32_t> split_number;        ///< per node; kNone for a leaf
@@ -45,8 +46,9 @@ struct LatticeSizing {
 
 /// Cells are split while larger than options.cell times the least radius of any segment that meets them,
 /// `options.outside` times as thick, unless one segment, `options.inside` times as thick, holds them (such
-/// a leaf names that segment alone). Cones are relative to the cube's lower corner. Throws InvalidInput when
-/// cells would be too small or too many. Some 20 ns for each meeting of a segment with a cell of any level.
+/// a leaf names that segment first, and else only those whose axes pass through it). Cones are relative to
+/// the cube's lower corner. Throws InvalidInput when cells would be too small or too many. Some 20 ns for
+/// each meeting of a segment with a cell of any level.
 LatticeSizing size_cells(std::span<const RoundCone> cones, const LatticeCube& cube,
                          const LatticeOptions& options, const Context& ctx);
 

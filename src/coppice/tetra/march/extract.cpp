@@ -12,6 +12,8 @@ using Local = TetraPattern::Local;
 
 /// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
 constexpr float kEndShare = 0.01f;
+/// Where a vertex holds an axis that lies near the surface, the branch is not thinner than this.
+constexpr float kThinnest = 0.5f;  // [radii]
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// A fine edge between inside and outside, the part of it that the surface crosses, and the heights at the
@@ -20,14 +22,26 @@ struct CutEdge {
     std::uint32_t vertex;  ///< of the surface
     Vec3 a, b;             ///< the whole edge
     float low, high, at_low, at_high;
-    float share;
-    int last;  ///< the end moved last: -1 low, 1 high
+    float least = kEndShare, most = 1 - kEndShare;  ///< it may cross nowhere else
+    float share = 0.5f;
+    int last = 0;  ///< the end moved last: -1 low, 1 high
 
     Vec3 point() {
         const double fall = double(at_low) - at_high;
         const float t = fall == 0 ? 0.5f : std::clamp(static_cast<float>(at_low / fall), 0.0f, 1.0f);
-        share = std::clamp(low + (high - low) * t, kEndShare, 1 - kEndShare);
+        share = std::clamp(low + (high - low) * t, least, most);
         return lerp(a, b, share);
+    }
+
+    /// Keeps a branch thick about the end that holds its axis, and is `away` from it. Where the field says
+    /// that this end is outside, it says nothing of how thick, but the axis does.
+    void thicken(const WeakVertex& held, float height, float away, bool at_a) {
+        const bool sunken = height <= 0;
+        const float thick =
+            sunken ? std::max(held.radius - away, kThinnest * held.radius) : kThinnest * held.radius;
+        const float part = std::clamp(thick / distance(a, b), kEndShare, 0.5f);
+        if (at_a || sunken) least = at_a ? part : 1 - part;
+        if (!at_a || sunken) most = at_a ? part : 1 - part;
     }
 
     /// Regula falsi; an end that stays for the second time counts for less, by as much as the curve bends
@@ -122,11 +136,28 @@ class Extractor {
             std::uint32_t vertex = placed_count_ + number;
             edges.for_each(pattern, group, [&](std::uint32_t e) {
                 const auto [a, b] = pattern.edges[e];
+                const std::uint32_t from = refinement_.vertex(t, a), to = refinement_.vertex(t, b);
                 cuts.push_back({vertex++, refinement_.position(t, a), refinement_.position(t, b), 0, 1,
-                                samples_.height[refinement_.vertex(t, a)],
-                                samples_.height[refinement_.vertex(t, b)], 0.5f, 0});
+                                samples_.height[from], samples_.height[to]});
+                if (samples_.held.test(from)) hold(from, true, cuts.back());
+                if (samples_.held.test(to)) hold(to, false, cuts.back());
             });
         });
+    }
+
+    /// An end of an edge that holds an axis may have been moved.
+    void hold(std::uint32_t vertex, bool at_a, CutEdge& edge) const {
+        const auto weak = std::ranges::lower_bound(samples_.weak, vertex, {}, &WeakVertex::vertex);
+        if (weak == samples_.weak.end() || weak->vertex != vertex) return;
+        float& height = at_a ? edge.at_low : edge.at_high;
+        float away = weak->away;
+        if (samples_.moved.test(vertex)) {
+            const std::uint32_t rank = samples_.placed.rank(vertex);
+            (at_a ? edge.a : edge.b) = samples_.place[rank];
+            height = weak->height;
+            away -= samples_.way[rank];
+        }
+        edge.thicken(*weak, height, away, at_a);
     }
 
     void refine_cuts(std::uint32_t region, std::span<CutEdge> cuts, int refinements) {

@@ -26,7 +26,7 @@ class FoldFinder {
         const bool small = !pattern.tetra_masks.empty();
         placed_ = false;
         for (std::size_t i = 0; i < pattern.tetra.size(); ++i) {
-            if (small && (on_[0] & pattern.tetra_masks[i]) == 0) continue;
+            if (small && (moved_[0] & pattern.tetra_masks[i]) == 0) continue;
             const Fine& fine = pattern.tetra[i];
             // While the two that moved most moved less than the tetrahedron is wide it cannot have turned.
             if (two_longest(fine) <= least) continue;
@@ -38,12 +38,12 @@ class FoldFinder {
   private:
     /// How far each vertex moved. False when no two of them did by more than `least`.
     bool gather_ways(std::uint32_t t, float least) {
-        gather_bits(refinement_, samples_.on, t, on_);
+        gather_bits(refinement_, samples_.moved, t, moved_);
         const std::size_t count = refinement_.pattern(t).weights.size();
         way_.assign(count, 0);
         float longest = 0, second = 0;
         for (std::size_t w = 0; w <= count / 64; ++w) {
-            for (std::uint64_t rest = on_[w]; rest != 0; rest &= rest - 1) {
+            for (std::uint64_t rest = moved_[w]; rest != 0; rest &= rest - 1) {
                 const std::size_t v = 64 * w + static_cast<std::size_t>(std::countr_zero(rest));
                 const std::uint32_t vertex = refinement_.vertex(t, static_cast<Local>(v));
                 const float way = way_[v] = samples_.way[samples_.placed.rank(vertex)];
@@ -66,7 +66,7 @@ class FoldFinder {
         position_.resize(count);
         for (std::size_t v = 0; v < count; ++v) {
             const auto local = static_cast<Local>(v);
-            position_[v] = Vec3d(bit_of(on_, local) != 0
+            position_[v] = Vec3d(bit_of(moved_, local) != 0
                                      ? samples_.place[samples_.placed.rank(refinement_.vertex(t, local))]
                                      : refinement_.position(t, local));
         }
@@ -100,7 +100,7 @@ class FoldFinder {
 
     const TetraRefinement& refinement_;
     const Samples& samples_;
-    LocalBits on_;
+    LocalBits moved_;
     std::vector<float> way_;
     std::vector<Vec3d> position_;
     bool placed_ = false;

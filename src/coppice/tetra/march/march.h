@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/skeleton/skeleton.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
 
 namespace coppice {
@@ -42,10 +45,19 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 struct MarchReport {
     std::uint64_t tetra = 0;     ///< of the finest level
     std::uint64_t vertices = 0;  ///< of the finest level, all sampled
+    std::uint64_t inside = 0;    ///< of these, those where the field is above its level
     std::uint64_t crossed = 0;   ///< tetrahedra of the finest level that the surface crosses
     std::uint64_t snapped = 0;   ///< vertices moved onto the surface
     std::uint64_t freed = 0;     ///< of those near enough, put back so that nothing folds or touches
+    std::uint64_t dropped = 0;   ///< closed parts without an axis inside, and hollows, that were left out
     friend bool operator==(const MarchReport&, const MarchReport&) = default;  ///< member by member
+};
+
+/// Lines of which all is to be inside, whatever the field says and however coarse the tetrahedra are: the
+/// axes of what the field was made of.
+struct InsideAxes {
+    std::span<const Segment> segments;             ///< [m] in the frame of the tetrahedra
+    const CompressedRows<std::uint32_t>& passing;  ///< of each region at least those that pass through it
 };
 
 /// A surface of triangles, and the report.
@@ -76,5 +88,16 @@ struct MarchResult {
 /// per fine vertex and some 200 per coarse tetrahedron besides the result.
 MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& options = {},
                   const Context& ctx = {});
+
+/// The same about axes, each of which comes to lie in one part of the surface: connected ones in the same, so
+/// that there is a part for each connected set of axes, or fewer where sets come so near to each other that
+/// the tetrahedra do not tell them apart. There are no others: closed parts without an axis inside, and
+/// hollows, are left out. The tetrahedra must cover all axes.
+///
+/// Where the field is not above its level about an axis, or where tetrahedra are too large to see that it is,
+/// the surface has the radius of the segment about a corner of the tetrahedra near the axis, or half an edge
+/// where that is less; such corners are moved towards the axis.
+MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
+                  const MarchOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -95,11 +95,8 @@ void sort_unique(std::vector<std::uint32_t>& numbers) {
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-void unsnap(std::span<const std::uint32_t> vertices, Samples& samples) {
-    for (const std::uint32_t v : vertices) {
-        samples.on.reset(v);
-        if (samples.height[v] > 0) samples.inside.set(v);
-    }
+void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
+    for (const std::uint32_t v : vertices) samples.put_back(v);
 }
 
 constexpr std::size_t kGrain = 256;
@@ -129,7 +126,7 @@ std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, cons
 void unfold(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
     std::vector<std::uint32_t> folds = find_folds(refinement, samples, ctx);
     while (!folds.empty()) {
-        unsnap(folds, samples);
+        put_back(folds, samples);
         folds = find_folds(refinement, samples, tetra_around(refinement, folds, ctx), ctx);
     }
 }
@@ -159,7 +156,7 @@ SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samp
         }
         if (unsnapped.empty()) break;
         sort_unique(unsnapped);
-        unsnap(unsnapped, samples);
+        put_back(unsnapped, samples);
         // What is put back may change the fans of its neighbours alone, and fold what is about it.
         for (const std::uint32_t v : unsnapped) fans[samples.placed.rank(v)] = Fan::none;
         open = neighbours_on(refinement, samples, unsnapped, ctx);

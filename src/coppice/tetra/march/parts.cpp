@@ -1,0 +1,117 @@
+#include "coppice/tetra/march/parts_internal.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "coppice/base/box.h"
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/base/parallel.h"
+
+namespace coppice::tetra_internal {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 14;
+
+/// A closed part of the surface.
+struct Part {
+    std::vector<std::uint32_t> triangles;
+    Box3 box;
+    double volume6 = 0;
+    bool kept = false;
+};
+
+/// The solid angle of a triangle seen from a point, by its sign from within or from without
+/// [VanOosterom1983].
+double solid_angle(Vec3d a, Vec3d b, Vec3d c) {
+    const double la = length(a), lb = length(b), lc = length(c);
+    return 2 *
+           std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+}
+
+bool encloses(const TriMesh& mesh, const Part& part, Vec3 place) {
+    if (!part.box.overlaps(Box3{place, place})) return false;
+    double sum = 0;
+    for (const std::uint32_t t : part.triangles) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const auto from = [&](std::uint32_t v) { return Vec3d(mesh.positions[v]) - Vec3d(place); };
+        sum += solid_angle(from(a), from(b), from(c));
+    }
+    return sum > 2 * std::numbers::pi;
+}
+
+/// Per triangle its part; parts are numbered by their first triangle.
+std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> part_of, std::size_t count) {
+    std::vector<Part> parts(count);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        Part& part = parts[part_of[t]];
+        part.triangles.push_back(t);
+        const auto& [a, b, c] = mesh.triangles[t];
+        for (const std::uint32_t v : mesh.triangles[t]) part.box.extend(mesh.positions[v]);
+        // About a point of the part: where it lies far out, rounding must not change the sign.
+        const Vec3d o(mesh.positions[mesh.triangles[part.triangles[0]][0]]);
+        const auto from = [&](std::uint32_t v) { return Vec3d(mesh.positions[v]) - o; };
+        part.volume6 += dot(from(a), cross(from(b), from(c)));
+    }
+    return parts;
+}
+
+void keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of, std::span<const Part> parts) {
+    std::vector<std::uint32_t> number(mesh.positions.size() + 1);
+    TriMesh out;
+    out.origin = mesh.origin;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (!parts[part_of[t]].kept) continue;
+        out.triangles.push_back(mesh.triangles[t]);
+        for (const std::uint32_t v : mesh.triangles[t]) number[v] = 1;
+    }
+    out.positions.resize(exclusive_scan(std::span(number)));
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        if (number[v] != number[v + 1]) out.positions[number[v]] = mesh.positions[v];
+    }
+    for (Triangle& t : out.triangles) {
+        for (std::uint32_t& v : t) v = number[v];
+    }
+    mesh = std::move(out);
+}
+
+}  // namespace
+
+std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVertices& held,
+                              const Samples& samples) {
+    std::vector<Vec3> out;
+    for (const std::uint32_t i : held.of_each_set) {
+        const HeldVertex& h = held.list[i];
+        out.push_back(samples.moved.test(h.vertex) ? samples.place[samples.placed.rank(h.vertex)]
+                                                   : refinement.position(h.tetra, h.local));
+    }
+    return out;
+}
+
+std::uint64_t drop_parts(TriMesh& mesh, std::span<const Vec3> places, const Context& ctx) {
+    ConcurrentDisjointSets sets(static_cast<std::uint32_t>(mesh.positions.size()));
+    parallel_for(ctx, mesh.triangles.size(), kGrain, [&](std::size_t t) {
+        sets.join(mesh.triangles[t][0], mesh.triangles[t][1]);
+        sets.join(mesh.triangles[t][0], mesh.triangles[t][2]);
+    });
+    // A surface that encloses all axes has one part at least, which is not a hollow.
+    if (sets.set_count() <= 1) return 0;
+    constexpr std::uint32_t kUnseen = 0xffffffffu;
+    std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());
+    std::uint32_t count = 0;
+    for (std::size_t t = 0; t < part_of.size(); ++t) {
+        std::uint32_t& part = part_of_root[sets.find(mesh.triangles[t][0])];
+        if (part == kUnseen) part = count++;
+        part_of[t] = part;
+    }
+    std::vector<Part> parts = parts_of(mesh, part_of, count);
+    parallel_for(ctx, count, 1, [&](std::size_t p) {
+        if (parts[p].volume6 <= 0) return;
+        for (const Vec3 place : places) parts[p].kept = parts[p].kept || encloses(mesh, parts[p], place);
+    });
+    std::uint64_t dropped = 0;
+    for (const Part& part : parts) dropped += part.kept ? 0 : 1;
+    if (dropped > 0) keep_triangles(mesh, part_of, parts);
+    return dropped;
+}
+
+}  // namespace coppice::tetra_internal
