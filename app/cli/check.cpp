@@ -17,6 +17,13 @@ struct CheckFlags {
     ReadSkeletonOptions read;
 };
 
+std::string torn_off(const TreePartsReport& parts, const CheckFlags& flags) {
+    return fmt::format(
+        "'{}' is in {} parts, {} too many for the trees of '{}' ({}); the largest is torn off at node {}",
+        flags.mesh.string(), grouped(parts.parts), grouped(parts.loose), flags.skeleton.string(),
+        grouped(parts.trees), parts.largest.front().node.index());
+}
+
 ExitCode check(Run& run, const CheckFlags& flags) {
     if (flags.mesh.empty()) throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON]");
     const PolygonMesh mesh = load_mesh(run, flags.mesh);
@@ -35,12 +42,16 @@ ExitCode check(Run& run, const CheckFlags& flags) {
             "{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
             grouped(report.coverage->missing), grouped(report.coverage->judged), flags.skeleton.string(),
             flags.mesh.string()));
+    } else if (!report.is_whole()) {
+        say(torn_off(*report.parts, flags));
     } else if (!report.holds_volume()) {
         say(fmt::format("{:.3g} % of the volume of '{}' is missing in '{}', most of it at node {}",
                         report.volume->missing_percent(), flags.skeleton.string(), flags.mesh.string(),
                         report.volume->lumps.front().node.index()));
     }
-    return report.sound() && report.covers_skeleton() && report.holds_volume() ? kDone : kCheckFailed;
+    const bool good =
+        report.sound() && report.covers_skeleton() && report.is_whole() && report.holds_volume();
+    return good ? kDone : kCheckFailed;
 }
 
 }  // namespace

@@ -35,6 +35,13 @@ def write(name, content):
         file.write(content.encode() if isinstance(content, str) else content)
 
 
+def box_obj(low, high, before):
+    """A box as OBJ, after so many vertices."""
+    vertices = re.sub(r"v (\S+) (\S+) (\S+)",
+                      lambda v: "v %g %g %g" % tuple((low, high)[int(v[k + 1]) > 0][k] for k in range(3)), CUBE)
+    return vertices + re.sub(r"\d+", lambda i: str(int(i[0]) + before), "".join(CUBE_FACES))
+
+
 def make_inputs():
     write("tree.swc", TREE)
     # A branch that comes back and runs through its own stem, out again on the other side.
@@ -45,6 +52,8 @@ def make_inputs():
     write("lines.obj", "v 0 0 0\nv 0 0 1\nv 0 0 2\nl 1 2 3\n")
     write("cube.obj", CUBE + "".join(CUBE_FACES))
     write("open.obj", CUBE + "".join(CUBE_FACES[1:]))
+    # A stem with a branch; the piece of it above 1.7 m hangs in the air.
+    write("torn.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 1.6), 0) + box_obj((-0.1, -0.1, 1.7), (0.1, 0.1, 2), 8))
     write("empty.swc", "")
     # Rings of 16 points on a stem of radius 0.1 and 2 m.
     stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)

@@ -44,6 +44,8 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     if (options.intersections || tree != nullptr) check_tree(mesh, skeleton, tree, options, ctx, report);
     ctx.throw_if_cancelled();
     ctx.report(0.9f);
+    if (skeleton != nullptr) report.parts = tree_parts(mesh, *skeleton, ctx);
+    ctx.throw_if_cancelled();
     if (tree != nullptr) report.radius = radius_deviation(mesh, *skeleton, *tree, ctx);
     ctx.report(1);
     return report;

@@ -7,6 +7,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
+#include "coppice/measure/tree_parts.h"
 #include "coppice/measure/volume_report.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/shape.h"
@@ -40,11 +41,14 @@ struct SurfaceReport {
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
     std::optional<CoverageReport> coverage;           ///< none without a skeleton
+    std::optional<TreePartsReport> parts;             ///< none without a skeleton
     std::optional<VolumeReport> volume;               ///< none without a skeleton
 
     bool sound() const { return topology.sound(); }  ///< closed, manifold and oriented
     /// Most free segments of the skeleton lie within the surface; true without a skeleton.
     bool covers_skeleton() const { return !coverage || 2 * coverage->missing <= coverage->judged; }
+    /// No part is torn off the surface of a tree; true without a skeleton.
+    bool is_whole() const { return !parts || parts->whole(); }
     /// Hardly any volume of the skeleton's rounded cones lies outside; true without a skeleton.
     bool holds_volume() const { return !volume || volume->complete(); }
     friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;  ///< member by member
@@ -88,6 +92,13 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
         visit("middle_to_surface", r.coverage->middle_to_surface);
         visit("segments_missing", r.coverage->missing);
         visit("segments_pinched", r.coverage->pinched);
+    }
+    if (r.parts) {
+        visit("trees", r.parts->trees);
+        visit("parts", r.parts->parts);
+        visit("parts_loose", r.parts->loose);
+        for (std::size_t k = 0; k < r.parts->largest.size(); ++k)
+            visit(std::string("loose_part_") + static_cast<char>('1' + k), r.parts->largest[k]);
     }
     if (r.volume) {
         visit("volume", *r.volume);

@@ -1,0 +1,112 @@
+#include "coppice/measure/tree_parts.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/base/parallel.h"
+#include "coppice/measure/capsule_tree.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 12;
+
+/// The root of every node's tree.
+std::vector<NodeId> roots_of(const Skeleton& skeleton) {
+    std::vector<NodeId> root(skeleton.size());
+    for (const NodeId n : nodes(skeleton))
+        root[n.index()] = skeleton.is_root(n) ? n : root[skeleton.parent(n).index()];
+    return root;
+}
+
+/// All segments, and trees of one node, in the frame of the mesh.
+CapsuleTree capsules_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
+    std::vector<NodeId> names;
+    std::vector<RoundCone> cones;
+    const Vec3d shift = skeleton.origin() - origin;
+    for (const NodeId n : nodes(skeleton)) {
+        const bool alone = skeleton.is_root(n) && skeleton.is_tip(n);
+        if (skeleton.is_root(n) && !alone) continue;
+        const Vec3 p = skeleton.position(n);
+        const float r = skeleton.radius(n);
+        const Segment s = alone ? Segment{p, p, r, r} : skeleton.segment(n);
+        names.push_back(n);
+        cones.push_back(round_cone<double>(Vec3d(s.a) + shift, Vec3d(s.b) + shift, s.radius_a, s.radius_b));
+    }
+    return {std::move(names), std::move(cones), ctx};
+}
+
+/// For every vertex the node whose segment is nearest; none where nothing is near.
+std::vector<NodeId> nearest_nodes(const PolygonMesh& mesh, const CapsuleTree& capsules, const Context& ctx) {
+    std::vector<NodeId> out(mesh.positions.size());
+    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
+        if (ctx.stop.stop_requested()) return;
+        std::uint32_t hint = CapsuleTree::kNone;
+        for (std::size_t v = range.begin; v < range.end; ++v) {
+            hint = capsules.nearest(Vec3d(mesh.positions[v]), hint).capsule;
+            if (hint != CapsuleTree::kNone) out[v] = capsules.node(hint);
+        }
+    });
+    ctx.throw_if_cancelled();
+    return out;
+}
+
+/// The part with most vertices of each tree that has any.
+std::vector<std::uint32_t> main_parts(std::vector<std::pair<std::uint32_t, std::uint32_t>> tree_and_part) {
+    std::ranges::sort(tree_and_part);
+    std::vector<std::uint32_t> out;
+    for (std::size_t i = 0; i < tree_and_part.size();) {
+        const std::uint32_t tree = tree_and_part[i].first;
+        std::uint32_t best = 0;
+        std::size_t most = 0;
+        while (i < tree_and_part.size() && tree_and_part[i].first == tree) {
+            const std::size_t begin = i;
+            while (i < tree_and_part.size() && tree_and_part[i] == tree_and_part[begin]) ++i;
+            if (i - begin <= most) continue;
+            most = i - begin;
+            best = tree_and_part[begin].second;
+        }
+        out.push_back(best);
+    }
+    return out;
+}
+
+}  // namespace
+
+TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
+    TreePartsReport out;
+    for (const NodeId n : nodes(skeleton)) out.trees += skeleton.is_root(n) ? 1 : 0;
+    DisjointSets sets(mesh.positions.size());
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+        for (const std::uint32_t v : mesh.face(f)) sets.join(mesh.face(f)[0], v);
+    }
+    std::vector<LoosePart> part(mesh.positions.size());  // by the first vertex of each
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+        LoosePart& p = part[sets.find(mesh.face(f)[0])];
+        out.parts += p.faces++ == 0 ? 1 : 0;
+    }
+    if (out.parts <= 1) return out;
+
+    const std::vector<NodeId> root = roots_of(skeleton);
+    const std::vector<NodeId> nearest = nearest_nodes(mesh, capsules_of(skeleton, mesh.origin, ctx), ctx);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> tree_and_part;
+    for (std::uint32_t v = 0; v < nearest.size(); ++v) {
+        const std::uint32_t p = sets.find(v);
+        if (part[p].faces == 0 || !nearest[v]) continue;
+        tree_and_part.emplace_back(root[nearest[v].index()].index(), p);
+        if (!part[p].node || nearest[v] < part[p].node) part[p].node = nearest[v];
+    }
+    for (const std::uint32_t p : main_parts(std::move(tree_and_part))) part[p].faces = 0;
+    std::erase_if(part, [](const LoosePart& p) { return p.faces == 0; });
+    out.loose = part.size();
+    std::ranges::stable_sort(part, std::ranges::greater(), &LoosePart::faces);
+    part.resize(std::min(part.size(), TreePartsReport::kMostNamed));
+    for (LoosePart& p : part) {
+        if (p.node) p.place = skeleton.origin() + Vec3d(skeleton.position(p.node));
+    }
+    out.largest = std::move(part);
+    return out;
+}
+
+}  // namespace coppice
