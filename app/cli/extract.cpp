@@ -184,8 +184,9 @@ Command extract_command() {
                  "also write the points that are left out as leaves, if any", kCloudGroup);
     options.fields(flags->write, "Writing the skeleton");
     FlagNames surface = surface_flag_names();
-    surface.names.insert(surface.names.end(),
-                         {{"method", "--mesh-method"}, {"prepare.tolerance", "--prepare-tolerance"}});
+    surface.names.insert(
+        surface.names.end(),
+        {{"method", "--mesh-method"}, {"fit", "--mesh-fit"}, {"prepare.tolerance", "--prepare-tolerance"}});
     options.fields(flags->mesh, "Surface of --then-mesh", surface);
     return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree", options,
             [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};

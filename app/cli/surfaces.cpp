@@ -55,7 +55,13 @@ void write_surface(const std::filesystem::path& path, const MeshResult& result, 
 }
 
 std::string count_surface(Run& run, const MeshResult& result) {
-    return std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
+    std::string said =
+        std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
+    if (!result.fitted) return said;
+    const FitVolumeReport& fitted = *result.fitted;
+    run.counts()["fitted"] = figures_of(fitted);
+    return fmt::format("{}; volume {:.2f} % of the cones'{}", said, 100 * fitted.after / fitted.cones,
+                       fitted.closed ? "" : " (parts of it are lost: see coppice check)");
 }
 
 }  // namespace coppice::cli

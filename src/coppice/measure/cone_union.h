@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -51,6 +52,8 @@ class ConeUnion {
         double radius;  ///< [m] of the disc
     };
     const std::vector<Cut>& cuts() const { return cuts_; }  ///< bases first, each by node
+    /// The flat ends that may take something from solid i: places in cuts().
+    std::span<const std::uint32_t> cuts_of(std::uint32_t i) const { return cuts_of_[i]; }
 
   private:
     CapsuleTree capsules_;

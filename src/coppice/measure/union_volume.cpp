@@ -12,7 +12,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kGrain = 16;
-constexpr std::uint32_t kFirstRound = 32;  // points in every part
+constexpr std::uint32_t kFirstRound = 8;  // points in every part
 constexpr int kMostRounds = 12;
 
 /// A cone consists of what lies beside its axis and the half balls beyond its ends. Parts of equal kind come

@@ -32,7 +32,7 @@ using MarkPoint = std::function<bool(Vec3d p, double radius)>;
 ///
 /// The volume of every cone and half ball is known in closed form; what is sampled is only the part of it
 /// that no segment before it has, so that the volume of a straight branch is exact. Points are taken where
-/// the variance is (Neyman's allocation), in rounds, until the error is reached; within a solid they are
+/// the variance is [Neyman1934], in rounds, until the error is reached; within a solid they are
 /// evenly spread (a rank-one lattice with a random shift), so that the error, which is that of independent
 /// points, is too large rather than too small. 0.1 % takes some 10^5 points, about a microsecond each.
 /// Deterministic.

@@ -2,6 +2,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/pipeline/surface_field_internal.h"
@@ -82,6 +83,14 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     return out;
 }
 
+template <class Mesh>
+FitVolumeReport fit_to_ends(Mesh& mesh, const Skeleton& skeleton, const ControlOptions& ends,
+                            const Context& ctx) {
+    const EndShape base = ends.base == BaseShape::round ? EndShape::round : EndShape::flat;
+    const EndShape tips = ends.tips == TipShape::round ? EndShape::round : EndShape::flat;
+    return fit_volume(mesh, skeleton, base, tips, ctx);
+}
+
 }  // namespace
 
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
@@ -92,14 +101,25 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, 
                          const Context& ctx) {
     check_fields(options, "mesh");
     MeshResult out;
-    Stages stages(ctx, out.stages);
+    const bool fits = options.fit == Fit::volume;
+    const Context meshing = fits ? part_of(ctx, 0, 0.5f) : ctx;
+    Stages stages(meshing, out.stages);
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
     if (options.method == MeshMethod::quads) {
-        out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, ctx, stages);
+        out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, meshing, stages);
     } else {
-        out.surface = mesh_by_tetrahedra(prepared.skeleton, constraints, options, out.weights, ctx, stages);
+        out.surface =
+            mesh_by_tetrahedra(prepared.skeleton, constraints, options, out.weights, meshing, stages);
+    }
+    if (fits) {
+        const Context fitting = part_of(ctx, 0.5f, 1);
+        out.fitted = Stages(fitting, out.stages).run("fit", 1.0f, [&] {
+            return std::visit(
+                [&](auto& surface) { return fit_to_ends(surface.mesh, skeleton, options.control, fitting); },
+                out.surface);
+        });
     }
     return out;
 }

@@ -15,6 +15,7 @@
 #include "coppice/field/weights/global_weights.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/fit_volume.h"
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/skeleton/skeleton.h"
@@ -34,6 +35,17 @@ enum class MeshMethod {
 template <>
 struct EnumNames<MeshMethod> {
     static constexpr std::array<std::string_view, 2> names{"quads", "tetrahedra"};
+};
+
+/// What of its skeleton a surface keeps.
+enum class Fit {
+    surface,  ///< its vertices lie where the field has its level
+    volume    ///< it encloses the volume of the skeleton's rounded cones, part by part
+};
+
+template <>
+struct EnumNames<Fit> {
+    static constexpr std::array<std::string_view, 2> names{"surface", "volume"};
 };
 
 /// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
@@ -57,6 +69,7 @@ struct MeshOptions {
     MeshMethod method = MeshMethod::quads;  ///< quads or triangles
     int levels =
         2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
+    Fit fit = Fit::surface;  ///< where vertices lie in the end
     float graft = 0.6f;  ///< [sum of radii] branches whose axes come nearer than this are grafted; 0 = off
     PrepareOptions prepare;    ///< what is done to the skeleton first
     ControlOptions control;    ///< the cage, and how branches end
@@ -72,6 +85,10 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"method", "quads along the branches, or triangles wherever the field leads"}, o.method);
     visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
           o.levels);
+    visit(Field{"fit",
+                "what the surface keeps: its vertices on the field, or the volume of the skeleton's rounded "
+                "cones"},
+          o.fit);
     visit(Field{"graft",
                 "branches whose axes come nearer than this times the sum of their radii are grafted; 0 = off",
                 Unit::none, 0, 1},
@@ -106,6 +123,7 @@ struct MeshResult {
     std::variant<QuadSurface, TetraSurface> surface;     ///< in the order of MeshMethod
     PrepareReport prepared;                              ///< changes to the skeleton
     std::optional<GlobalWeights> weights;                ///< where options.field.weights asked for it
+    std::optional<FitVolumeReport> fitted;               ///< where options.fit asked for the volume
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
 
     /// The surface of quads; std::bad_variant_access when the method was another.
@@ -127,6 +145,9 @@ struct MeshResult {
 /// puts a lattice of tetrahedra about it, and finds the surface in them. Branches that cross or touch become
 /// one body: the surface is closed, manifold and never crosses itself, but may have handles. It has a part
 /// for each tree, whatever the options, or fewer where trees touch.
+///
+/// With `fit` volume, either is moved at the end so that it encloses the volume of the skeleton's rounded
+/// cones (see fit_volume).
 ///
 /// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index,
 /// and when tetrahedra find no surface because it is thinner than they are.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -10,21 +9,17 @@
 #include "coppice/base/parallel.h"
 #include "coppice/extract/mesh/mesh_clean.h"
 #include "coppice/measure/capsule_tree.h"
-#include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
-#include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/pipeline/limit_offsets_internal.h"
 #include "coppice/subdivision/cage_topology.h"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr double kFarFromAxis = 3;    // [radii] beyond, the nearest segment tells nothing about a vertex
-constexpr double kFacing = 0.25;      // least cosine between a vertex's normal and a face of the original
-constexpr double kFlatCorner = 0.05;  // scaled Jacobian up to which a face is as good as folded
-constexpr std::uint32_t kMostCrossings = 1'000'000;
-constexpr std::uint32_t kHalvings = 6, kMostRounds = 40;
+constexpr double kFarFromAxis = 3;  // [radii] beyond, the nearest segment tells nothing about a vertex
+constexpr double kFacing = 0.25;    // least cosine between a vertex's normal and a face of the original
 
 /// Where the line p + t n passes through the triangle a, b, c from behind, at less than a grazing angle.
 std::optional<double> line_triangle_intersection(Vec3d p, Vec3d n, Vec3d a, Vec3d b, Vec3d c) {
@@ -185,78 +180,19 @@ class Restoration {
         }
     }
 
-    void move() {
-        for_vertices([&](std::size_t v) {
-            const float o = result_.offsets[v];
-            mesh_.positions[v] = o == 0 ? start_[v] : start_[v] + o * normal_[v];
-        });
-    }
-
-    std::vector<std::uint32_t> new_folds() const {
-        std::vector<std::uint8_t> folded(mesh_.quads.size(), 0);
-        parallel_for(ctx_, mesh_.quads.size(), kGrain, [&](std::size_t f) {
-            const Quad& q = mesh_.quads[f];
-            if (std::none_of(q.begin(), q.end(), [&](std::uint32_t v) { return result_.offsets[v] != 0; }))
-                return;
-            const bool turned = dot(diagonal_normal(q, start_), diagonal_normal(q, mesh_.positions)) <= 0;
-            folded[f] = turned || (scaled_jacobian(q, mesh_.positions) < kFlatCorner &&
-                                   scaled_jacobian(q, start_) >= kFlatCorner);
-        });
-        std::vector<std::uint32_t> faces;
-        for (std::uint32_t f = 0; f < folded.size(); ++f) {
-            if (folded[f]) faces.push_back(f);
-        }
-        return faces;
-    }
-
-    std::vector<FacePair> crossings() const {
-        const PolygonMesh polygons = to_polygons(mesh_);
-        FacePairs found = crossing_faces(SurfaceTree(polygons, ctx_), kMostCrossings, ctx_);
-        if (!found.complete) {
+    /// Moves the vertices, as far as no face folds or crosses another that did not before.
+    void limit_offsets() {
+        constexpr std::uint32_t kHalvings = 6;
+        PolygonMesh start = to_polygons(mesh_);
+        const auto faces_of = pipeline_internal::faces_by_vertex(start);
+        const pipeline_internal::MovingSurface moving{start, faces_of, normal_};
+        const auto limited = pipeline_internal::limit_offsets(moving, result_.offsets, kHalvings, ctx_);
+        if (!limited.complete) {
             throw InvalidInput(
                 "the surface crosses itself too often to be restored; repair its skeleton first");
         }
-        return std::move(found.pairs);
-    }
-
-    static std::vector<std::uint32_t> new_crossings(std::span<const FacePair> before,
-                                                    std::span<const FacePair> now) {
-        std::vector<FacePair> fresh;
-        std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(fresh));
-        std::vector<std::uint32_t> faces;
-        for (const FacePair& p : fresh) faces.insert(faces.end(), {p.first, p.second});
-        return faces;
-    }
-
-    /// Takes offsets at these faces back; first by half, then wholly and around them too.
-    void pull_back(std::span<const std::uint32_t> faces, std::uint32_t round) {
-        std::vector<std::uint32_t> at;
-        for (const std::uint32_t f : faces) at.insert(at.end(), mesh_.quads[f].begin(), mesh_.quads[f].end());
-        if (round >= kHalvings) {
-            for (std::size_t i = 0, n = at.size(); i < n; ++i) {
-                visit_fan(at[i], [&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
-                    at.insert(at.end(), {a, b});
-                });
-            }
-        }
-        std::sort(at.begin(), at.end());
-        at.erase(std::unique(at.begin(), at.end()), at.end());
-        for (const std::uint32_t v : at) result_.offsets[v] *= round < kHalvings ? 0.5f : 0.0f;
-    }
-
-    /// Moves the vertices, as far as no face folds or crosses another that did not before.
-    void limit_offsets() {
-        const std::vector<FacePair> before = crossings();
-        for (std::uint32_t& round = result_.report.rounds; round < kMostRounds; ++round) {
-            ctx_.throw_if_cancelled();
-            move();
-            std::vector<std::uint32_t> bad = new_folds();
-            if (bad.empty()) bad = new_crossings(before, crossings());
-            if (bad.empty()) return;
-            pull_back(bad, round);
-        }
-        std::fill(result_.offsets.begin(), result_.offsets.end(), 0.0f);
-        move();
+        result_.report.rounds = limited.rounds;
+        pipeline_internal::apply_offsets(moving, result_.offsets, mesh_.positions, ctx_);
     }
 
     Statistics offsets_in_radii() const {

@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+#include "coppice/base/parallel.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/pipeline/limit_offsets_internal.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr double kFlatCorner = 0.05;  // scaled Jacobian up to which a face is as good as folded
+constexpr std::uint32_t kMostCrossings = 1'000'000;
+constexpr std::uint32_t kMostRounds = 40;
+
+using Faces = std::vector<std::uint32_t>;  // ascending, each once
+
+void sort_out(std::vector<std::uint32_t>& items) {
+    std::sort(items.begin(), items.end());
+    items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+Faces where_set(std::span<const std::uint8_t> set) {
+    Faces faces;
+    for (std::uint32_t f = 0; f < set.size(); ++f) {
+        if (set[f]) faces.push_back(f);
+    }
+    return faces;
+}
+
+/// These faces alone, over the same vertices.
+PolygonMesh part_of_mesh(const PolygonMesh& mesh, std::span<const Vec3> positions, const Faces& faces) {
+    PolygonMesh part;
+    part.positions.assign(positions.begin(), positions.end());
+    for (const std::uint32_t f : faces) part.add_face(mesh.face(f));
+    return part;
+}
+
+/// The pairs among these faces that cross, by their numbers in the whole.
+FacePairs crossings_among(const PolygonMesh& mesh, std::span<const Vec3> positions, const Faces& faces,
+                          const Context& ctx) {
+    const PolygonMesh part = part_of_mesh(mesh, positions, faces);
+    FacePairs found = crossing_faces(SurfaceTree(part, ctx), kMostCrossings, ctx);
+    for (FacePair& p : found.pairs) p = {faces[p.first], faces[p.second]};
+    return found;
+}
+
+Box3 box_of(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
+    Box3 box;
+    for (const std::uint32_t v : face) box.extend(positions[v]);
+    return box;
+}
+
+/// The search for what moving makes worse.
+class Limiter {
+  public:
+    Limiter(const MovingSurface& surface, std::span<float> offsets, std::uint32_t halvings,
+            const Context& ctx)
+        : surface_(surface), start_(surface.start), offsets_(offsets), halvings_(halvings), ctx_(ctx) {
+        moved_.corners = start_.corners;
+        moved_.first = start_.first;
+        apply_offsets(surface_, offsets_, moved_.positions, ctx_);
+        changed_.assign(start_.face_count(), 1);
+    }
+
+    LimitResult run() {
+        LimitResult result;
+        for (; result.rounds < kMostRounds; ++result.rounds) {
+            ctx_.throw_if_cancelled();
+            Faces bad = new_folds();
+            if (bad.empty()) {
+                FacePairs found = crossings_of_changed();
+                result.complete = result.complete && found.complete;
+                if (!result.complete) break;
+                std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+                bad = newly_crossing(std::move(found));
+                if (bad.empty()) return result;
+            }
+            take_back(bad, result.rounds);
+        }
+        std::fill(offsets_.begin(), offsets_.end(), 0.0f);
+        return result;
+    }
+
+  private:
+    Faces new_folds() const {
+        std::vector<std::uint8_t> folded(start_.face_count(), 0);
+        parallel_for(ctx_, folded.size(), kGrain, [&](std::size_t i) {
+            const auto face = start_.face(static_cast<std::uint32_t>(i));
+            if (!changed_[i] || std::ranges::all_of(face, [&](auto v) { return offsets_[v] == 0; })) return;
+            const bool turned =
+                dot(area_vector(face, start_.positions), area_vector(face, moved_.positions)) <= 0;
+            folded[i] = turned || (scaled_jacobian(face, moved_.positions) < kFlatCorner &&
+                                   scaled_jacobian(face, start_.positions) >= kFlatCorner);
+        });
+        return where_set(folded);
+    }
+
+    /// Of faces that changed with any: first time all, later those whose boxes meet a changed one's.
+    FacePairs crossings_of_changed() {
+        if (!looked_) {
+            looked_ = true;
+            return crossing_faces(SurfaceTree(moved_, ctx_), kMostCrossings, ctx_);
+        }
+        std::vector<Box3> boxes;
+        for (const std::uint32_t f : where_set(changed_))
+            boxes.push_back(box_of(start_.face(f), moved_.positions));
+        const BoxTree tree(boxes, ctx_);
+        std::vector<std::uint8_t> near(start_.face_count(), 0);
+        parallel_for(ctx_, near.size(), kGrain, [&](std::size_t i) {
+            const Box3 box = box_of(start_.face(static_cast<std::uint32_t>(i)), moved_.positions);
+            tree.visit_overlapping(box, [&](std::uint32_t) {
+                near[i] = 1;
+                return false;
+            });
+        });
+        return crossings_among(start_, moved_.positions, where_set(near), ctx_);
+    }
+
+    /// The faces of those pairs that did not cross before.
+    Faces newly_crossing(FacePairs found) const {
+        if (found.pairs.empty()) return {};
+        Faces faces;
+        for (const FacePair& p : found.pairs) faces.insert(faces.end(), {p.first, p.second});
+        sort_out(faces);
+        const FacePairs before = crossings_among(start_, start_.positions, faces, ctx_);
+        std::vector<FacePair> fresh;
+        std::ranges::set_difference(found.pairs, before.pairs, std::back_inserter(fresh));
+        faces.clear();
+        for (const FacePair& p : fresh) faces.insert(faces.end(), {p.first, p.second});
+        sort_out(faces);
+        return faces;
+    }
+
+    std::vector<std::uint32_t> corners_of(const Faces& faces) const {
+        std::vector<std::uint32_t> corners;
+        for (const std::uint32_t f : faces) {
+            const auto face = start_.face(f);
+            corners.insert(corners.end(), face.begin(), face.end());
+        }
+        sort_out(corners);
+        return corners;
+    }
+
+    Faces faces_at(std::span<const std::uint32_t> vertices) const {
+        Faces faces;
+        for (const std::uint32_t v : vertices) {
+            const auto about = surface_.faces_of[v];
+            faces.insert(faces.end(), about.begin(), about.end());
+        }
+        sort_out(faces);
+        return faces;
+    }
+
+    void take_back(const Faces& bad, std::uint32_t round) {
+        const bool wholly = round >= halvings_;
+        std::vector<std::uint32_t> at = corners_of(bad);
+        if (wholly) at = corners_of(faces_at(at));
+        for (const std::uint32_t v : at) {
+            offsets_[v] *= wholly ? 0.0f : 0.5f;
+            moved_.positions[v] = start_.positions[v] + offsets_[v] * surface_.direction[v];
+        }
+        for (const std::uint32_t f : faces_at(at)) changed_[f] = 1;
+    }
+
+    const MovingSurface& surface_;
+    const PolygonMesh& start_;
+    std::span<float> offsets_;
+    std::uint32_t halvings_;
+    const Context& ctx_;
+    PolygonMesh moved_;
+    std::vector<std::uint8_t> changed_;  // per face, since crossings were last looked for
+    bool looked_ = false;
+};
+
+}  // namespace
+
+CompressedRows<std::uint32_t> faces_by_vertex(const PolygonMesh& mesh) {
+    return compress_rows<std::uint32_t>(mesh.positions.size(), [&](const auto& put) {
+        for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+            for (const std::uint32_t v : mesh.face(f)) put(v, f);
+        }
+    });
+}
+
+Vec3d area_vector(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
+    const Vec3d a(positions[face[0]]);
+    Vec3d sum, from = Vec3d(positions[face[1]]) - a;
+    for (std::size_t k = 2; k < face.size(); ++k) {
+        const Vec3d to = Vec3d(positions[face[k]]) - a;
+        sum += cross(from, to);
+        from = to;
+    }
+    return sum / 2;
+}
+
+void apply_offsets(const MovingSurface& surface, std::span<const float> offsets, Buffer<Vec3>& positions,
+                   const Context& ctx) {
+    positions = surface.start.positions;
+    parallel_for(ctx, positions.size(), kGrain, [&](std::size_t v) {
+        if (offsets[v] != 0) positions[v] = positions[v] + offsets[v] * surface.direction[v];
+    });
+}
+
+LimitResult limit_offsets(const MovingSurface& surface, std::span<float> offsets, std::uint32_t halvings,
+                          const Context& ctx) {
+    return Limiter(surface, offsets, halvings, ctx).run();
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,203 @@
+#include "coppice/pipeline/fit_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stop_token>
+
+#include "coppice/base/error.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/measure/union_volume.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+constexpr NodeId kRoot = NodeId::none();
+constexpr double kPi = std::numbers::pi;
+
+Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }
+
+/// A trunk with a bend, a fork and a twig.
+Skeleton small_tree(float x = 0) {
+    return Skeleton({kRoot, NodeId(0), NodeId(1), NodeId(2), NodeId(2), NodeId(1)},
+                    {{x, 0, 0}, {x, 0, 3}, {x + 1, 0, 6}, {x + 3, 0, 9}, {x - 1, 0, 9}, {x - 2, 1, 4}},
+                    {0.5f, 0.45f, 0.4f, 0.3f, 0.3f, 0.1f});
+}
+
+PolygonMesh polygons_of(const MeshResult& r) {
+    return std::visit([](const auto& s) { return to_polygons(s.mesh); }, r.surface);
+}
+double volume_of(const PolygonMesh& m) { return shape(m).signed_volume; }
+std::uint64_t crossings(const PolygonMesh& m) {
+    return crossing_faces(SurfaceTree(m), 1'000'000).pairs.size();
+}
+
+MeshResult mesh_with(const Skeleton& s, Fit fit, MeshMethod method = MeshMethod::quads, int levels = 2,
+                     const Context& ctx = {}) {
+    MeshOptions options;
+    options.method = method;
+    options.fit = fit;
+    options.levels = levels;
+    return mesh_skeleton(s, options, ctx);
+}
+
+TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
+    const MeshResult r = mesh_with(pole(), Fit::volume);
+    ASSERT_TRUE(r.fitted);
+    EXPECT_TRUE(r.fitted->closed);
+    const double exact = kPi * 0.25 * 10 + 2 * kPi / 3 * 0.125;
+    EXPECT_NEAR(r.fitted->cones, exact, r.fitted->error);
+    EXPECT_NEAR(volume_of(polygons_of(r)), exact, 1e-3 * exact);
+    EXPECT_NEAR(r.fitted->after, volume_of(polygons_of(r)), 1e-4 * exact);
+    // Sixteen sides have the area of the circle when their corners are at r sqrt(a / sin a), a = 2 pi / 16.
+    const double a = kPi / 8, corner = 0.5 * std::sqrt(a / std::sin(a));
+    std::size_t seen = 0;
+    for (const Vec3 p : r.quads().mesh.positions) {
+        if (p.z < 3 || p.z > 7) continue;
+        EXPECT_NEAR(std::hypot(p.x, p.y), corner, 0.003 * corner);
+        ++seen;
+    }
+    EXPECT_GT(seen, 0u);
+}
+
+TEST(FitVolume, FlatEndsStayFlat) {
+    MeshOptions options;
+    options.control.tips = TipShape::flat;
+    const MeshResult before = mesh_skeleton(pole(), options);
+    options.fit = Fit::volume;
+    const MeshResult after = mesh_skeleton(pole(), options);
+    std::size_t flat = 0, wider = 0;
+    for (std::size_t v = 0; v < before.quads().mesh.positions.size(); ++v) {
+        const Vec3 p = before.quads().mesh.positions[v], q = after.quads().mesh.positions[v];
+        if (std::fabs(p.z) > 1e-4f && std::fabs(p.z - 10) > 1e-4f) continue;
+        EXPECT_NEAR(p.z, q.z, 1e-6);
+        wider += std::hypot(q.x, q.y) > std::hypot(p.x, p.y) * 1.005 ? 1 : 0;
+        ++flat;
+    }
+    EXPECT_GT(flat, wider);  // the rim, but not what is within
+    EXPECT_EQ(wider, 32u);
+    EXPECT_NEAR(volume_of(polygons_of(after)), kPi * 2.5, 1e-3 * kPi * 2.5);
+}
+
+TEST(FitVolume, AnOpenBaseCountsAsClosed) {
+    MeshOptions options;
+    options.control.base = BaseShape::open;
+    options.fit = Fit::volume;
+    const MeshResult r = mesh_skeleton(small_tree(7), options);
+    EXPECT_TRUE(r.fitted->closed);
+    // The base is at z = 0, so that its disc adds nothing to the volume of the open surface.
+    EXPECT_NEAR(volume_of(polygons_of(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+}
+
+TEST(FitVolume, HoldsForLevelsAndMethods) {
+    for (const int level : {0, 1, 2, 3}) {
+        SCOPED_TRACE(level);
+        const MeshResult r = mesh_with(small_tree(), Fit::volume, MeshMethod::quads, level);
+        EXPECT_NEAR(volume_of(polygons_of(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+    }
+    for (const float edge : {0.25f, 0.5f, 1.0f}) {
+        SCOPED_TRACE(edge);
+        MeshOptions options;
+        options.method = MeshMethod::tetrahedra;
+        options.fit = Fit::volume;
+        options.tetra.edge = edge;
+        const MeshResult r = mesh_skeleton(small_tree(), options);
+        EXPECT_NEAR(volume_of(polygons_of(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+    }
+}
+
+TEST(FitVolume, PartsGetTheirOwn) {
+    // A pole with round sides loses less by chords than a tree with forks and bends; they are one surface.
+    const Skeleton tree = small_tree(20), bare = pole();
+    std::vector<NodeId> parent(bare.parents().begin(), bare.parents().end());
+    std::vector<Vec3> position(bare.positions().begin(), bare.positions().end());
+    std::vector<float> radius(bare.radii().begin(), bare.radii().end());
+    for (const NodeId n : nodes(tree)) {
+        parent.push_back(tree.is_root(n) ? kRoot : NodeId(tree.parent(n).index() + 2));
+        position.push_back(tree.position(n));
+        radius.push_back(tree.radius(n));
+    }
+    const MeshResult r = mesh_with(Skeleton(parent, position, radius), Fit::volume);
+    QuadMesh of_pole = r.quads().mesh;
+    std::erase_if(of_pole.quads, [&](const Quad& q) { return of_pole.positions[q[0]].x > 10; });
+    const double exact = kPi * 2.5 + kPi / 12;
+    EXPECT_NEAR(shape(of_pole).signed_volume, exact, 3e-3 * exact);
+}
+
+TEST(FitVolume, IsNotMadeUpForWhatIsLost) {
+    // The surface of a thin pole, held against a skeleton that has a ball in its middle.
+    const Skeleton thin({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}},
+                        {0.5f, 0.5f, 0.5f});
+    const Skeleton ball({kRoot, NodeId(0), NodeId(1), kRoot}, {{0, 0, 0}, {0, 0, 5}, {0, 0, 10}, {0, 0, 5}},
+                        {0.5f, 0.5f, 0.5f, 2});
+    QuadMesh mesh = mesh_with(thin, Fit::surface).quads().mesh;
+    const FitVolumeReport r = fit_volume(mesh, ball, EndShape::flat, EndShape::round);
+    EXPECT_FALSE(r.closed);
+    EXPECT_LT(r.after, 0.5 * r.cones);
+    for (const Vec3 p : mesh.positions) {
+        if (p.z > 8) {
+            EXPECT_LT(std::hypot(p.x, p.y), 0.53);
+        }
+    }
+}
+
+TEST(FitVolume, AddsNoFoldsOrCrossings) {
+    int closed = 0, all = 0;
+    constexpr std::uint32_t kSmall = 300;
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        if (skeleton.size() > kSmall) continue;
+        for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra}) {
+            SCOPED_TRACE(name);
+            PolygonMesh before;
+            try {
+                before = polygons_of(mesh_with(skeleton, Fit::surface, method));
+            } catch (const InvalidInput&) {
+                continue;  // nothing is left of it as tetrahedra
+            }
+            const MeshResult r = mesh_with(skeleton, Fit::volume, method);
+            const PolygonMesh after = polygons_of(r);
+            EXPECT_LE(crossings(after), crossings(before));
+            EXPECT_EQ(topology(after).sound(), topology(before).sound());
+            closed += r.fitted->closed ? 1 : 0;
+            if (r.fitted->closed) {
+                EXPECT_NEAR(r.fitted->after, r.fitted->cones, 3e-3 * r.fitted->cones);
+            }
+            ++all;
+        }
+    }
+    EXPECT_GT(closed, 0.8 * all);  // others are knots, and jumps that a field does not follow
+}
+
+TEST(FitVolume, SameBitsForAnyNumberOfThreads) {
+    for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra}) {
+        const MeshResult one = mesh_with(small_tree(), Fit::volume, method, 3, {.threads = 1});
+        for (const unsigned threads : {2u, 7u}) {
+            const MeshResult many = mesh_with(small_tree(), Fit::volume, method, 3, {.threads = threads});
+            EXPECT_EQ(polygons_of(many).positions, polygons_of(one).positions);
+            EXPECT_EQ(*many.fitted, *one.fitted);
+        }
+    }
+}
+
+TEST(FitVolume, ReportsProgressAndStops) {
+    float last = 0;
+    mesh_with(small_tree(), Fit::volume, MeshMethod::quads, 2, {.progress = [&](float f) {
+                  EXPECT_GE(f, last);
+                  last = f;
+              }});
+    EXPECT_EQ(last, 1);
+    QuadMesh mesh = mesh_with(small_tree(), Fit::surface).quads().mesh;
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_THROW(fit_volume(mesh, small_tree(), EndShape::flat, EndShape::round, {.stop = stop.get_token()}),
+                 Cancelled);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,38 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coppice/pipeline/nearest_segment_internal.h"
+#include "zoo.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+TEST(NearestSegment, FindsTheSurfaceThatAPointLiesOnWhateverTheHint) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const CapsuleTree capsules(skeleton, skeleton.origin());
+        const NearestSegment nearest(skeleton, capsules);
+        for (std::uint32_t i = 0; i < capsules.size(); ++i) {
+            const RoundCone& c = capsules.cone(i);
+            const Vec3d p = c.point(0.5) + perpendicular(normalized(c.axis, {0, 0, 1})) * c.radius(0.5);
+            const double least = capsules.nearest(p).rho;
+            for (const std::uint32_t hint : {CapsuleTree::kNone, i, 0u, capsules.size() - 1}) {
+                const std::uint32_t found = nearest(p, hint);
+                ASSERT_NE(found, CapsuleTree::kNone);
+                const double rho = std::sqrt(capsules.cone(found).foot(p).relative_squared());
+                // The least of all, or one on whose bark the point lies too.
+                EXPECT_TRUE(rho <= least + 1e-9 || (rho > 0.6 && rho < 1.2)) << i << ' ' << hint;
+            }
+        }
+    }
+}
+
+TEST(NearestSegment, OfNothingIsNone) {
+    const Skeleton ball({NodeId::none()}, {{0, 0, 0}}, {1});
+    const CapsuleTree capsules(ball, {});
+    EXPECT_EQ(NearestSegment(ball, capsules)({0, 0, 1}, CapsuleTree::kNone), CapsuleTree::kNone);
+}
+
+}  // namespace
+}  // namespace coppice::pipeline_internal
