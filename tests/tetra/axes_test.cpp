@@ -167,8 +167,10 @@ TEST(MarchAxes, AreAsThickAsTheirRadiusWhereTheFieldHasNothingToSay) {
     double sum = 0;
     for (const Vec3 p : r.mesh.positions)
         sum += length(Vec3d(p) - a - along * closest_parameter(Vec3d(p), a, along));
-    // Corners are moved most of the way onto the axis; edges end within half of their length.
-    EXPECT_NEAR(sum / static_cast<double>(r.mesh.positions.size()), 0.2, 0.05);
+    // At least half the radius; half an edge may be less than all of it.
+    const double mean = sum / static_cast<double>(r.mesh.positions.size());
+    EXPECT_GT(mean, 0.1);
+    EXPECT_LT(mean, 0.22);
 }
 
 TEST(MarchAxes, LeaveOutPartsWithoutAnAxisAndHollows) {

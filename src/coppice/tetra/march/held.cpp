@@ -57,9 +57,6 @@ class WeightFunctions {
     std::array<Vec3d, 3> slope_;
 };
 
-/// A place by its weights in a coarse tetrahedron; the first follows from the others.
-Vec3d place_of(const Weights& w) { return {w[1], w[2], w[3]}; }
-
 /// The part of the line between two points in which all weights are those of a point inside.
 Span within(const Weights& start, const Weights& end) {
     Span span;
@@ -71,27 +68,131 @@ Span within(const Weights& start, const Weights& end) {
     return span;
 }
 
-/// Weights in each fine tetrahedron by those in the coarse one.
-std::vector<WeightFunctions> fine_weights(const TetraPattern& pattern) {
-    std::vector<WeightFunctions> out;
-    for (const auto& fine : pattern.tetra) {
-        std::array<Vec3d, 4> corners;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const auto& share = pattern.shares[fine[i]];
-            corners[i] = {share[1], share[2], share[3]};
+/// The fine tetrahedra that a line passes in one coarse tetrahedron, whose corners are a path of edges about
+/// the diagonal: in coordinates along these edges, x >= y >= z from 0 to n, they are the pieces between the
+/// planes on which a coordinate, or the difference of two, is whole [Freudenthal1942].
+class FineLine {
+  public:
+    FineLine(const TetraPattern& pattern, std::uint32_t diagonal)
+        : n_(1),
+          path_{kTetraDiagonals[diagonal][0], kTetraDiagonals[diagonal][2], kTetraDiagonals[diagonal][1],
+                kTetraDiagonals[diagonal][3]} {
+        for (const std::uint8_t w : pattern.weights[0]) n_ = std::max(n_, int{w});
+        local_.resize(static_cast<std::size_t>((n_ + 1) * (n_ + 1) * (n_ + 1)));
+        for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
+            const auto& w = pattern.weights[v];
+            const int z = w[path_[3]], y = z + w[path_[2]], x = y + w[path_[1]];
+            local_[place({x, y, z})] = static_cast<Local>(v);
         }
-        out.emplace_back(corners);
     }
+
+    /// Calls use(vertex) for those with the greatest weight somewhere between two points, which lie inside.
+    template <class Use>
+    void visit_greatest(const Weights& start, const Weights& end, const Use& use) {
+        const Vec3d from = along_path(start), way = along_path(end) - from;
+        find_stops(from, way);
+        for (std::size_t i = 0; i + 1 < stops_.size(); ++i) {
+            if (stops_[i + 1] > stops_[i] || stops_.size() == 2)
+                visit_piece(from + way * stops_[i], from + way * stops_[i + 1], use);
+        }
+    }
+
+  private:
+    std::size_t place(const std::array<int, 3>& p) const {
+        return static_cast<std::size_t>((p[0] * (n_ + 1) + p[1]) * (n_ + 1) + p[2]);
+    }
+
+    Vec3d along_path(const Weights& w) const {
+        const double z = n_ * w[path_[3]], y = z + n_ * w[path_[2]];
+        return {y + n_ * w[path_[1]], y, z};
+    }
+
+    /// Where the line passes one of the planes, with its ends, in order.
+    void find_stops(Vec3d from, Vec3d way) {
+        stops_.assign({0, 1});
+        const auto add = [&](double a, double by) {
+            const double low = std::min(a, a + by), high = std::max(a, a + by);
+            for (double k = std::ceil(low); k <= high; ++k) {
+                const double t = (k - a) / by;
+                if (t > 0 && t < 1) stops_.push_back(t);
+            }
+        };
+        add(from.x, way.x);
+        add(from.y, way.y);
+        add(from.z, way.z);
+        add(from.x - from.y, way.x - way.y);
+        add(from.y - from.z, way.y - way.z);
+        add(from.x - from.z, way.x - way.z);
+        std::ranges::sort(stops_);
+    }
+
+    /// Between two points of one fine tetrahedron, which is that of the point halfway.
+    template <class Use>
+    void visit_piece(Vec3d a, Vec3d b, const Use& use) const {
+        const Vec3d middle = 0.5 * (a + b);
+        std::array<int, 3> corner{};
+        std::array<double, 3> rest{};
+        for (int axis = 0; axis < 3; ++axis) {
+            // Coordinates fall along the path and stay below n, but for rounding.
+            const int most = axis == 0 ? n_ - 1 : corner[static_cast<std::size_t>(axis) - 1];
+            const int whole = std::clamp(static_cast<int>(std::floor(middle[axis])), 0, most);
+            corner[static_cast<std::size_t>(axis)] = whole;
+            rest[static_cast<std::size_t>(axis)] = middle[axis] - whole;
+        }
+        // From the corner along the axes in the order of what is left; of equal ones the first, which stays
+        // inside.
+        std::array<int, 3> order{0, 1, 2};
+        const auto put_first = [&](std::size_t i, std::size_t j) {
+            if (rest[static_cast<std::size_t>(order[j])] > rest[static_cast<std::size_t>(order[i])])
+                std::swap(order[i], order[j]);
+        };
+        put_first(0, 1);
+        put_first(1, 2);
+        put_first(0, 1);
+        std::array<Local, 4> vertex{local_[place(corner)]};
+        Weights at_a{}, at_b{};
+        double left_a = 1, left_b = 1;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto axis = static_cast<std::size_t>(order[i]);
+            const double next_a = a[order[i]] - corner[axis], next_b = b[order[i]] - corner[axis];
+            at_a[i] = left_a - next_a;
+            at_b[i] = left_b - next_b;
+            left_a = next_a;
+            left_b = next_b;
+        }
+        at_a[3] = left_a;
+        at_b[3] = left_b;
+        for (std::size_t i = 0; i < 3; ++i) {
+            ++corner[static_cast<std::size_t>(order[i])];
+            vertex[i + 1] = local_[place(corner)];
+        }
+        for (std::size_t i = 0; i < 4; ++i) {
+            Span greatest;
+            for (std::size_t j = 0; j < 4; ++j) {
+                if (j != i) greatest.clip(at_a[i] - at_a[j], at_b[i] - at_b[j]);
+            }
+            if (!greatest.empty()) use(vertex[i]);
+        }
+    }
+
+    int n_;
+    std::array<std::uint8_t, 4> path_;
+    std::vector<Local> local_;  ///< fine vertices by their coordinates
+    std::vector<double> stops_;
+};
+
+Weights between(const Weights& a, const Weights& b, double part) {
+    Weights out{};
+    for (std::size_t i = 0; i < 4; ++i) out[i] = std::clamp(a[i] + (b[i] - a[i]) * part, 0.0, 1.0);
     return out;
 }
-
-using FineWeights = std::array<std::vector<WeightFunctions>, 3>;  ///< by diagonal
 
 /// Finds the held vertices of one region after the other.
 class Holder {
   public:
-    Holder(const TetraRefinement& refinement, const InsideAxes& axes, const FineWeights& fine_weights)
-        : refinement_(refinement), axes_(axes), fine_weights_(fine_weights) {}
+    Holder(const TetraRefinement& refinement, const InsideAxes& axes) : refinement_(refinement), axes_(axes) {
+        for (std::uint32_t d = 0; d < 3; ++d) lines_.emplace_back(refinement.pattern_along(d), d);
+    }
 
     void find(std::uint32_t region, std::vector<HeldVertex>& out) {
         const auto passing = axes_.passing[region];
@@ -100,9 +201,11 @@ class Holder {
         for (const std::uint32_t s : passing) {
             const std::size_t begin = out.size();
             const Vec3d a(axes_.segments[s].a), b(axes_.segments[s].b), along = b - a;
+            const double squared = length_squared(along), inverse = squared > 0 ? 1 / squared : 0;
             for (Coarse& c : coarse_) {
-                const Vec3d foot = a + along * closest_parameter(c.middle, a, along);
-                if (length_squared(foot - c.middle) > c.reach_squared) continue;
+                const Vec3d w = c.middle - a;
+                const double t = std::clamp(dot(w, along) * inverse, 0.0, 1.0);
+                if (length_squared(w - along * t) > c.reach_squared) continue;
                 if (!c.weights) c.weights.emplace(corners_of(c.tetra));
                 look_at(c.tetra, c.weights->at(a), c.weights->at(b), s, begin, out);
             }
@@ -140,45 +243,33 @@ class Holder {
     /// Appends what the axis between two points of a coarse tetrahedron needs, and what is not in `out` from
     /// `begin` on.
     void look_at(std::uint32_t t, const Weights& start, const Weights& end, std::uint32_t segment,
-                 std::size_t begin, std::vector<HeldVertex>& out) const {
-        if (within(start, end).empty()) return;
-        const TetraPattern& pattern = refinement_.pattern(t);
-        const auto& fine = fine_weights_[refinement_.diagonal(t)];
-        for (std::size_t f = 0; f < pattern.tetra.size(); ++f) {
-            const Weights a = fine[f].at(place_of(start)), b = fine[f].at(place_of(end));
-            const Span span = within(a, b);
-            if (span.empty()) continue;
-            for (std::size_t i = 0; i < 4; ++i) {
-                Span greatest = span;
-                for (std::size_t j = 0; j < 4; ++j) {
-                    if (j != i) greatest.clip(a[i] - a[j], b[i] - b[j]);
-                }
-                if (greatest.empty()) continue;
-                const Local local = pattern.tetra[f][i];
-                const std::uint32_t vertex = refinement_.vertex(t, local);
-                const auto seen = std::span(out).subspan(begin);
-                if (std::ranges::find(seen, vertex, &HeldVertex::vertex) == seen.end())
-                    out.push_back({vertex, segment, t, local});
-            }
-        }
+                 std::size_t begin, std::vector<HeldVertex>& out) {
+        const Span span = within(start, end);
+        if (span.empty()) return;
+        const auto hold = [&](Local local) {
+            const std::uint32_t vertex = refinement_.vertex(t, local);
+            const auto seen = std::span(out).subspan(begin);
+            if (std::ranges::find(seen, vertex, &HeldVertex::vertex) == seen.end())
+                out.push_back({vertex, segment, t, local});
+        };
+        lines_[refinement_.diagonal(t)].visit_greatest(between(start, end, span.from),
+                                                       between(start, end, span.to), hold);
     }
 
     const TetraRefinement& refinement_;
     const InsideAxes& axes_;
-    const FineWeights& fine_weights_;
-    std::vector<Coarse> coarse_;  ///< of one region
+    std::vector<FineLine> lines_;  ///< by diagonal
+    std::vector<Coarse> coarse_;   ///< of one region
 };
 
 /// Ascending by vertex; of each, in the order of regions.
 Buffer<HeldVertex> find_held(const TetraRefinement& refinement, const InsideAxes& axes, const Context& ctx) {
     constexpr std::size_t kRegions = 64;
-    FineWeights weights;
-    for (std::uint32_t d = 0; d < 3; ++d) weights[d] = fine_weights(refinement.pattern_along(d));
     const std::size_t regions = refinement.coarse().region_count();
     std::vector<std::vector<HeldVertex>> found((regions + kRegions - 1) / kRegions);
     parallel_for_ranges(ctx, regions, kRegions, [&](IndexRange range) {
         if (ctx.stop.stop_requested()) return;
-        Holder holder(refinement, axes, weights);
+        Holder holder(refinement, axes);
         for (std::size_t r = range.begin; r < range.end; ++r)
             holder.find(static_cast<std::uint32_t>(r), found[r / kRegions]);
     });

@@ -88,19 +88,20 @@ std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVerti
 }
 
 std::uint64_t drop_parts(TriMesh& mesh, std::span<const Vec3> places, const Context& ctx) {
-    ConcurrentDisjointSets sets(static_cast<std::uint32_t>(mesh.positions.size()));
-    parallel_for(ctx, mesh.triangles.size(), kGrain, [&](std::size_t t) {
-        sets.join(mesh.triangles[t][0], mesh.triangles[t][1]);
-        sets.join(mesh.triangles[t][0], mesh.triangles[t][2]);
-    });
+    // Neighbours follow each other in the list, so that this is too little work to share.
+    DisjointSets sets(mesh.positions.size());
+    std::size_t count = mesh.positions.size();
+    for (const Triangle& t : mesh.triangles)
+        count -= (sets.join(t[0], t[1]) ? 1 : 0) + (sets.join(t[0], t[2]) ? 1 : 0);
+    ctx.throw_if_cancelled();
     // A surface that encloses all axes has one part at least, which is not a hollow.
-    if (sets.set_count() <= 1) return 0;
+    if (count <= 1) return 0;
     constexpr std::uint32_t kUnseen = 0xffffffffu;
     std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());
-    std::uint32_t count = 0;
+    std::uint32_t next = 0;
     for (std::size_t t = 0; t < part_of.size(); ++t) {
         std::uint32_t& part = part_of_root[sets.find(mesh.triangles[t][0])];
-        if (part == kUnseen) part = count++;
+        if (part == kUnseen) part = next++;
         part_of[t] = part;
     }
     std::vector<Part> parts = parts_of(mesh, part_of, count);
