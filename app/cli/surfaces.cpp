@@ -26,14 +26,35 @@ Figures counts_of(const PartReport& r) {
     return out;
 }
 
+Figures counts_of(const KnotReport& r) {
+    Figures out;
+    out["pairs_before"] = r.pairs_before;
+    out["pairs_after"] = r.pairs_after;
+    out["rounds"] = r.rounds;
+    out["slices"] = r.slices;
+    out["parts"] = r.parts;
+    out["handles"] = r.handles;
+    return out;
+}
+
+// What to say of quads that crossed: nothing where none did.
+std::string told(const KnotReport& r) {
+    if (r.pairs_before == 0) return {};
+    std::string out = fmt::format(", {} crossings remeshed", grouped(r.pairs_before));
+    if (r.pairs_after > 0) out += fmt::format(" but {}", grouped(r.pairs_after));
+    if (r.handles > 0) out += fmt::format(", {} handles", grouped(static_cast<std::uint64_t>(r.handles)));
+    return out;
+}
+
 std::string count(Figures& counts, const QuadSurface& surface) {
     counts["vertices"] = surface.mesh.positions.size();
     counts["quads"] = surface.mesh.quads.size();
     counts["cage_quads"] = surface.cage.cage.quads.size();
     counts["branches_grafted"] = counts_of(surface.grafted);
     counts["branches_parted"] = counts_of(surface.parted);
-    return fmt::format("{} grafted, {} cut; {} quads", grouped(surface.grafted.grafted),
-                       grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()));
+    if (surface.knots.pairs_before > 0) counts["crossings_remeshed"] = counts_of(surface.knots);
+    return fmt::format("{} grafted, {} cut; {} quads{}", grouped(surface.grafted.grafted),
+                       grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()), told(surface.knots));
 }
 
 std::string count(Figures& counts, const TetraSurface& surface) {

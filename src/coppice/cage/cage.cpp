@@ -155,6 +155,7 @@ class CageBuilder {
         out_.anchors.resize(vertices);
         out_.cage.quads.resize(quads);
         out_.region.resize(quads);
+        out_.part.resize(quads);
         kind_.resize(quads);
         out_.region_node.assign(source_.begin(), source_.end());
     }
@@ -163,8 +164,9 @@ class CageBuilder {
         out_.cage.positions[v] = position;
         out_.anchors[v] = anchor;
     }
-    void set_quad(std::uint32_t q, const Ring& corners, NodeId region, QuadKind kind) {
+    void set_quad(std::uint32_t q, const Ring& corners, NodeId region, QuadKind kind, TubePart part) {
         out_.cage.quads[q] = corners;
+        out_.part[q] = part;
         kind_[q] = kind;
         out_.region[q] = region.index();
     }
@@ -217,7 +219,7 @@ class CageBuilder {
         for (std::uint32_t k = 0; k < 6; ++k) {
             Ring face = kCube[k];
             for (auto& corner : face) corner += v;
-            set_quad(at(n).first_quad + k, face, n, QuadKind::face);
+            set_quad(at(n).first_quad + k, face, n, QuadKind::face, TubePart::end);
         }
     }
 
@@ -296,6 +298,7 @@ class CageBuilder {
         std::rotate(ring.begin(), ring.begin() + shift, ring.end());
     }
 
+    TubePart cap_part(NodeId end) const { return s_.is_root(end) ? TubePart::start : TubePart::end; }
     std::uint32_t first_cap_quad(NodeId end) { return at(end).first_quad + (s_.is_root(end) ? 0 : 4); }
 
     // The end of a tube at a tip or base, whose last ring becomes ring_of(n). The frame looks outward.
@@ -304,7 +307,7 @@ class CageBuilder {
         const float r = s_.radius(n);
         if (is_open(n)) return fill_end_ring(n, 0, frame.quarters(phase), r / shrinkage_, {});
         fill_end_ring(n, 0, frame.quarters(phase), kRoundEndOut * r, kRoundEndAhead * r * frame.axis);
-        set_quad(first_cap_quad(n), ring_of(n), region, QuadKind::face);
+        set_quad(first_cap_quad(n), ring_of(n), region, QuadKind::face, cap_part(n));
     }
 
     void fill_end_ring(NodeId n, std::uint32_t first, const std::array<Vec3, 4>& around, float out,
@@ -327,9 +330,9 @@ class CageBuilder {
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t next = (k + 1) % 4;
             out_.anchors[v + 4 + k] -= frame.axis * r;
-            set_quad(q + k, {v + k, v + next, v + 4 + next, v + 4 + k}, region, QuadKind::tube);
+            set_quad(q + k, {v + k, v + next, v + 4 + next, v + 4 + k}, region, QuadKind::tube, cap_part(n));
         }
-        set_quad(q + 4, {v + 4, v + 5, v + 6, v + 7}, region, QuadKind::face);
+        set_quad(q + 4, {v + 4, v + 5, v + 6, v + 7}, region, QuadKind::face, cap_part(n));
     }
 
     void fill_tubes() {
@@ -339,7 +342,8 @@ class CageBuilder {
             const Ring &p = at(n).upper, &q = at(n).lower;
             for (std::uint32_t k = 0; k < 4; ++k) {
                 const std::uint32_t next = (k + 1) % 4;
-                set_quad(at(n).first_quad + k, {p[k], p[next], q[next], q[k]}, n, QuadKind::tube);
+                set_quad(at(n).first_quad + k, {p[k], p[next], q[next], q[k]}, n, QuadKind::tube,
+                         TubePart::side);
             }
         });
     }

@@ -57,6 +57,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
     Buffer<Quad> quads;
     std::vector<QuadKind> kinds;
     std::vector<std::uint32_t> region;
+    std::vector<TubePart> part;
     std::vector<std::uint32_t> first_of{0};  // new quads, by old quad
     for (std::size_t f = 0; f < kind.size(); ++f) {
         const Quad q = mesh.cage.quads[f];
@@ -71,6 +72,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
         }
         kinds.resize(quads.size(), kind[f]);
         region.resize(quads.size(), mesh.region[f]);
+        part.resize(quads.size(), mesh.part[f]);
         first_of.push_back(static_cast<std::uint32_t>(quads.size()));
     }
     for (ClipPlane& clip : mesh.clip) {
@@ -80,6 +82,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
     }
     mesh.cage.quads = std::move(quads);
     mesh.region = std::move(region);
+    mesh.part = std::move(part);
     kind = std::move(kinds);
 }
 

@@ -5,6 +5,7 @@
 #include "coppice/base/progress.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
+#include "coppice/pipeline/knots/remesh_knots_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
@@ -45,8 +46,9 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           std::optional<GlobalWeights>& weights, const Context& ctx, Stages& stages) {
     QuadSurface out;
+    const float graft = options.overlaps == Overlaps::graft ? options.graft : 0;
     const GraftResult grafted =
-        stages.run("graft", 0.08f, [&] { return graft_branches(prepared, options.graft, ctx); });
+        stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, ctx); });
     out.grafted = grafted.report;
     const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
     out.parted = parted.report;
@@ -80,6 +82,9 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
                             ctx);
         });
     }
+    const pipeline_internal::TubeMap map{parted.skeleton, grafted.skeleton, source, tube};
+    out.knots =
+        stages.run("remesh", 1.0f, [&] { return pipeline_internal::remesh_knots(out, map, options, ctx); });
     return out;
 }
 

@@ -48,6 +48,18 @@ struct EnumNames<Fit> {
     static constexpr std::array<std::string_view, 2> names{"surface", "volume"};
 };
 
+/// What becomes of branches that run through each other.
+enum class Overlaps {
+    graft,  ///< what comes out of another branch springs from there, and is a branch of that
+    fuse,   ///< they become one body as they cross, so that the surface is that of their union
+    keep,   ///< they cross, and so do their quads
+};
+
+template <>
+struct EnumNames<Overlaps> {
+    static constexpr std::array<std::string_view, 3> names{"graft", "fuse", "keep"};
+};
+
 /// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
 struct TetraOptions {
     float edge = 0.5f;  ///< [radii] length of the triangles' edges, about
@@ -69,13 +81,15 @@ struct MeshOptions {
     MeshMethod method = MeshMethod::quads;  ///< quads or triangles
     int levels =
         2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
-    Fit fit = Fit::surface;  ///< where vertices lie in the end
+    Fit fit = Fit::surface;               ///< where vertices lie in the end
+    Overlaps overlaps = Overlaps::graft;  ///< what becomes of branches that run through each other
     float graft = 0.6f;  ///< [sum of radii] branches whose axes come nearer than this are grafted; 0 = off
     PrepareOptions prepare;    ///< what is done to the skeleton first
     ControlOptions control;    ///< the cage, and how branches end
     FieldOptions field;        ///< what surface the radii mean
     ProjectOptions project;    ///< how the cage is moved onto it
     UntangleOptions untangle;  ///< how folds are taken out
+    int remesh_rounds = 12;    ///< times that quads which cross are looked for and remeshed; 0 = never
     TetraOptions tetra;        ///< for tetrahedra only
 };
 
@@ -89,6 +103,11 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "what the surface keeps: its vertices on the field, or the volume of the skeleton's rounded "
                 "cones"},
           o.fit);
+    visit(
+        Field{"overlaps",
+              "what becomes of branches that run through each other: one springs from the other, both become "
+              "one body, or both are left as they are"},
+        o.overlaps);
     visit(Field{"graft",
                 "branches whose axes come nearer than this times the sum of their radii are grafted; 0 = off",
                 Unit::none, 0, 1},
@@ -98,8 +117,22 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"field", "Convolution field"}, o.field);
     visit(Field{"project", "Projection onto the field"}, o.project);
     visit(Field{"untangle", "Unfolding"}, o.untangle);
+    visit(
+        Field{"remesh_rounds", "times at most that quads which cross are looked for and remeshed; 0 = never",
+              Unit::none, 0, 100},
+        o.remesh_rounds);
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
 }
+
+/// What remeshing did at knots, where tubes cross each other or themselves.
+struct KnotReport {
+    std::uint64_t pairs_before = 0;  ///< of quads that crossed
+    std::uint64_t pairs_after = 0;   ///< of quads that still do
+    std::uint32_t rounds = 0;        ///< of remeshing
+    std::uint32_t slices = 0;        ///< rows of quads around tubes that were replaced
+    std::uint64_t parts = 0;         ///< of the surface, after remeshing
+    std::int64_t handles = 0;        ///< of all parts: the Euler number is 2 (parts - handles)
+};
 
 /// What MeshMethod::quads makes.
 struct QuadSurface {
@@ -109,6 +142,7 @@ struct QuadSurface {
     PartReport parted;         ///< branch nodes that were moved
     ProjectReport projected;   ///< how near the field's level the vertices are
     UntangleReport untangled;  ///< folds found and taken out
+    KnotReport knots;          ///< crossings found and remeshed
 };
 
 /// What MeshMethod::tetrahedra makes.
@@ -137,7 +171,10 @@ struct MeshResult {
 
 /// Wraps a skeleton in one closed surface of quads, one sphere per tree: prepares the skeleton, grafts
 /// branches that run through each other, finds where branches part, builds a coarse cage, subdivides it,
-/// moves it onto the convolution field, and unfolds what was folded [Zhu2015].
+/// moves it onto the convolution field, and unfolds what was folded [Zhu2015]. Where quads still cross, the
+/// tubes there are replaced by quads made of the triangles that tetrahedra find, which never cross; branches
+/// that touch there become one body, and a loop of such branches is a handle of the surface. Levels 0 and
+/// open bases are not looked at.
 ///
 /// About 70 quads per segment at two levels. O(n log n); memory: at most 120 bytes per quad above the input.
 ///

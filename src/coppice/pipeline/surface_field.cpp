@@ -3,9 +3,13 @@
 namespace coppice {
 namespace {
 
-// Where the end of a tree is cut flat, the field goes on far enough to be full there.
-FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
+// Where the end of a tree is cut flat, the field goes on far enough to be full there. Branches that are to
+// become one body do not press on each other.
+FieldOptions field_options(const MeshOptions& options) {
     constexpr float kBeyondCut = 1.5f;
+    const ControlOptions& control = options.control;
+    FieldOptions field = options.field;
+    if (options.overlaps == Overlaps::fuse) field.contact = 0;
     if (control.base == BaseShape::round) field.root_extension = -1;
     if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;
     return field;
@@ -16,7 +20,7 @@ FieldOptions with_ends(FieldOptions field, const ControlOptions& control) {
 ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,
                                const PointSet& constraints, std::optional<GlobalWeights>& weights,
                                const Context& ctx) {
-    const FieldOptions with = with_ends(options.field, options.control);
+    const FieldOptions with = field_options(options);
     ConvolutionField field(skeleton, with, ctx);
     if (with.weights == Weights::local) return field;
     std::vector<Vec3> points(constraints.size());

@@ -1,0 +1,247 @@
+#include "coppice/pipeline/knots/knot_patch_internal.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/base/parallel.h"
+#include "coppice/pipeline/stages_internal.h"
+#include "coppice/pipeline/tetra_skeleton_internal.h"
+#include "coppice/remesh/zip.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr std::size_t kGrain = 256;
+constexpr float kGap = 0.35f;       // [radii] between the quads that stay and the triangles that come
+constexpr float kSeamReach = 2.2f;  // [radii] how far from a seam's centre its loops lie
+
+// Triangles as large as two quads, within what tetrahedra resolve.
+MeshOptions patch_options(const MeshOptions& options) {
+    constexpr float kCoarsest = 1.0f;
+    MeshOptions out = options;
+    const auto around = static_cast<float>(options.control.sides << options.levels);
+    out.tetra.edge = std::clamp(4 * std::numbers::pi_v<float> / around, 0.05f, kCoarsest);
+    out.tetra.march.snap = 0.45f;
+    out.field.weights = Weights::local;
+    return out;
+}
+
+Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
+    Vec3 sum;
+    for (const std::uint32_t v : loop) sum += x[v];
+    return sum / static_cast<float>(loop.size());
+}
+
+// Whether vertices lie beyond a seam, or too near to it.
+std::vector<std::uint8_t> beyond_seams(const KnotSurface& surface, std::span<const Vec3> positions,
+                                       const BoxTree& reaches, const Context& ctx) {
+    std::vector<std::uint8_t> beyond(positions.size(), 0);
+    parallel_for_ranges(ctx, beyond.size(), kGrain, [&](IndexRange range) {
+        std::uint32_t near = CapsuleTree::kNone;
+        for (std::size_t v = range.begin; v < range.end; ++v) {
+            const Vec3 p = positions[v];
+            near = surface.capsules.nearest(Vec3d(p), near).capsule;
+            if (near == CapsuleTree::kNone) return;
+            bool is_beyond = surface.knot.margin[surface.capsules.node(near).index()] != 0;
+            reaches.visit_overlapping(Box3{p, p}, [&](std::uint32_t i) {
+                const Seam& s = surface.group.seams[i];
+                const float reach = kSeamReach * s.radius;
+                const Vec3 way = p - s.center;
+                is_beyond |= length_squared(way) < reach * reach && dot(way, s.outward) > -kGap * s.radius;
+            });
+            beyond[v] = is_beyond ? 1 : 0;
+        }
+    });
+    return beyond;
+}
+
+// What is left of a surface that was cut off.
+struct Cut {
+    std::vector<Triangle> triangles;
+    Boundary ends;  // in the same numbers of vertices
+};
+
+// The triangles without a vertex that is marked in `beyond`, less those at vertices where loops would touch.
+// Vertices become `offset` more.
+Cut cut_off(const TriMesh& mesh, std::vector<std::uint8_t> beyond, std::uint32_t offset) {
+    std::vector<std::uint8_t> rim(mesh.positions.size(), 0);
+    const auto is_beyond = [&](const Triangle& t) {
+        return (beyond[t[0]] | beyond[t[1]] | beyond[t[2]]) != 0;
+    };
+    const auto drop = [&](const Triangle& t) {
+        for (const std::uint32_t v : t) rim[v] = 1;
+    };
+    Cut out;
+    for (const Triangle& t : mesh.triangles) {
+        if (is_beyond(t)) {
+            drop(t);
+        } else {
+            out.triangles.push_back(t);
+        }
+    }
+    for (;;) {
+        out.ends = boundary_of(out.triangles, rim);
+        if (out.ends.pinched.empty()) break;
+        for (const std::uint32_t v : out.ends.pinched) beyond[v] = 1;
+        std::erase_if(out.triangles, [&](const Triangle& t) {
+            if (!is_beyond(t)) return false;
+            drop(t);
+            return true;
+        });
+    }
+    for (Triangle& t : out.triangles) {
+        for (std::uint32_t& v : t) v += offset;
+    }
+    for (Loop& loop : out.ends.loops) {
+        for (std::uint32_t& v : loop) v += offset;
+    }
+    return out;
+}
+
+// Joins the loops at which a surface ends to the seams that they go around.
+class Joining {
+  public:
+    Joining(KnotSurface& surface, Boundary ends, const BoxTree& reaches)
+        : surface_(surface), ends_(std::move(ends)), taken_(ends_.loops.size(), 0) {
+        loops_of_.resize(surface.group.seams.size());
+        for (std::uint32_t l = 0; l < ends_.loops.size(); ++l) {
+            const Vec3 c = mean(ends_.loops[l], surface.positions);
+            reaches.visit_overlapping(Box3{c, c}, [&](std::uint32_t s) { loops_of_[s].push_back(l); });
+        }
+    }
+
+    void run() && {
+        std::uint32_t first = 0;
+        for (std::uint32_t i = 0; i < surface_.group.seams.size(); ++i) {
+            const Seam& seam = surface_.group.seams[i];
+            // Every second vertex: between them lie the middles that quadrangulate() is given.
+            Loop coarse;
+            for (std::uint32_t k = 0; k < seam.ring.size(); k += 2) coarse.push_back(first + k);
+            first += static_cast<std::uint32_t>(seam.ring.size());
+            if (!join(i, coarse)) surface_.failed.push_back(i);
+        }
+        if (surface_.failed.empty()) drop_crumbs();
+        surface_.seam.assign(surface_.triangles.size(), kNoSeam);
+        surface_.triangles.insert(surface_.triangles.end(), bands_.begin(), bands_.end());
+        surface_.seam.insert(surface_.seam.end(), seam_.begin(), seam_.end());
+    }
+
+  private:
+    bool join(std::uint32_t i, const Loop& ring) {
+        const Seam& seam = surface_.group.seams[i];
+        const LoopAxis axis{seam.center, seam.outward};
+        std::uint32_t best = kNoSeam;
+        float least = kSeamReach * seam.radius;
+        for (const std::uint32_t l : loops_of_[i]) {
+            const float d = distance(mean(ends_.loops[l], surface_.positions), seam.center);
+            if (taken_[l] != 0 || d >= least || winding(ends_.loops[l], surface_.positions, axis) == 0)
+                continue;
+            least = d;
+            best = l;
+        }
+        if (best == kNoSeam) return false;
+        const auto band = zip(ring, ends_.loops[best], surface_.positions, axis);
+        if (!band) return false;
+        taken_[best] = 1;
+        bands_.insert(bands_.end(), band->begin(), band->end());
+        seam_.resize(bands_.size(), i);
+        return true;
+    }
+
+    // Bodies that no seam joins are whole trees, or voids within, or crumbs; a body that a seam joins may
+    // have no other hole.
+    void drop_crumbs() {
+        std::vector<Triangle>& all = surface_.triangles;
+        std::span<const Vec3> x = surface_.positions;
+        DisjointSets bodies(x.size());
+        for (const Triangle& t : all) {
+            bodies.join(t[0], t[1]);
+            bodies.join(t[1], t[2]);
+        }
+        enum : std::uint8_t { kJoined = 1, kOpen = 2 };
+        std::vector<std::uint8_t> is(x.size(), 0);
+        for (std::size_t l = 0; l < taken_.size(); ++l) {
+            is[bodies.find(ends_.loops[l][0])] |= taken_[l] != 0 ? kJoined : kOpen;
+        }
+        for (std::size_t l = 0; l < taken_.size(); ++l) {
+            if (taken_[l] != 0 || is[bodies.find(ends_.loops[l][0])] != (kJoined | kOpen)) continue;
+            surface_.beyond.push_back(slice_beyond(mean(ends_.loops[l], x)));
+        }
+        std::vector<double> volume(x.size(), 0);
+        for (const Triangle& t : all) {
+            volume[bodies.find(t[0])] += dot(Vec3d(x[t[0]]), cross(Vec3d(x[t[1]]), Vec3d(x[t[2]])));
+        }
+        std::erase_if(all, [&](const Triangle& t) {
+            const std::uint32_t body = bodies.find(t[0]);
+            return (is[body] & kJoined) == 0 && (is[body] == kOpen || volume[body] <= 0);
+        });
+    }
+
+    // That of the nearest segment beyond the seams.
+    Slice slice_beyond(Vec3 p) const {
+        double limit = std::numeric_limits<double>::infinity();
+        Slice nearest = Slices::kNone;
+        surface_.capsules.visit_near(Vec3d(p), limit, [&](std::uint32_t i, double d2) {
+            const std::uint32_t n = surface_.capsules.node(i).index();
+            if (surface_.knot.margin[n] == 0 || d2 >= limit) return;
+            limit = d2;
+            nearest = surface_.knot.slice[n];
+        });
+        return nearest;
+    }
+
+    KnotSurface& surface_;
+    Boundary ends_;
+    std::vector<std::uint8_t> taken_;                   // per loop: whether a seam has it
+    std::vector<std::vector<std::uint32_t>> loops_of_;  // per seam: those in its reach
+    std::vector<Triangle> bands_;
+    std::vector<std::uint32_t> seam_;  // per triangle of the bands
+};
+
+void find_slices(KnotSurface& surface, const Context& ctx) {
+    surface.slice.resize(surface.triangles.size());
+    parallel_for_ranges(ctx, surface.slice.size(), kGrain, [&](IndexRange range) {
+        std::uint32_t near = CapsuleTree::kNone;
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            const Triangle& t = surface.triangles[i];
+            const auto& x = surface.positions;
+            near = surface.capsules.nearest(Vec3d((x[t[0]] + x[t[1]] + x[t[2]]) / 3.0f), near).capsule;
+            surface.slice[i] = near == CapsuleTree::kNone
+                                   ? Slices::kNone
+                                   : surface.knot.slice[surface.capsules.node(near).index()];
+        }
+    });
+}
+
+}  // namespace
+
+KnotSurface knot_surface(KnotGroup group, const KnotSkeletons& skeletons, const QuadMesh& mesh,
+                         const MeshOptions& options, const Context& ctx) {
+    KnotSkeleton knot = skeletons.of(group);
+    CapsuleTree capsules(knot.skeleton, knot.skeleton.origin(), ctx);
+    KnotSurface out{std::move(group), std::move(knot), std::move(capsules)};
+    std::vector<Box3> boxes;
+    for (const Seam& s : out.group.seams) {
+        boxes.push_back(Box3{s.center, s.center}.inflated(kSeamReach * s.radius));
+        for (const std::uint32_t v : s.ring) out.positions.push_back(mesh.positions[v]);
+    }
+    out.ring_vertices = static_cast<std::uint32_t>(out.positions.size());
+    const BoxTree reaches(boxes, ctx);
+
+    std::optional<GlobalWeights> weights;
+    std::vector<std::pair<std::string, double>> seconds;
+    Stages stages(ctx, seconds);
+    const TriMesh found =
+        mesh_by_tetrahedra(out.knot.skeleton, PointSet{}, patch_options(options), weights, ctx, stages).mesh;
+    Cut cut = cut_off(found, beyond_seams(out, found.positions, reaches, ctx), out.ring_vertices);
+    out.triangles = std::move(cut.triangles);
+    out.positions.insert(out.positions.end(), found.positions.begin(), found.positions.end());
+    Joining(out, std::move(cut.ends), reaches).run();
+    if (out.is_whole()) find_slices(out, ctx);
+    return out;
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/pipeline/knots/knots_internal.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+// What makes a good seam, in radii of the tube there.
+constexpr float kWindow = 0.6f;       // the piece of the tube that is looked at, both ways
+constexpr float kLeastCosine = 0.5f;  // between the tube's direction at the seam and elsewhere in the window
+constexpr float kGreatestRatio = 1.8f;  // between radii in the window
+constexpr float kOwnWay = 3.0f;         // along which the own tube is not taken for another
+constexpr double kOwnReach = 1.05;      // other branches have to be clear of the seam by this,
+constexpr double kOtherReach = 1.05;    // and by so many of their own radii
+constexpr double kFarthest = 40;        // radii of the seam at which no branch is looked for any more
+
+}  // namespace
+
+Knots::Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, const Context& ctx)
+    : map_(map),
+      slices_(slices),
+      mesh_(mesh),
+      capsules_(map.tubes, map.tubes.origin(), ctx),
+      gone_(slices.count(), 0),
+      together_(slices.count()) {}
+
+void Knots::take(Slice s) {
+    if (gone_[s] != 0) return;
+    gone_[s] = 1;
+    ++count_;
+}
+
+// Takes slices from one on, one after the other.
+void Knots::take_along(Slice at, bool to_tip, float way) {
+    const Skeleton& s = map_.tubes;
+    while (at != Slices::kNone && way > 0) {
+        take(at);
+        const NodeId t = slices_.tube(at);
+        if (s.is_root(t)) return;
+        way -= distance(s.position(t), s.position(s.parent(t))) / static_cast<float>(slices_.per_tube());
+        const Slice next = slices_.next(at, to_tip);
+        // Past a root in the middle of a chain the way to the tip turns round.
+        if (next != Slices::kNone && !to_tip && s.parent(t) == s.parent(slices_.tube(next))) to_tip = true;
+        at = next;
+    }
+}
+
+void Knots::move_on(const Seam& seam, float radii) {
+    take_along(seam.kept, seam.to_tip, radii * seam.radius);
+}
+
+void Knots::take_around(Slice slice, float radii) {
+    const float way = radii * map_.tubes.radius(slices_.tube(slice));
+    take_along(slice, true, way);
+    take_along(slice, false, way);
+}
+
+void Knots::take_all() {
+    for (Slice s = 0; s < slices_.count(); ++s) {
+        take(s);
+        join(0, s);
+    }
+}
+
+// False when there was nothing to take.
+bool Knots::close_branch_nodes() {
+    const std::uint32_t before = count_;
+    const Skeleton& s = map_.tubes;
+    for (const NodeId n : nodes(s)) {
+        if (degree(s, n) < 3) continue;
+        bool any = false;
+        for_each_segment_at(s, n, [&](NodeId t) { any |= contains(slices_.at(t, n)); });
+        if (any) for_each_segment_at(s, n, [&](NodeId t) { take(slices_.at(t, n)); });
+    }
+    return count_ != before;
+}
+
+// The seam where the upper slice begins.
+Seam Knots::seam_between(Slice lower, Slice upper) const {
+    const bool upper_goes = contains(upper);
+    Seam seam{upper_goes ? upper : lower,
+              upper_goes ? lower : upper,
+              !upper_goes,
+              slices_.ring(upper, mesh_.quads),
+              {},
+              {},
+              0};
+    if (!upper_goes) std::reverse(seam.ring.begin(), seam.ring.end());
+    std::span<const Vec3> x = mesh_.positions;
+    for (const std::uint32_t v : seam.ring) seam.center += x[v];
+    seam.center *= 1 / static_cast<float>(seam.ring.size());
+    Vec3 area;
+    for (std::size_t k = 0; k < seam.ring.size(); ++k) {
+        const Vec3 a = x[seam.ring[k]] - seam.center;
+        area += cross(a, x[seam.ring[(k + 1) % seam.ring.size()]] - seam.center);
+        seam.radius += length(a);
+    }
+    seam.radius /= static_cast<float>(seam.ring.size());
+    // Faces run counter-clockwise seen from outside: about the direction away from where the ring is the end.
+    seam.outward = -normalized(area);
+    return seam;
+}
+
+std::vector<Seam> Knots::seams() const {
+    std::vector<Seam> out;
+    const Skeleton& s = map_.tubes;
+    for (const NodeId t : nodes(s)) {
+        if (s.is_root(t)) continue;
+        for (Slice upper = slices_.first(t); upper <= slices_.last(t); ++upper) {
+            // At a root in the middle of a chain both tubes begin: the second of them looks back to the
+            // first.
+            const Slice lower = slices_.next(upper, false);
+            if (lower == Slices::kNone || contains(lower) == contains(upper)) continue;
+            const bool both_begin = s.parent(slices_.tube(lower)) == s.parent(t) && slices_.tube(lower) != t;
+            if (both_begin && slices_.tube(lower) > t) continue;
+            out.push_back(seam_between(lower, upper));
+        }
+    }
+    return out;
+}
+
+// A seam lies well when the tubes within the window about it run on straight and in equal width, without a
+// branch node or an end, and when all other tubes are clear of it.
+bool Knots::lies_well(const Seam& seam) const {
+    const Skeleton& s = map_.tubes;
+    std::vector<NodeId> own;
+    for (const bool to_tip : {true, false}) {
+        NodeId tube = slices_.tube(seam.to_tip == to_tip ? seam.kept : seam.gone);
+        Vec3 at = seam.center;
+        bool up = to_tip;
+        for (float way = 0;;) {
+            own.push_back(tube);
+            const NodeId node = up ? tube : s.parent(tube);
+            const Vec3 along = s.position(node) - at;
+            const bool begins_near = way < kWindow * seam.radius;
+            way += length(along);
+            const float sense = to_tip == seam.to_tip ? 1.0f : -1.0f;
+            const bool is_long = length(along) > 0.2f * seam.radius;
+            if (begins_near && is_long && sense * dot(normalized(along), seam.outward) < kLeastCosine)
+                return false;
+            if (way >= kOwnWay * seam.radius) break;
+            const bool is_near = way < kWindow * seam.radius;
+            const float ratio = s.radius(node) / seam.radius;
+            if (is_near && (ratio > kGreatestRatio || ratio * kGreatestRatio < 1)) return false;
+            if (degree(s, node) != 2) {
+                if (is_near) return false;
+                break;
+            }
+            NodeId onward;
+            for_each_segment_at(s, node, [&](NodeId t) {
+                if (t != tube) onward = t;
+            });
+            up = onward != node;
+            tube = onward;
+            at = s.position(node);
+        }
+    }
+    const Vec3d c(seam.center);
+    const double reach = kFarthest * static_cast<double>(seam.radius);
+    const double limit = reach * reach;
+    bool clear = true;
+    capsules_.visit_near(c, limit, [&](std::uint32_t i, double) {
+        if (!clear || std::find(own.begin(), own.end(), capsules_.node(i)) != own.end()) return;
+        const auto foot = capsules_.cone(i).foot(c);
+        clear = foot.distance() > kOwnReach * static_cast<double>(seam.radius) + kOtherReach * foot.radius;
+    });
+    return clear;
+}
+
+void Knots::close() {
+    for (bool grown = true; grown;) {
+        grown = close_branch_nodes();
+        for (const Seam& seam : seams()) {
+            if (lies_well(seam)) continue;
+            take(seam.kept);
+            grown = true;
+        }
+    }
+}
+
+std::vector<KnotGroup> Knots::groups() {
+    const Skeleton& s = map_.tubes;
+    for (const NodeId t : nodes(s)) {
+        for (Slice i = slices_.first(t); i <= slices_.last(t); ++i) {
+            const Slice lower = contains(i) ? slices_.next(i, false) : Slices::kNone;
+            if (lower != Slices::kNone && contains(lower)) join(lower, i);
+        }
+        if (degree(s, t) < 3) continue;
+        const Slice first = slices_.at(s.children(t)[0], t);
+        if (!contains(first)) continue;
+        for_each_segment_at(s, t, [&](NodeId other) { join(first, slices_.at(other, t)); });
+    }
+    std::vector<std::uint32_t> place(slices_.count(), kNoRow);
+    std::vector<KnotGroup> out;
+    const auto group_of = [&](Slice i) -> KnotGroup& {
+        std::uint32_t& at = place[together_.find(i)];
+        if (at == kNoRow) {
+            at = static_cast<std::uint32_t>(out.size());
+            out.emplace_back();
+        }
+        return out[at];
+    };
+    for (Slice i = 0; i < slices_.count(); ++i) {
+        if (contains(i)) group_of(i).slices.push_back(i);
+    }
+    for (Seam& seam : seams()) {
+        KnotGroup& group = group_of(seam.gone);
+        group.seams.push_back(std::move(seam));
+    }
+    return out;
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/compressed_rows.h"
+#include "coppice/base/context.h"
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/knots/slices_internal.h"
+
+namespace coppice::pipeline_internal {
+
+/// Where quads that go meet quads that stay: a ring of vertices around a tube.
+struct Seam {
+    Slice gone;    ///< the slice on one side
+    Slice kept;    ///< the slice on the other
+    bool to_tip;   ///< whether `kept` lies towards the tip
+    Loop ring;     ///< as the quads that go run through it
+    Vec3 center;   ///< [m] mean of the ring
+    Vec3 outward;  ///< along the tube that stays, of length 1
+    float radius;  ///< [m] mean distance of the ring from its centre
+};
+
+/// Slices that are to be replaced in one piece.
+struct KnotGroup {
+    std::vector<Slice> slices;  ///< ascending
+    std::vector<Seam> seams;    ///< where they end
+};
+
+/// Slices that are to be replaced, together with all that is needed to do so cleanly. They only become more.
+class Knots {
+  public:
+    /// All must outlive this.
+    Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, const Context& ctx);
+
+    void take(Slice s);  ///< takes a slice
+    void take_all();     ///< takes every slice, and makes one group of them
+    /// Takes slices on from a seam, so many radii along the tube, as far as the next branch node.
+    void move_on(const Seam& seam, float radii);
+    /// Takes slices both ways from one on, likewise.
+    void take_around(Slice slice, float radii);
+    /// Sees to it that two slices, once both are taken, are in one group.
+    void join(Slice a, Slice b) { together_.join(a, b); }
+
+    /// Takes what else has to go: all that meets at a branch node, and slices on from each seam until that
+    /// lies well.
+    void close();
+
+    bool contains(Slice s) const { return gone_[s] != 0; }  ///< whether it goes
+    std::uint32_t count() const { return count_; }          ///< slices that go
+    /// What goes, in pieces: slices that are connected or were joined, by their least.
+    std::vector<KnotGroup> groups();
+
+  private:
+    void take_along(Slice at, bool to_tip, float way);
+    bool close_branch_nodes();
+    bool lies_well(const Seam& seam) const;
+    Seam seam_between(Slice lower, Slice upper) const;
+    std::vector<Seam> seams() const;
+
+    TubeMap map_;
+    const Slices& slices_;
+    const QuadMesh& mesh_;
+    CapsuleTree capsules_;
+    std::vector<std::uint8_t> gone_;
+    DisjointSets together_;
+    std::uint32_t count_ = 0;
+};
+
+/// The part of the field's skeleton that a group of slices had to wrap, and a margin beyond its seams.
+struct KnotSkeleton {
+    Skeleton skeleton;                 ///< a forest
+    std::vector<Slice> slice;          ///< per node: one that wraps its segment, or none
+    std::vector<std::uint8_t> margin;  ///< per node: whether its segment lies beyond the seams
+};
+
+/// Finds the segments that groups of slices had to wrap.
+class KnotSkeletons {
+  public:
+    /// All must outlive this. O(n).
+    KnotSkeletons(const TubeMap& map, const Slices& slices);
+
+    /// With segments cut at the seams. O(size of the group).
+    KnotSkeleton of(const KnotGroup& group) const;
+
+  private:
+    const TubeMap& map_;
+    const Slices& slices_;
+    CompressedRows<std::uint32_t> wrapped_;  // per tube: the nodes whose segments it wraps
+};
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,69 @@
+#include "coppice/pipeline/knots/slices_internal.h"
+
+#include <algorithm>
+
+#include "coppice/base/segment_distance.h"
+
+namespace coppice::pipeline_internal {
+
+Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels)
+    : cage_(&cage), tubes_(&tubes), levels_(levels), first_side_(tubes.size(), kNone) {
+    for (std::uint32_t f = static_cast<std::uint32_t>(cage.region.size()); f-- > 0;) {
+        if (cage.part[f] == TubePart::side) first_side_[cage.region[f]] = f;
+    }
+    for (std::uint32_t f = 0; f < cage.region.size() && sides_ == 0; ++f) {
+        if (cage.part[f] != TubePart::side) continue;
+        while (f + sides_ < cage.region.size() && cage.region[f + sides_] == cage.region[f] &&
+               cage.part[f + sides_] == TubePart::side) {
+            ++sides_;
+        }
+    }
+}
+
+Slice Slices::of_quad(std::uint32_t quad) const {
+    const std::uint32_t f = quad >> (2 * levels_);
+    const NodeId tube(cage_->region[f]);
+    switch (cage_->part[f]) {
+        case TubePart::start:
+            return first(tube);
+        case TubePart::end:
+            return last(tube);
+        case TubePart::side:
+            break;
+    }
+    const std::uint32_t within = quad & ((1u << (2 * levels_)) - 1);
+    return first(tube) + (within >> levels_);
+}
+
+Slice Slices::near(NodeId tube, Vec3 p) const {
+    if (tubes_->is_root(tube)) return last(tube);
+    const Vec3 a = tubes_->position(tubes_->parent(tube)), axis = tubes_->position(tube) - a;
+    const float t = closest_parameter(p, a, axis, 1.0f) * static_cast<float>(per_tube());
+    return first(tube) + std::min(static_cast<std::uint32_t>(t), per_tube() - 1);
+}
+
+Slice Slices::next(Slice s, bool towards_tip) const {
+    if (towards_tip && row(s) + 1 < per_tube()) return s + 1;
+    if (!towards_tip && row(s) > 0) return s - 1;
+    const NodeId here = tube(s);
+    if (tubes_->is_root(here)) return kNone;
+    const NodeId node = towards_tip ? here : tubes_->parent(here);
+    if (degree(*tubes_, node) != 2) return kNone;
+    Slice found = kNone;
+    for_each_segment_at(*tubes_, node, [&](NodeId t) {
+        if (t != here) found = at(t, node);
+    });
+    return found;
+}
+
+Loop Slices::ring(Slice s, std::span<const Quad> quads) const {
+    Loop out;
+    const std::uint32_t n = per_tube(), f = first_side_[tube(s).index()];
+    for (std::uint32_t side = 0; side < sides_; ++side) {
+        const std::uint32_t begin = ((f + side) << (2 * levels_)) + row(s) * n;
+        for (std::uint32_t i = 0; i < n; ++i) out.push_back(quads[begin + i][0]);
+    }
+    return out;
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/mesh/control_mesh.h"
+#include "coppice/remesh/boundary.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice::pipeline_internal {
+
+/// The tubes that a surface of quads is made of, and the skeleton whose field they wrap.
+struct TubeMap {
+    const Skeleton& tubes;           ///< a tube is named by its child node, the ball of a lone node by that
+    const Skeleton& skeleton;        ///< of the field
+    std::span<const NodeId> source;  ///< per node of `tubes`: the node of `skeleton` it stands for
+    std::span<const NodeId> tube;    ///< per node of `skeleton`: the tube that wraps its segment, or none
+};
+
+/// A row of refined quads around a tube, numbered tube by tube from its beginning to its end; what closes a
+/// tube belongs to its outermost row.
+using Slice = std::uint32_t;
+
+/// The refined quads by slice.
+class Slices {
+  public:
+    static constexpr Slice kNone = 0xffffffffu;  ///< no slice
+
+    /// All must outlive this. O(cage).
+    Slices(const ControlMesh& cage, const Skeleton& tubes, int levels);
+
+    std::uint32_t count() const { return tubes_->size() << levels_; }  ///< some have no quads
+    std::uint32_t per_tube() const { return 1u << levels_; }
+    const Skeleton& tubes() const { return *tubes_; }
+
+    Slice first(NodeId tube) const { return tube.index() << levels_; }
+    Slice last(NodeId tube) const { return first(tube) + per_tube() - 1; }
+    NodeId tube(Slice s) const { return NodeId(s >> levels_); }
+    std::uint32_t row(Slice s) const { return s & (per_tube() - 1); }
+
+    /// That of a refined quad.
+    Slice of_quad(std::uint32_t quad) const;
+    /// The slice of a tube at one of its two nodes.
+    Slice at(NodeId tube, NodeId node) const { return node == tube ? last(tube) : first(tube); }
+    /// The slice at a place of the field's skeleton that a tube wraps.
+    Slice near(NodeId tube, Vec3 p) const;
+
+    /// The next slice towards the tip or the root; kNone at branch nodes and ends.
+    Slice next(Slice s, bool towards_tip) const;
+
+    /// The refined vertices at which a slice begins, around the tube, as its quads run through them.
+    Loop ring(Slice s, std::span<const Quad> quads) const;
+
+  private:
+    const ControlMesh* cage_;
+    const Skeleton* tubes_;
+    int levels_;
+    std::vector<std::uint32_t> first_side_;  ///< per tube: its first cage quad that is a side
+    std::uint32_t sides_ = 0;
+};
+
+/// Number of segments that meet at a node.
+inline std::uint32_t degree(const Skeleton& s, NodeId n) {
+    return static_cast<std::uint32_t>(s.children(n).size()) + (s.is_root(n) ? 0 : 1);
+}
+
+/// Calls visit(segment) for the segments that meet at a node, each named by its child node.
+template <class Visit>
+void for_each_segment_at(const Skeleton& s, NodeId n, const Visit& visit) {
+    if (!s.is_root(n)) visit(n);
+    for (const NodeId c : s.children(n)) visit(c);
+}
+
+/// The node at the other end of a segment.
+inline NodeId other_end(const Skeleton& s, NodeId segment, NodeId end) {
+    return end == segment ? s.parent(segment) : segment;
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "coppice/measure/surface_report.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/random_tree.h"
+#include "zoo.h"
+
+// What becomes of quads that would cross.
+
+namespace coppice {
+namespace {
+
+MeshOptions with(Overlaps overlaps) {
+    MeshOptions options;
+    options.overlaps = overlaps;
+    return options;
+}
+
+std::uint64_t crossings(const QuadMesh& mesh) {
+    return check_surface(to_polygons(mesh), nullptr).intersections->total;
+}
+
+// The soma of three points that archives of neurons write, and four neurites that leave its middle.
+Skeleton soma() {
+    const NodeId root = NodeId::none();
+    const NodeId a(0);
+    return Skeleton({root, a, a, a, NodeId(3), a, NodeId(5), a, NodeId(7), a, NodeId(9)},
+                    {{0, 0, 0},
+                     {0, -5, 0},
+                     {0, 5, 0},
+                     {6, 0, 0},
+                     {30, 0, 0},
+                     {-6, 0, 0},
+                     {-30, 0, 0},
+                     {0, 0, 6},
+                     {0, 3, 30},
+                     {0, 0, -6},
+                     {0, -4, -30}},
+                    {5, 5, 5, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f});
+}
+
+// A branch that runs once round and through its own beginning.
+Skeleton noose() {
+    std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
+    std::vector<Vec3> position{{0, 0, -3}, {0, 0, 0}};
+    constexpr int kSteps = 24;
+    for (int k = 1; k <= kSteps; ++k) {
+        const float a = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / kSteps;
+        parent.emplace_back(static_cast<std::uint32_t>(parent.size() - 1));
+        position.push_back({2 - 2 * std::cos(a), 0, 2 * std::sin(a) - 1.5f * static_cast<float>(k) / kSteps});
+    }
+    parent.emplace_back(static_cast<std::uint32_t>(parent.size() - 1));
+    position.push_back({-3, 0, -1.5f});
+    const std::size_t n = parent.size();
+    return Skeleton(std::move(parent), std::move(position), std::vector<float>(n, 0.3f));
+}
+
+// Two bars of their own that cross at a right angle.
+Skeleton crossed_bars() {
+    return Skeleton({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
+                    {{-3, 0, 0}, {3, 0, 0}, {0, -3, 0.1f}, {0, 3, 0.1f}}, {0.5f, 0.5f, 0.4f, 0.4f});
+}
+
+TEST(Knots, ACleanTreeKeepsItsBits) {
+    MeshOptions off;
+    off.remesh_rounds = 0;
+    const Skeleton tree = random_tree(300, 1);
+    const QuadSurface with_net = mesh_skeleton(tree).quads(), without = mesh_skeleton(tree, off).quads();
+    EXPECT_EQ(with_net.knots.rounds, 0u);
+    EXPECT_EQ(with_net.mesh.quads, without.mesh.quads);
+    ASSERT_EQ(with_net.mesh.positions.size(), without.mesh.positions.size());
+    EXPECT_EQ(std::memcmp(with_net.mesh.positions.data(), without.mesh.positions.data(),
+                          without.mesh.positions.size() * sizeof(Vec3)),
+              0);
+}
+
+TEST(Knots, NoQuadsCrossInTheZoo) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const QuadSurface made = mesh_skeleton(skeleton).quads();
+        EXPECT_EQ(crossings(made.mesh), 0u);
+        EXPECT_EQ(made.knots.pairs_after, 0u);
+        const TopologyReport t = topology(made.mesh);
+        EXPECT_TRUE(t.sound());
+        EXPECT_EQ(t.quads, t.faces);
+        if (made.knots.rounds == 0) continue;
+        EXPECT_EQ(t.euler, 2 * (static_cast<std::int64_t>(t.components) - made.knots.handles));
+    }
+}
+
+TEST(Knots, NoQuadsCrossForAnyLevelAndNumberOfSides) {
+    const Skeleton hard = zoo_skeleton("random_hard_2");
+    for (const int levels : {1, 2, 3}) {
+        for (const int sides : {4, 8}) {
+            SCOPED_TRACE(std::to_string(levels) + " levels, " + std::to_string(sides) + " sides");
+            MeshOptions options;
+            options.levels = levels;
+            options.control.sides = sides;
+            const QuadSurface made = mesh_skeleton(hard, options).quads();
+            EXPECT_EQ(crossings(made.mesh), 0u);
+            EXPECT_TRUE(topology(made.mesh).sound());
+        }
+    }
+}
+
+TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
+    const QuadSurface made = mesh_skeleton(soma()).quads();
+    EXPECT_GT(made.knots.pairs_before, 0u);
+    EXPECT_EQ(crossings(made.mesh), 0u);
+    constexpr double kCapsule = std::numbers::pi * 25 * (10 + 20.0 / 3);
+    EXPECT_NEAR(shape(made.mesh).signed_volume / kCapsule, 1.03, 0.03);  // and 97 of neurites
+}
+
+TEST(Knots, ALoopThatIsFusedIsAHandle) {
+    const Skeleton loop = noose();
+    const QuadSurface fused = mesh_skeleton(loop, with(Overlaps::fuse)).quads();
+    EXPECT_EQ(crossings(fused.mesh), 0u);
+    EXPECT_EQ(fused.knots.parts, 1u);
+    EXPECT_EQ(fused.knots.handles, 1);
+    EXPECT_EQ(topology(fused.mesh).euler, 0);
+    const QuadSurface kept = mesh_skeleton(loop, with(Overlaps::keep)).quads();
+    EXPECT_GT(crossings(kept.mesh), 0u);
+    EXPECT_EQ(topology(kept.mesh).euler, 2);
+}
+
+TEST(Knots, TreesThatCrossBecomeOneBody) {
+    const Skeleton bars = crossed_bars();
+    for (const Overlaps overlaps : {Overlaps::graft, Overlaps::fuse}) {
+        const QuadSurface made = mesh_skeleton(bars, with(overlaps)).quads();
+        EXPECT_EQ(crossings(made.mesh), 0u);
+        EXPECT_EQ(topology(made.mesh).components, 1u);
+        EXPECT_EQ(made.knots.handles, 0);
+    }
+    EXPECT_EQ(topology(mesh_skeleton(bars, with(Overlaps::keep)).quads().mesh).components, 2u);
+}
+
+TEST(Knots, SameBitsForAnyNumberOfThreads) {
+    const Skeleton hard = random_tree(300, 5, true);
+    const QuadMesh one = mesh_skeleton(hard, {}, {.threads = 1}).quads().mesh;
+    const QuadMesh many = mesh_skeleton(hard, {}, {.threads = 7}).quads().mesh;
+    EXPECT_EQ(one.quads, many.quads);
+    ASSERT_EQ(one.positions.size(), many.positions.size());
+    EXPECT_EQ(std::memcmp(one.positions.data(), many.positions.data(), one.positions.size() * sizeof(Vec3)),
+              0);
+}
+
+}  // namespace
+}  // namespace coppice

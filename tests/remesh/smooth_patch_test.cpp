@@ -1,0 +1,74 @@
+#include "coppice/remesh/smooth_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace coppice {
+namespace {
+
+// Falls from 1 on the unit ball as the fifth power of a quartic kernel does.
+struct Ball {
+    float level() const { return 1; }
+    void sample(std::uint32_t, std::span<const Vec3> points, std::span<FieldSample> out) const {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const float left = std::max(0.0f, (2 - length_squared(points[i])));
+            out[i] = {std::pow(left, 2.5f), -5 * std::pow(left, 1.5f) * points[i]};
+        }
+    }
+};
+
+// A grid of n x n quads over part of the ball, its inner vertices displaced.
+struct Patch {
+    std::vector<Vec3> x;
+    std::vector<Quad> quads;
+    std::vector<PatchVertex> moving;
+};
+
+Patch shaken_patch(std::uint32_t n) {
+    Patch out;
+    for (std::uint32_t j = 0; j <= n; ++j) {
+        for (std::uint32_t i = 0; i <= n; ++i) {
+            const float u = static_cast<float>(i) / static_cast<float>(n) - 0.5f;
+            const float v = static_cast<float>(j) / static_cast<float>(n) - 0.5f;
+            const auto k = static_cast<std::uint32_t>(out.x.size());
+            Vec3 p = normalized(Vec3(u, v, 1));
+            if (i > 0 && j > 0 && i < n && j < n) {
+                p += Vec3(0.02f * std::sin(7.0f * static_cast<float>(k)),
+                          0.02f * std::cos(3.0f * static_cast<float>(k)), 0.03f);
+                out.moving.push_back({k, 0, 1});
+            }
+            out.x.push_back(p);
+            if (i < n && j < n) out.quads.push_back({k, k + 1, k + n + 2, k + n + 1});
+        }
+    }
+    return out;
+}
+
+TEST(SmoothPatch, BringsVerticesToTheSurfaceAndLeavesItsRim) {
+    Patch patch = shaken_patch(8);
+    const std::vector<Vec3> before = patch.x;
+    const Ball ball;
+    smooth_patch(patch.x, patch.quads, patch.moving, FieldRef(ball), 10);
+    std::vector<bool> moves(patch.x.size());
+    for (const PatchVertex& m : patch.moving) moves[m.vertex] = true;
+    for (std::size_t v = 0; v < patch.x.size(); ++v) {
+        EXPECT_NEAR(length(patch.x[v]), 1, 1e-4f);
+        if (!moves[v]) {
+            EXPECT_EQ(patch.x[v], before[v]);
+        }
+    }
+}
+
+TEST(SmoothPatch, SameBitsForAnyNumberOfThreads) {
+    const Ball ball;
+    Patch one = shaken_patch(40), many = one;
+    smooth_patch(one.x, one.quads, one.moving, FieldRef(ball), 5, {.threads = 1});
+    smooth_patch(many.x, many.quads, many.moving, FieldRef(ball), 5, {.threads = 7});
+    EXPECT_EQ(std::memcmp(one.x.data(), many.x.data(), one.x.size() * sizeof(Vec3)), 0);
+}
+
+}  // namespace
+}  // namespace coppice
