@@ -107,6 +107,32 @@ Skeleton soma() {
     return b.build();
 }
 
+/// As NeuroMorpho writes a soma: a root and two tips beside it, all of one radius, and thin neurites that
+/// leave the root.
+Skeleton soma_of_three_points() {
+    const NodeId root(0);
+    return {{NodeId::none(), root, root, root, NodeId(3), root, NodeId(5), root, NodeId(7), root, NodeId(9)},
+            {{0, 0, 0},
+             {0, -5, 0},
+             {0, 5, 0},
+             {6, 0, 0},
+             {30, 0, 0},
+             {-6, 0, 0},
+             {-30, 0, 0},
+             {0, 0, 6},
+             {0, 3, 30},
+             {0, 0, -6},
+             {0, -4, -30}},
+            {5, 5, 5, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f}};
+}
+
+/// Two stems of one radius leave the root in exactly opposite directions, each with a fork.
+Skeleton opposite_stems() {
+    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(0), NodeId(4), NodeId(4)},
+            {{0, 0, 0}, {0, 5, 0}, {-5, 5, 0}, {6, 5, 0}, {0, -4, 0}, {6, -4, 0}, {-5, -4, 0}},
+            {1, 1, 1, 1, 1, 1, 1}};
+}
+
 Skeleton root_with_children() {
     Builder b;
     const int root = b.add(kRoot, {0, 0, 0}, 1);
@@ -204,6 +230,8 @@ void add_forks(Zoo& zoo) {
     }
     zoo.emplace_back("flat_whorl_8", fork(whorl(8, 90), 0.4f).build());
     zoo.emplace_back("soma", soma());
+    zoo.emplace_back("soma_of_three_points", soma_of_three_points());
+    zoo.emplace_back("opposite_stems", opposite_stems());
     zoo.emplace_back("root_with_children", root_with_children());
     zoo.emplace_back("forest", forest());
     zoo.emplace_back("tip_cluster", tip_cluster());

@@ -49,6 +49,14 @@ TEST(PartBranches, ATipInsideAnotherBranchIsSwallowed) {
     EXPECT_EQ(part_branches(s, {}).report.swallowed, 1u);
 }
 
+TEST(PartBranches, StemsThatLeaveInOppositeDirectionsPartAtOnce) {
+    // Of equal radii they part at the ball about their node; the quotient for the crotch is 0 / 0 there.
+    const Skeleton s = zoo_skeleton("opposite_stems");
+    const PartResult r = part_branches(s, {});
+    EXPECT_EQ(r.report.absorbed + r.report.advanced + r.report.bundled + r.report.swallowed, 0u);
+    EXPECT_EQ(r.skeleton.children(NodeId(0)).size(), 2u);
+}
+
 TEST(PartBranches, EveryNodeHasATubeAndEverySourceIsANode) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);

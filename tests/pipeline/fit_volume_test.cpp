@@ -112,6 +112,13 @@ TEST(FitVolume, HoldsForLevelsAndMethods) {
     }
 }
 
+TEST(FitVolume, ASomaOfThreePointsIsWhole) {
+    const MeshResult r = mesh_with(zoo_skeleton("soma_of_three_points"), Fit::volume);
+    EXPECT_TRUE(r.fitted->closed);
+    EXPECT_GT(r.fitted->before, 0.95 * r.fitted->cones);
+    EXPECT_EQ(crossings(polygons_of(r)), 0u);
+}
+
 TEST(FitVolume, PartsGetTheirOwn) {
     // A pole with round sides loses less by chords than a tree with forks and bends; they are one surface.
     const Skeleton tree = small_tree(20), bare = pole();

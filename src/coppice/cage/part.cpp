@@ -25,17 +25,30 @@ constexpr std::size_t kMostChildren = 64;
 // behind.
 constexpr float kBundleStem = 1.0f;
 
-// The point where two cylinders that leave one point part: its distance, and its angle from the first.
+// The point where two round cylinders that leave one point part: its distance, and its angle from each.
 struct Crotch {
     float distance;
     float angle_a, angle_b;
 };
 
-Crotch crotch(Vec3 a, float radius_a, Vec3 b, float radius_b) {
+// The first is the thicker one.
+Crotch crotch_with_thinner(Vec3 a, float radius_a, Vec3 b, float radius_b) {
     const float s = length(cross(a, b)), c = dot(a, b), along = radius_b / radius_a + c;
-    const float sine_a = s / std::max(std::sqrt(s * s + along * along), 1e-30f);
+    if (along <= 0) {
+        // The thinner one leaves backwards, through the ball that the thicker one begins with.
+        const float sine_b = radius_b / radius_a;
+        const float angle_b = fast_atan2(sine_b, std::sqrt(std::max(0.0f, 1 - sine_b * sine_b)));
+        return {radius_a, fast_atan2(s, c) - angle_b, angle_b};
+    }
+    const float sine_a = s / std::sqrt(s * s + along * along);
     const float angle_a = fast_atan2(s, along);
     return {radius_a / std::max(sine_a, 1e-3f), angle_a, fast_atan2(s, c) - angle_a};
+}
+
+Crotch crotch(Vec3 a, float radius_a, Vec3 b, float radius_b) {
+    if (radius_a >= radius_b) return crotch_with_thinner(a, radius_a, b, radius_b);
+    const Crotch k = crotch_with_thinner(b, radius_b, a, radius_a);
+    return {k.distance, k.angle_b, k.angle_a};
 }
 
 class Parting {
