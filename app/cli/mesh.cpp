@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "coppice/io/file.h"
+#include "coppice/io/mesh/solid_writer.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -15,15 +16,25 @@ namespace coppice::cli {
 namespace {
 
 struct MeshFlags {
-    std::filesystem::path skeleton, cage, constraints, original, offsets;
+    std::filesystem::path skeleton, cage, volume, constraints, original, offsets;
     std::vector<std::filesystem::path> outputs;
     MeshOptions mesh;
     RestoreOptions restore;
     ReadSkeletonOptions read;
 };
 
+void check_volume(const MeshFlags& flags) {
+    if (flags.mesh.method != MeshMethod::tetrahedra) throw UsageError("--volume needs --method tetrahedra");
+    if (flags.mesh.fit != Fit::surface) throw UsageError("--volume needs --fit surface");
+    if (!solid_format_of_name(flags.volume)) {
+        throw UsageError(fmt::format("--volume writes VTU and Gmsh; end the name '{}' in .vtu or .msh",
+                                     flags.volume.string()));
+    }
+    check_output_folder(flags.volume);
+}
+
 void check_flags(const MeshFlags& flags) {
-    if (flags.skeleton.empty() || (flags.outputs.empty() && flags.cage.empty())) {
+    if (flags.skeleton.empty() || (flags.outputs.empty() && flags.cage.empty() && flags.volume.empty())) {
         throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
     }
     for (const auto& output : flags.outputs) check_mesh_output(output);
@@ -37,6 +48,7 @@ void check_flags(const MeshFlags& flags) {
         if (flags.original.empty()) throw UsageError("--offsets are those of --restore MESH; add it");
         check_output_folder(flags.offsets);
     }
+    if (!flags.volume.empty()) check_volume(flags);
     if (flags.cage.empty()) return;
     if (flags.mesh.method != MeshMethod::quads) throw UsageError("--cage needs --method quads");
     check_mesh_output(flags.cage);
@@ -91,13 +103,15 @@ ExitCode mesh(Run& run, const MeshFlags& flags) {
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original);
     MeshResult result = run.stage("mesh", [&](const Context& ctx) {
-        return mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx);
+        return flags.volume.empty() ? mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx)
+                                    : mesh_solid(file.skeleton, constraints, flags.mesh, ctx);
     });
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs) write_surface(output, result, ctx);
+        if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) report_weights(run.counts(), *result.weights);
@@ -122,6 +136,8 @@ Command mesh_command() {
                   "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
     options.file("--cage", "FILE", flags->cage,
                  "also write the control cage, for subdivision elsewhere (.usda)");
+    options.file("--volume", "FILE", flags->volume,
+                 "also write the tetrahedra inside, for finite elements (.vtu, .msh)");
     options.file("--constraints", "POINTS", flags->constraints,
                  "points of the surface that global weights are fitted to (.xyz, .ply)");
     options.file("--restore", "MESH", flags->original,

@@ -66,6 +66,10 @@ std::string count(Figures& counts, const TetraSurface& surface) {
     counts["snapped_vertices"] = surface.march.snapped;
     counts["freed_vertices"] = surface.march.freed;
     counts["lattice_grown"] = surface.grown;
+    if (!surface.solid.tetra.empty()) {
+        counts["volume_vertices"] = surface.solid.positions.size();
+        counts["volume_tetrahedra"] = surface.solid.tetra.size();
+    }
     return fmt::format("{} triangles", grouped(surface.mesh.triangles.size()));
 }
 

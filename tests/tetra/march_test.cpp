@@ -63,9 +63,9 @@ TEST(March, CutsOneTetrahedronInAllSixteenWays) {
         }};
         const TetraRefinement refinement(mesh, 0);
         Samples samples = sampled(refinement, FieldRef(field), 0);
-        const auto [cut, crossed] =
-            tetra_internal::extract(refinement, FieldRef(field), samples,
-                                    {tetra_internal::CrossedTetra(refinement, samples, {}), {}}, 0, {});
+        const auto [cut, solid, crossed] = tetra_internal::extract(
+            refinement, FieldRef(field), samples, {tetra_internal::CrossedTetra(refinement, samples, {}), {}},
+            0, false, {});
         const int count = std::popcount(inside);
         const std::size_t edges = count == 0 || count == 4 ? 0 : count == 2 ? 4 : 3;
         EXPECT_EQ(cut.positions.size(), edges);

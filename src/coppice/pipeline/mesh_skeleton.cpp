@@ -96,14 +96,8 @@ FitVolumeReport fit_to_ends(Mesh& mesh, const Skeleton& skeleton, const ControlO
     return fit_volume(mesh, skeleton, base, tips, ctx);
 }
 
-}  // namespace
-
-MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
-    return mesh_skeleton(skeleton, PointSet{}, options, ctx);
-}
-
-MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
-                         const Context& ctx) {
+MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                     bool with_solid, const Context& ctx) {
     check_fields(options, "mesh");
     MeshResult out;
     const bool fits = options.fit == Fit::volume;
@@ -115,8 +109,8 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, 
     if (options.method == MeshMethod::quads) {
         out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, meshing, stages);
     } else {
-        out.surface =
-            mesh_by_tetrahedra(prepared.skeleton, constraints, options, out.weights, meshing, stages);
+        const auto make = with_solid ? solid_by_tetrahedra : mesh_by_tetrahedra;
+        out.surface = make(prepared.skeleton, constraints, options, out.weights, meshing, stages);
     }
     if (fits) {
         const Context fitting = part_of(ctx, 0.5f, 1);
@@ -127,6 +121,26 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, 
         });
     }
     return out;
+}
+
+}  // namespace
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
+    return mesh_skeleton(skeleton, PointSet{}, options, ctx);
+}
+
+MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                         const Context& ctx) {
+    return make_mesh(skeleton, constraints, options, false, ctx);
+}
+
+MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                      const Context& ctx) {
+    if (options.method != MeshMethod::tetrahedra)
+        throw InvalidInput("mesh: method must be tetrahedra for the tetrahedra inside");
+    if (options.fit != Fit::surface)
+        throw InvalidInput("mesh: fit must be surface for the tetrahedra inside, which would not move along");
+    return make_mesh(skeleton, constraints, options, true, ctx);
 }
 
 }  // namespace coppice

@@ -71,11 +71,10 @@ std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
     return boxes;
 }
 
-}  // namespace
-
-TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
-                                const MeshOptions& options, std::optional<GlobalWeights>& weights,
-                                const Context& ctx, Stages& stages) {
+TetraSurface surface_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
+                                   const MeshOptions& options, bool with_solid,
+                                   std::optional<GlobalWeights>& weights, const Context& ctx,
+                                   Stages& stages) {
     TetraSurface out;
     check_fields(options.tetra, "tetra");
     if (options.control.base == BaseShape::open) {
@@ -86,7 +85,7 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
     const float shell = options.tetra.march.levels == 0 ? 0.3f : 0.2f;
     const LatticeOptions sizes{
         .cell = kCellOverEdge * options.tetra.edge * static_cast<float>(1 << options.tetra.march.levels),
-        .inside = 1 - shell,
+        .inside = with_solid ? 0 : 1 - shell,
         .outside = 1 + shell};
     std::vector<Segment> axes = segments_of(prepared);
     Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(axes, sizes, ctx); });
@@ -102,10 +101,13 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
         });
         const CutField cut(FieldRef(field), prepared, options.control, boxes, ctx);
         MarchResult marched = stages.run("march", 0.95f, [&] {
-            return march(mesh, FieldRef(cut), InsideAxes{axes, lattice.passing()}, options.tetra.march, ctx);
+            const InsideAxes inside{axes, lattice.passing()};
+            return with_solid ? march_solid(mesh, FieldRef(cut), inside, options.tetra.march, ctx)
+                              : march(mesh, FieldRef(cut), inside, options.tetra.march, ctx);
         });
         out.march = marched.report;
         out.mesh = std::move(marched.mesh);
+        out.solid = std::move(marched.solid);
         again = !marched.open.empty();
         if (again) {
             ++out.grown;
@@ -117,9 +119,23 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
             "mesh: nothing is left of the surface, which is thinner than the tetrahedra everywhere; choose "
             "base round where a trunk is wider than long, a smaller edge, or method quads");
     }
-    out.mesh.origin = prepared.origin();
+    out.mesh.origin = out.solid.origin = prepared.origin();
     ctx.report(1);
     return out;
+}
+
+}  // namespace
+
+TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
+                                const MeshOptions& options, std::optional<GlobalWeights>& weights,
+                                const Context& ctx, Stages& stages) {
+    return surface_by_tetrahedra(prepared, constraints, options, false, weights, ctx, stages);
+}
+
+TetraSurface solid_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
+                                 const MeshOptions& options, std::optional<GlobalWeights>& weights,
+                                 const Context& ctx, Stages& stages) {
+    return surface_by_tetrahedra(prepared, constraints, options, true, weights, ctx, stages);
 }
 
 }  // namespace coppice

@@ -11,4 +11,9 @@ TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constr
                                 const MeshOptions& options, std::optional<GlobalWeights>& weights,
                                 const Context& ctx, Stages& stages);
 
+/// The same with the tetrahedra inside.
+TetraSurface solid_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
+                                 const MeshOptions& options, std::optional<GlobalWeights>& weights,
+                                 const Context& ctx, Stages& stages);
+
 }  // namespace coppice

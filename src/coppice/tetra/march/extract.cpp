@@ -4,6 +4,7 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/march/snapping_internal.h"
+#include "coppice/tetra/march/solid_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -74,7 +75,7 @@ class Extractor {
         number_placed(snapped.used);
     }
 
-    ExtractedSurface extract(int refinements) {
+    ExtractedSurface extract(int refinements, bool with_solid) {
         ExtractedSurface out;
         std::vector<std::uint64_t> triangles(crossed_.pieces().size());
         for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
@@ -98,6 +99,9 @@ class Extractor {
         for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
             write_triangles(piece, mesh_.triangles.data() + triangles[p]);
         });
+        if (with_solid)
+            out.solid =
+                fill(refinement_, samples_, crossed_, {numbers_, placed_, placed_count_}, mesh_, ctx_);
         out.mesh = std::move(mesh_);
         return out;
     }
@@ -203,8 +207,7 @@ class Extractor {
             *out++ = {c[0], c[1], c[2]};
             return out;
         }
-        const auto& p = mesh_.positions;
-        if (length_squared(p[c[0]] - p[c[2]]) <= length_squared(p[c[1]] - p[c[3]])) {
+        if (cut_from_first(mesh_.positions, c)) {
             *out++ = {c[0], c[1], c[2]};
             *out++ = {c[0], c[2], c[3]};
         } else {
@@ -229,8 +232,9 @@ class Extractor {
 }  // namespace
 
 ExtractedSurface extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                         const SnappedVertices& snapped, int refinements, const Context& ctx) {
-    return Extractor(refinement, field, samples, snapped, ctx).extract(refinements);
+                         const SnappedVertices& snapped, int refinements, bool with_solid,
+                         const Context& ctx) {
+    return Extractor(refinement, field, samples, snapped, ctx).extract(refinements, with_solid);
 }
 
 }  // namespace coppice::tetra_internal

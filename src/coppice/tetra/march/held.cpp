@@ -78,7 +78,8 @@ class FineLine {
           path_{kTetraDiagonals[diagonal][0], kTetraDiagonals[diagonal][2], kTetraDiagonals[diagonal][1],
                 kTetraDiagonals[diagonal][3]} {
         for (const std::uint8_t w : pattern.weights[0]) n_ = std::max(n_, int{w});
-        local_.resize(static_cast<std::size_t>((n_ + 1) * (n_ + 1) * (n_ + 1)));
+        const auto side = static_cast<std::size_t>(n_) + 1;
+        local_.resize(side * side * side);
         for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
             const auto& w = pattern.weights[v];
             const int z = w[path_[3]], y = z + w[path_[2]], x = y + w[path_[1]];
@@ -99,7 +100,9 @@ class FineLine {
 
   private:
     std::size_t place(const std::array<int, 3>& p) const {
-        return static_cast<std::size_t>((p[0] * (n_ + 1) + p[1]) * (n_ + 1) + p[2]);
+        const auto side = static_cast<std::size_t>(n_) + 1;
+        return (static_cast<std::size_t>(p[0]) * side + static_cast<std::size_t>(p[1])) * side +
+               static_cast<std::size_t>(p[2]);
     }
 
     Vec3d along_path(const Weights& w) const {

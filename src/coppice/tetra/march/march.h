@@ -9,6 +9,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/solid_mesh.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
 
@@ -63,6 +64,7 @@ struct InsideAxes {
 /// A surface of triangles, and the report.
 struct MarchResult {
     TriMesh mesh;                 ///< [m] in the frame of the tetrahedra
+    SolidMesh solid;              ///< what is inside; empty but from march_solid
     std::vector<TetraFace> open;  ///< coarse faces of one tetrahedron alone that the surface passes through
     MarchReport report;           ///< what was done
 };
@@ -99,5 +101,12 @@ MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& opt
 /// where that is less; such corners are moved towards the axis.
 MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                   const MarchOptions& options = {}, const Context& ctx = {});
+
+/// The same, and the fine tetrahedra inside, those that the surface crosses cut so that all share whole
+/// faces and the triangles of the surface are what is left over. Vertices of the surface come first, in the
+/// same order. Faces of the hull that are inside are `open`, too, and hollows stay. 20 to 30 bytes more for
+/// each fine tetrahedron inside.
+MarchResult march_solid(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
+                        const MarchOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -10,8 +10,6 @@
 namespace coppice::tetra_internal {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 14;
-
 /// A closed part of the surface.
 struct Part {
     std::vector<std::uint32_t> triangles;
@@ -55,7 +53,9 @@ std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> p
     return parts;
 }
 
-void keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of, std::span<const Part> parts) {
+/// Returns the new number of every vertex, and of one beyond; those that went have that of the next.
+std::vector<std::uint32_t> keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of,
+                                          std::span<const Part> parts) {
     std::vector<std::uint32_t> number(mesh.positions.size() + 1);
     TriMesh out;
     out.origin = mesh.origin;
@@ -72,6 +72,7 @@ void keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of, std::
         for (std::uint32_t& v : t) v = number[v];
     }
     mesh = std::move(out);
+    return number;
 }
 
 }  // namespace
@@ -87,7 +88,7 @@ std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVerti
     return out;
 }
 
-std::uint64_t drop_parts(TriMesh& mesh, std::span<const Vec3> places, const Context& ctx) {
+DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows, const Context& ctx) {
     // Neighbours follow each other in the list, so that this is too little work to share.
     DisjointSets sets(mesh.positions.size());
     std::size_t count = mesh.positions.size();
@@ -95,7 +96,7 @@ std::uint64_t drop_parts(TriMesh& mesh, std::span<const Vec3> places, const Cont
         count -= (sets.join(t[0], t[1]) ? 1 : 0) + (sets.join(t[0], t[2]) ? 1 : 0);
     ctx.throw_if_cancelled();
     // A surface that encloses all axes has one part at least, which is not a hollow.
-    if (count <= 1) return 0;
+    if (count <= 1) return {};
     constexpr std::uint32_t kUnseen = 0xffffffffu;
     std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());
     std::uint32_t next = 0;
@@ -106,13 +107,45 @@ std::uint64_t drop_parts(TriMesh& mesh, std::span<const Vec3> places, const Cont
     }
     std::vector<Part> parts = parts_of(mesh, part_of, count);
     parallel_for(ctx, count, 1, [&](std::size_t p) {
-        if (parts[p].volume6 <= 0) return;
+        if (parts[p].volume6 <= 0) {
+            parts[p].kept = !with_hollows;
+            return;
+        }
         for (const Vec3 place : places) parts[p].kept = parts[p].kept || encloses(mesh, parts[p], place);
     });
-    std::uint64_t dropped = 0;
-    for (const Part& part : parts) dropped += part.kept ? 0 : 1;
-    if (dropped > 0) keep_triangles(mesh, part_of, parts);
+    DroppedParts dropped;
+    for (const Part& part : parts) dropped.count += part.kept ? 0 : 1;
+    if (dropped.count > 0) dropped.number = keep_triangles(mesh, part_of, parts);
     return dropped;
+}
+
+void drop_bodies(SolidMesh& solid, const DroppedParts& dropped) {
+    if (dropped.count == 0 || solid.tetra.empty()) return;
+    DisjointSets bodies(solid.positions.size());
+    for (const auto& t : solid.tetra) {
+        for (const std::uint32_t v : t) bodies.join(t[0], v);
+    }
+    std::vector<std::uint8_t> gone(solid.positions.size());
+    for (std::uint32_t v = 0; v + 1 < dropped.number.size(); ++v) {
+        if (dropped.number[v] == dropped.number[v + 1]) gone[bodies.find(v)] = 1;
+    }
+    std::erase_if(solid.tetra, [&](const auto& t) { return gone[bodies.find(t[0])] != 0; });
+    compact(solid);
+}
+
+void compact(SolidMesh& solid) {
+    std::vector<std::uint32_t> number(solid.positions.size() + 1);
+    for (const auto& t : solid.tetra) {
+        for (const std::uint32_t v : t) number[v] = 1;
+    }
+    Buffer<Vec3> positions(exclusive_scan(std::span(number)));
+    for (std::size_t v = 0; v < solid.positions.size(); ++v) {
+        if (number[v] != number[v + 1]) positions[number[v]] = solid.positions[v];
+    }
+    solid.positions = std::move(positions);
+    for (auto& t : solid.tetra) {
+        for (std::uint32_t& v : t) v = number[v];
+    }
 }
 
 }  // namespace coppice::tetra_internal

@@ -225,7 +225,7 @@ Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float
 }
 
 std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const RankedBits& inside,
-                                  const Context& ctx) {
+                                  bool with_inner, const Context& ctx) {
     constexpr std::size_t kGrain = 4096;
     const std::size_t tetra = refinement.coarse().tetra.size();
     std::vector<std::vector<TetraFace>> found((tetra + kGrain - 1) / kGrain);
@@ -238,7 +238,7 @@ std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const Ranke
             any |= in;
             all &= in;
         }
-        return any && !all;
+        return any && (with_inner || !all);
     };
     parallel_for(ctx, tetra, kGrain, [&](std::size_t i) {
         const auto t = static_cast<std::uint32_t>(i);

@@ -80,8 +80,8 @@ struct Samples {
 Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
                         const HeldVertices& held, std::span<const Segment> axes, const Context& ctx);
 
-/// Hull faces with vertices on both sides, ascending.
+/// Hull faces with vertices on both sides, ascending; and if wanted those that are inside as a whole.
 std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const RankedBits& inside,
-                                  const Context& ctx);
+                                  bool with_inner, const Context& ctx);
 
 }  // namespace coppice::tetra_internal

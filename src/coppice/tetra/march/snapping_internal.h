@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/solid_mesh.h"
 #include "coppice/tetra/march/crossed_internal.h"
 
 namespace coppice::tetra_internal {
@@ -82,11 +83,13 @@ SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samp
 /// The surface, and how many fine tetrahedra it crosses.
 struct ExtractedSurface {
     TriMesh mesh;
+    SolidMesh solid;  ///< the same vertices, and those inside; empty where it is not asked for
     std::uint64_t crossed = 0;
 };
 
-/// Triangles from the signs, once no vertex is put back any more.
+/// Triangles from the signs, once no vertex is put back any more, and if wanted the tetrahedra inside.
 ExtractedSurface extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
-                         const SnappedVertices& snapped, int refinements, const Context& ctx);
+                         const SnappedVertices& snapped, int refinements, bool with_solid,
+                         const Context& ctx);
 
 }  // namespace coppice::tetra_internal
