@@ -40,6 +40,17 @@ TEST(SurfaceTree, DistanceToATriangleIsTheLeastOverItsPoints) {
     }
 }
 
+TEST(SurfaceTree, IsWithinWhatTheDistanceSays) {
+    const PolygonMesh m = cube();
+    const SurfaceTree tree(m);
+    EXPECT_TRUE(tree.is_within({0.5, 0.5, 3}, 2));
+    EXPECT_FALSE(tree.is_within({0.5, 0.5, 3}, 1.99));
+    EXPECT_TRUE(tree.is_within({0.5, 0.5, 0.5}, 0.5));
+    EXPECT_FALSE(tree.is_within({0.5, 0.5, 0.5}, 0.49));
+    const PolygonMesh none;
+    EXPECT_FALSE(SurfaceTree(none).is_within({0, 0, 0}, 1e9));
+}
+
 TEST(SurfaceTree, NearestOfManyIsTheNearestOfAll) {
     const PolygonMesh m = torus(20, 50, 1, 3);
     const SurfaceTree tree(m);

@@ -95,6 +95,23 @@ double SurfaceTree::distance(Vec3d p) const {
     return std::sqrt(least);
 }
 
+bool SurfaceTree::is_within(Vec3d p, double distance) const {
+    double limit = distance * distance;
+    bool found = false;
+    const auto bound = [&](std::uint32_t l, std::uint32_t i) {
+        return distance_squared(boxes_.level(l)[i], p);
+    };
+    boxes_.search(bound, limit, [&](std::uint32_t item) {
+        for (const Triangle& t : triangles(pieces_[item])) {
+            const TrianglePoints x = points_of(*mesh_, t);
+            if (found || distance_squared(p, Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2])) > limit) continue;
+            found = true;
+            limit = -1;
+        }
+    });
+    return found;
+}
+
 double SurfaceTree::signed_distance(Vec3d p) const {
     // Faces around one edge come out equally far but for rounding.
     constexpr double kMore = 1 + 1e-9, kLess = 1 - 1e-9;

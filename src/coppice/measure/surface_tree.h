@@ -36,7 +36,10 @@ class SurfaceTree {
     /// The distance from a point to the surface; infinite when that is empty. O(log n) near the surface.
     double distance(Vec3d p) const;
 
-    /// The same, negative behind the nearest face: inside of a closed surface of faces that run
+    /// Whether the surface comes as near as that. Cheaper than the distance where it does.
+    bool is_within(Vec3d p, double distance) const;
+
+    /// The same as `distance`, negative behind the nearest face: inside of a closed surface of faces that run
     /// counter-clockwise seen from outside. Where several faces are equally near, on an edge or a corner, the
     /// one that p lies most squarely before decides. O(log n).
     double signed_distance(Vec3d p) const;
