@@ -198,7 +198,7 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, 
 
 /// The same by tetrahedra, with those inside the surface, for finite elements (TetraSurface::solid): they
 /// share whole faces, grow with the local radius, and their vertices begin with those of the surface, whose
-/// triangles are all that is left over. Memory: 20 to 30 bytes more for each tetrahedron of the finest level.
+/// triangles are all that is left over. Memory: some 40 bytes more for each tetrahedron of the finest level.
 ///
 /// Throws as above, and InvalidInput naming `method` or `fit` when it is not tetrahedra, or not surface.
 MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options = {},

@@ -104,7 +104,7 @@ MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
 
 /// The same, and the fine tetrahedra inside, those that the surface crosses cut so that all share whole
 /// faces and the triangles of the surface are what is left over. Vertices of the surface come first, in the
-/// same order. Faces of the hull that are inside are `open`, too, and hollows stay. 20 to 30 bytes more for
+/// same order. Faces of the hull that are inside are `open`, too, and hollows stay. Some 40 bytes more for
 /// each fine tetrahedron inside.
 MarchResult march_solid(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                         const MarchOptions& options = {}, const Context& ctx = {});
