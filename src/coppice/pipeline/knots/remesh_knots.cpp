@@ -6,15 +6,14 @@
 #include <unordered_map>
 
 #include "coppice/base/parallel.h"
-#include "coppice/measure/intersections.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/pipeline/knots/knot_patch_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr std::uint32_t kMostPairs = 1u << 20;
 constexpr int kMostAttempts = 16;
 constexpr float kHaste = 1.5f;      // growth of the steps by which groups grow, from one radius on
 constexpr int kRoundsForFolds = 3;  // in which seams are moved for the sake of folded quads alone
@@ -46,9 +45,9 @@ class Remeshing {
           skeletons_(map, slices_),
           care_(slices_.count() + 1, Care::none) {}
 
-    KnotReport run(QuadSurface& surface) {
+    // From the pairs that cross at first.
+    KnotReport run(std::vector<FacePair> pairs, QuadSurface& surface) {
         KnotReport report;
-        std::vector<FacePair> pairs = crossings(quads_);
         report.pairs_before = pairs.size();
         for (const FacePair& p : pairs) {
             const Slice a = slices_.of_quad(p.first), b = slices_.of_quad(p.second);
@@ -56,12 +55,13 @@ class Remeshing {
             knots_.take(b);
             knots_.join(a, b);
         }
-        const int rounds = pairs.empty() ? 0 : options_.remesh_rounds;
+        const int rounds = options_.remesh_rounds;
         Remeshed now;
         for (int round = 0; round < rounds; ++round) {
             make_pieces();
             now = assembled();
-            pairs = crossings(now.mesh);
+            // Quads that stay do not cross each other: those that did were all found at first.
+            pairs = new_crossings(now.mesh, now.kept, ctx_);
             report.rounds = static_cast<std::uint32_t>(round) + 1;
             const bool moved = round < kRoundsForFolds && move_folded_bands(now);
             if (pairs.empty() && !moved) break;
@@ -70,7 +70,6 @@ class Remeshing {
         }
         report.pairs_after = pairs.size();
         report.slices = knots_.count();
-        if (rounds == 0) return report;
         const TopologyReport found = topology(now.mesh, ctx_);
         report.parts = found.components;
         report.handles = static_cast<std::int64_t>(found.components) - found.euler / 2;
@@ -79,11 +78,6 @@ class Remeshing {
     }
 
   private:
-    std::vector<FacePair> crossings(const QuadMesh& mesh) const {
-        const PolygonMesh polygons = to_polygons(mesh);
-        return crossing_faces(SurfaceTree(polygons, ctx_), kMostPairs, ctx_).pairs;
-    }
-
     std::size_t care_place(Slice s) const { return std::min(s, slices_.count()); }
 
     // Asks for more care where a new quad is.
@@ -259,7 +253,10 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOpti
         options.project.method == ProjectionMethod::none || options.control.base == BaseShape::open) {
         return {};
     }
-    return Remeshing(surface, map, options, ctx).run(surface);
+    std::vector<FacePair> pairs =
+        slice_crossings(surface.mesh, Slices(surface.cage, map.tubes, options.levels), ctx);
+    if (pairs.empty()) return {};
+    return Remeshing(surface, map, options, ctx).run(std::move(pairs), surface);
 }
 
 }  // namespace coppice::pipeline_internal

@@ -32,6 +32,8 @@ class Slices {
 
     std::uint32_t count() const { return tubes_->size() << levels_; }  ///< some have no quads
     std::uint32_t per_tube() const { return 1u << levels_; }
+    int levels() const { return levels_; }  ///< times that the cage was refined
+    const ControlMesh& cage() const { return *cage_; }
     const Skeleton& tubes() const { return *tubes_; }
 
     Slice first(NodeId tube) const { return tube.index() << levels_; }

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/knots/slices_internal.h"
+
+namespace coppice::pipeline_internal {
+
+/// Quads of the mesh that the slices are of, ascending; all others cross or touch none of them, nor each
+/// other: see crossings.cpp. Of a clean mesh about one in a hundred. O(n log n).
+std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
+
+/// The pairs of quads that cross or touch: all that crossing_faces() finds in the whole mesh, in the same
+/// order, up to 2^20 of them. Only unproved_quads() are searched, so that a clean mesh takes about a
+/// twentieth of the time.
+std::vector<FacePair> slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
+
+/// The pairs that a quad of number `first_new` or later has a part in, in order, up to 2^20 of them. The
+/// search itself costs in proportion to those quads and what lies near them.
+std::vector<FacePair> new_crossings(const QuadMesh& mesh, std::uint32_t first_new, const Context& ctx);
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/box.h"
+#include "coppice/pipeline/knots/row_kernels_internal.h"
+#include "coppice/pipeline/knots/slices_internal.h"
+
+namespace coppice::pipeline_internal {
+
+/// Above the rounding of an area of points at most 1 away, in double precision.
+inline constexpr double kTurnRounding = 1e-13;
+
+/// Cage quads first .. first + count.
+struct CageRun {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+};
+
+/// The cage quads of a tube.
+struct TubeFaces {
+    CageRun side;                ///< around it
+    std::array<CageRun, 2> cap;  ///< that close its beginning and its end
+};
+
+/// The cage quads of all tubes. O(cage).
+std::vector<TubeFaces> faces_of_tubes(const ControlMesh& cage, std::uint32_t tube_count);
+
+/// What of a tube faces away from a point at one of its ends.
+struct View {
+    /// Slices from that end on, followed by what closes the tube, or by a ring that runs once around the
+    /// directions it encloses: a disc, star-shaped about its middle.
+    std::uint32_t clear = 0;
+    /// Whether all later slices lie within the directions that this ring encloses.
+    bool is_apart = false;
+    /// [m] How far behind c, towards the other node, all later slices stay; where is_apart does not hold.
+    double behind = 0;
+};
+
+/// The refined points of one tube; used again for the next one.
+class TubePoints {
+  public:
+    TubePoints(const QuadMesh& mesh, const Slices& slices) : mesh_(&mesh), slices_(&slices) {}
+
+    /// Fetches them.
+    void load(const TubeFaces& faces);
+
+    bool has_sides() const { return has_sides_; }               ///< not for the ball of a lone node
+    const RowPoints& sides() const { return sides_; }           ///< one row per slice
+    std::uint32_t rows() const { return slices_->per_tube(); }  ///< slices
+    /// Whether quads close the tube at its beginning (0) or its end (1).
+    bool is_closed(int end) const { return cap_count_[end] > 0; }
+
+    /// How far the slices reach, caps with the outermost: one entry per slice.
+    void reach(const Directions& directions, std::vector<Reach>& out) const;
+
+    /// Adds those refined quads of a slice that reach into what something else reaches; touching counts, and
+    /// so does what is apart by no more than `margin`.
+    void collect(std::uint32_t row, const Directions& directions, const Reach& other, const Margins& margin,
+                 std::vector<std::uint32_t>& out) const;
+
+    /// Where it lies, and how far from the segment from a along the unit direction d.
+    Bounds bounds(Vec3d a, Vec3d d, double length) const;
+
+    /// What a node at c can see from an end (0: the beginning) inward; the other node lies in the direction
+    /// d. `size` bounds the distance from c.
+    View view(int end, Vec3d c, Vec3d d, double size) const;
+    /// Slices first .. second about the ring with which slice `row` begins that face away from a point c
+    /// within it, without caps, and end in rings that run around once; none when these are not on both sides
+    /// of it.
+    std::array<std::uint32_t, 2> clear_about(std::uint32_t row, Vec3d c, double size) const;
+    /// Whether a tube closed at both ends faces away from c everywhere.
+    bool is_star(Vec3d c, double size) const;
+
+    /// Of the ring at an end, by cage vertex: how often quads of the tube, on their way around the vertex as
+    /// seen from c, pass a plane that is the same for all tubes there. `visit(k, turns)` gets the number of
+    /// the cage quad among the sides and -1 where that is not certain.
+    template <class Visit>
+    void visit_turns(int end, Vec3d c, double size, const Visit& visit) const;
+
+    /// The mean of the ring with which slice `row` begins.
+    Vec3d ring_center(std::size_t row) const;
+
+  private:
+    // The points of slices from number `row` on, counted from an end, and of what closes them.
+    template <class Visit>
+    void visit_rest(int end, std::uint32_t row, const Visit& visit) const;
+    bool cap_is_clear(int end, Vec3d c, double margin) const;
+    // Of a ring seen from a point: whether its directions are star-shaped about its centre, the direction of
+    // that, and the square of the tangent of the greatest angle from there that the ring encloses all around.
+    struct Opening {
+        bool is_simple;
+        Vec3d axis;
+        double tangent_squared;
+    };
+    Opening opening(std::size_t row, Vec3d c, double sense, double size) const;
+    double behind(int end, std::uint32_t clear, Vec3d c, Vec3d d) const;
+    bool is_within(int end, std::uint32_t clear, Vec3d c, const Opening& ring) const;
+    void load_patch(RowPoints& out, std::uint32_t cage_quad, std::size_t column) const;
+
+    const QuadMesh* mesh_;
+    const Slices* slices_;
+    TubeFaces faces_;
+    bool has_sides_ = false;
+    RowPoints sides_;
+    std::array<std::vector<RowPoints>, 2> caps_;
+    std::array<std::size_t, 2> cap_count_{};
+    mutable std::vector<std::int32_t> turns_;
+};
+
+template <class Visit>
+void TubePoints::visit_turns(int end, Vec3d c, double size, const Visit& visit) const {
+    constexpr Vec3d kAside{0.3713906763541037, 0.5570860145311556, 0.7427813527082074};
+    const std::size_t n = rows(), around = sides_.columns;
+    const std::size_t row = end == 0 ? 0 : n, inner = end == 0 ? 1 : n - 1;
+    const auto at = [&](std::size_t j, std::size_t k) {
+        const std::size_t i = j * sides_.stride() + k;
+        return Vec3d{sides_.x[i], sides_.y[i], sides_.z[i]};
+    };
+    for (std::size_t k = 0; k < around; k += n) {
+        const Vec3d x = at(row, k), plane = cross(x - c, kAside);
+        const Vec3d after = at(row, k + 1), before = at(row, k == 0 ? around - 1 : k - 1);
+        const std::array<double, 3> side{dot((end == 0 ? after : before) - x, plane),
+                                         dot(at(inner, k) - x, plane),
+                                         dot((end == 0 ? before : after) - x, plane)};
+        const bool certain = std::all_of(
+            side.begin(), side.end(), [&](double s) { return std::fabs(s) > kTurnRounding * size * size; });
+        const int turns = (side[0] < 0 && side[1] >= 0 ? 1 : 0) + (side[1] < 0 && side[2] >= 0 ? 1 : 0);
+        visit(k / n, certain ? turns : -1);
+    }
+}
+
+}  // namespace coppice::pipeline_internal

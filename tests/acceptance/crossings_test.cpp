@@ -1,0 +1,22 @@
+#include <gtest/gtest.h>
+
+#include "acceptance/support.h"
+#include "coppice/io/skeleton/reader.h"
+#include "slice_search.h"
+
+namespace coppice {
+namespace {
+
+using namespace test;
+
+TEST(AcceptanceFiles, SlicesFindTheCrossingsOfTheWholeMesh) {
+    const std::vector<fs::path> files = skeleton_files();
+    if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
+    for (const fs::path& file : files) {
+        SCOPED_TRACE(file.filename());
+        expect_same(read_skeleton(file).skeleton);
+    }
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,108 @@
+#include "coppice/pipeline/knots/crossings_internal.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "coppice/skeleton/random_tree.h"
+#include "slice_search.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+using namespace test;
+
+MeshOptions with(int levels, int sides, TipShape tips = TipShape::round, BaseShape base = BaseShape::flat) {
+    MeshOptions options;
+    options.levels = levels;
+    options.control = {sides, tips, base};
+    return options;
+}
+
+TEST(SliceCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        expect_same(skeleton);
+        expect_same(skeleton, with(0, 8, TipShape::flat, BaseShape::round));
+        expect_same(skeleton, with(1, 4, TipShape::flat, BaseShape::open));
+    }
+}
+
+TEST(SliceCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
+    for (int levels = 0; levels <= 6; ++levels) {
+        for (const int sides : {4, 8, 16}) {
+            SCOPED_TRACE(testing::Message() << levels << " levels, " << sides << " sides");
+            expect_same(random_tree(levels < 5 ? 60 : 8, 3), with(levels, sides));
+            expect_same(random_tree(levels < 5 ? 60 : 8, 4, true), with(levels, sides, TipShape::flat));
+        }
+    }
+}
+
+// Cages without grafting and unfolding cross themselves in many ways.
+TEST(SliceCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
+    std::size_t pairs = 0;
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        SCOPED_TRACE(seed);
+        MeshOptions options = with(1 + static_cast<int>(seed % 3), 4);
+        options.graft = 0;
+        options.untangle.passes = 0;
+        pairs += expect_same(random_tree(300, seed, true), options);
+    }
+    EXPECT_GT(pairs, 1000u);
+}
+
+// Each vertex goes astray by itself: a fold that only touches its own row, or a spike that reaches others.
+TEST(SliceCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
+    const Quads quads = quads_of(random_tree(40, 5), with(2, 4));
+    const std::size_t count = quads.surface.mesh.positions.size();
+    const Box3 box = [&] {
+        Box3 all;
+        for (const Vec3 p : quads.surface.mesh.positions) all.extend(p);
+        return all;
+    }();
+    std::size_t pairs = 0;
+    for (std::size_t i = 0; i < 120; ++i) {
+        const std::size_t v = i * 7919 % count;
+        SCOPED_TRACE(v);
+        QuadMesh mesh = quads.surface.mesh;
+        const Vec3 other = i % 2 == 0 ? box.center() : mesh.positions[(v + 1 + i % 30) % count];
+        mesh.positions[v] = lerp(mesh.positions[v], other, i % 3 == 0 ? 0.3f : 1.2f);
+        const std::vector<FacePair> all = search(mesh);
+        EXPECT_EQ(slice_search(quads, mesh), all);
+        pairs += all.empty() ? 0 : 1;
+    }
+    EXPECT_GT(pairs, 60u);
+}
+
+TEST(SliceCrossings, AreTheSameForAnyNumberOfThreads) {
+    const Quads quads = quads_of(random_tree(2000, 1, true), with(1, 4));
+    const auto one = slice_search(quads, quads.surface.mesh, {.threads = 1});
+    EXPECT_FALSE(one.empty());
+    for (const unsigned threads : {2u, 7u}) {
+        EXPECT_EQ(slice_search(quads, quads.surface.mesh, {.threads = threads}), one);
+    }
+}
+
+// What is left to be searched is little, on a tree whose branches keep clear of each other.
+TEST(SliceCrossings, AreProvedToBeNoneNearlyEverywhere) {
+    const Quads quads = quads_of(random_tree(3000, 1), {});
+    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.options.levels);
+    const std::size_t left = unproved_quads(quads.surface.mesh, slices, {}).size();
+    EXPECT_LT(left, quads.surface.mesh.quads.size() / 50);
+}
+
+TEST(NewCrossings, AreThoseThatALaterQuadHasAPartIn) {
+    const Quads quads = quads_of(random_tree(1000, 2, true), with(1, 4));
+    const QuadMesh& mesh = quads.surface.mesh;
+    std::vector<FacePair> all = search(mesh);
+    ASSERT_FALSE(all.empty());
+    const auto count = static_cast<std::uint32_t>(mesh.quads.size());
+    for (const std::uint32_t first : {0u, count / 3, count - 100, count}) {
+        std::erase_if(all, [&](const FacePair& p) { return p.second < first; });
+        EXPECT_EQ(pipeline_internal::new_crossings(mesh, first, {}), all) << first;
+    }
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "coppice/pipeline/knots/crossings_internal.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+
+// Holds the search for crossings by slices against the search of the whole mesh.
+
+namespace coppice::test {
+
+/// Quads as they are before any of them are remeshed, and the tubes they are made of.
+struct Quads {
+    QuadSurface surface;
+    Skeleton tubes;
+    MeshOptions options;
+};
+
+inline Quads quads_of(const Skeleton& skeleton, MeshOptions options) {
+    options.remesh_rounds = 0;
+    options.fit = Fit::surface;
+    const Skeleton prepared = prepare(skeleton, options.prepare).skeleton;
+    const Skeleton grafted = graft_branches(prepared, options.graft, {}).tubes;
+    return {std::move(mesh_skeleton(skeleton, options).quads()), part_branches(grafted, {}).skeleton,
+            options};
+}
+
+inline std::vector<FacePair> search(const QuadMesh& mesh) {
+    const PolygonMesh polygons = to_polygons(mesh);
+    return crossing_faces(SurfaceTree(polygons), 1u << 20).pairs;
+}
+
+inline std::vector<FacePair> slice_search(const Quads& quads, const QuadMesh& mesh, const Context& ctx = {}) {
+    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.options.levels);
+    return slice_crossings(mesh, slices, ctx);
+}
+
+/// Returns how many pairs there are.
+inline std::size_t expect_same(const Skeleton& skeleton, const MeshOptions& options = {}) {
+    const Quads quads = quads_of(skeleton, options);
+    const std::vector<FacePair> all = search(quads.surface.mesh);
+    EXPECT_EQ(slice_search(quads, quads.surface.mesh), all);
+    return all.size();
+}
+
+}  // namespace coppice::test
