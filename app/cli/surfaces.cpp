@@ -30,6 +30,7 @@ Figures counts_of(const KnotReport& r) {
     Figures out;
     out["pairs_before"] = r.pairs_before;
     out["pairs_after"] = r.pairs_after;
+    out["lossy"] = r.lossy;
     out["rounds"] = r.rounds;
     out["slices"] = r.slices;
     out["parts"] = r.parts;
@@ -39,7 +40,7 @@ Figures counts_of(const KnotReport& r) {
 
 // What to say of quads that crossed: nothing where none did.
 std::string told(const KnotReport& r) {
-    if (r.pairs_before == 0) return {};
+    if (r.rounds == 0) return {};
     std::string out = fmt::format(", {} crossings remeshed", grouped(r.pairs_before));
     if (r.pairs_after > 0) out += fmt::format(" but {}", grouped(r.pairs_after));
     if (r.handles > 0) out += fmt::format(", {} handles", grouped(static_cast<std::uint64_t>(r.handles)));
@@ -52,7 +53,7 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["cage_quads"] = surface.cage.cage.quads.size();
     counts["branches_grafted"] = counts_of(surface.grafted);
     counts["branches_parted"] = counts_of(surface.parted);
-    if (surface.knots.pairs_before > 0) counts["crossings_remeshed"] = counts_of(surface.knots);
+    if (surface.knots.rounds > 0) counts["crossings_remeshed"] = counts_of(surface.knots);
     return fmt::format("{} grafted, {} cut; {} quads{}", grouped(surface.grafted.grafted),
                        grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()), told(surface.knots));
 }

@@ -44,6 +44,28 @@ Skeleton soma() {
                     {5, 5, 5, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f});
 }
 
+// A ball at the end of a thread.
+Skeleton fat_end() {
+    return Skeleton({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 8}, {0, 0, 9}},
+                    {0.5f, 0.5f, 13});
+}
+
+// Balls side by side, and threads that leave the first of them.
+Skeleton balls_with_threads() {
+    const NodeId a(0);
+    return Skeleton({NodeId::none(), a, a, a, NodeId(3), a, NodeId(5), a, NodeId(7)},
+                    {{0, 0, 0},
+                     {2, 1, 0},
+                     {-3, 1, 1},
+                     {-4, 4.4f, -2.7f},
+                     {-16, 20, -14.5f},
+                     {1.1f, -0.6f, 3.5f},
+                     {7.6f, -8.3f, 41},
+                     {0, 4, -4.4f},
+                     {0.3f, 16, -20}},
+                    {5, 4, 3, 0.7f, 0.5f, 0.4f, 0.3f, 0.8f, 0.6f});
+}
+
 // A branch that runs once round and through its own beginning.
 Skeleton noose() {
     std::vector<NodeId> parent{NodeId::none(), NodeId(0)};
@@ -114,6 +136,19 @@ TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
     EXPECT_EQ(crossings(made.mesh), 0u);
     constexpr double kCapsule = std::numbers::pi * 25 * (10 + 20.0 / 3);
     EXPECT_NEAR(shape(made.mesh).signed_volume / kCapsule, 1.03, 0.03);  // and 97 of neurites
+}
+
+TEST(Knots, WhatIsThickBesideThreadsIsAllThere) {
+    for (const Skeleton& s : {fat_end(), balls_with_threads()}) {
+        const QuadSurface made = mesh_skeleton(s).quads();
+        EXPECT_GT(made.knots.lossy, 0u);
+        EXPECT_EQ(crossings(made.mesh), 0u);
+        MeshOptions fine;
+        fine.method = MeshMethod::tetrahedra;
+        fine.tetra.edge = 0.25f;
+        const double whole = shape(to_polygons(mesh_skeleton(s, fine).tetrahedra().mesh)).signed_volume;
+        EXPECT_NEAR(shape(made.mesh).signed_volume / whole, 1, 0.05);
+    }
 }
 
 TEST(Knots, ALoopThatIsFusedIsAHandle) {

@@ -128,6 +128,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 struct KnotReport {
     std::uint64_t pairs_before = 0;  ///< of quads that crossed
     std::uint64_t pairs_after = 0;   ///< of quads that still do
+    std::uint32_t lossy = 0;         ///< rows of quads that left out something thick
     std::uint32_t rounds = 0;        ///< of remeshing
     std::uint32_t slices = 0;        ///< rows of quads around tubes that were replaced
     std::uint64_t parts = 0;         ///< of the surface, after remeshing

@@ -23,10 +23,11 @@ Knots::Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, con
       mesh_(mesh),
       capsules_(map.tubes, map.tubes.origin(), ctx),
       gone_(slices.count(), 0),
+      spared_(slices.count(), 0),
       together_(slices.count()) {}
 
 void Knots::take(Slice s) {
-    if (gone_[s] != 0) return;
+    if (gone_[s] != 0 || spared_[s] != 0) return;
     gone_[s] = 1;
     ++count_;
 }
@@ -56,10 +57,26 @@ void Knots::take_around(Slice slice, float radii) {
     take_along(slice, false, way);
 }
 
-void Knots::take_all() {
-    for (Slice s = 0; s < slices_.count(); ++s) {
-        take(s);
-        join(0, s);
+void Knots::spare(const KnotGroup& group) {
+    for (const Slice s : group.slices) {
+        gone_[s] = 0;
+        spared_[s] = 1;
+    }
+    count_ -= static_cast<std::uint32_t>(group.slices.size());
+    spares_any_ = true;
+}
+
+void Knots::take_tree(NodeId root) {
+    const Skeleton& s = map_.tubes;
+    std::vector<std::uint8_t> is_of(s.size(), 0);
+    for (const NodeId n : nodes(s)) {
+        is_of[n.index()] = n == root || (!s.is_root(n) && is_of[s.parent(n).index()] != 0);
+        if (is_of[n.index()] == 0) continue;
+        for (Slice i = slices_.first(n); i <= slices_.last(n); ++i) {
+            spared_[i] = 0;
+            take(i);
+            join(slices_.first(root), i);
+        }
     }
 }
 
@@ -172,7 +189,7 @@ void Knots::close() {
     for (bool grown = true; grown;) {
         grown = close_branch_nodes();
         for (const Seam& seam : seams()) {
-            if (lies_well(seam)) continue;
+            if (spared_[seam.kept] != 0 || lies_well(seam)) continue;
             take(seam.kept);
             grown = true;
         }

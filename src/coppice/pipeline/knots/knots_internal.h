@@ -36,19 +36,22 @@ class Knots {
     /// All must outlive this.
     Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, const Context& ctx);
 
-    void take(Slice s);  ///< takes a slice
-    void take_all();     ///< takes every slice, and makes one group of them
+    void take(Slice s);  ///< takes a slice, unless it is spared
+    /// Gives a group back for which nothing fits: its slices stay, and are spared from now on.
+    void spare(const KnotGroup& group);
+    void take_tree(NodeId root);  ///< takes all of a tree, spared or not, as one group
     /// Takes slices on from a seam, so many radii along the tube, as far as the next branch node.
     void move_on(const Seam& seam, float radii);
     /// Takes slices both ways from one on, likewise.
     void take_around(Slice slice, float radii);
-    /// Sees to it that two slices, once both are taken, are in one group.
-    void join(Slice a, Slice b) { together_.join(a, b); }
+    /// Sees to it that two slices, once both are taken, are in one group; false when they were.
+    bool join(Slice a, Slice b) { return together_.join(a, b); }
 
     /// Takes what else has to go: all that meets at a branch node, and slices on from each seam until that
     /// lies well.
     void close();
 
+    bool spares_any() const { return spares_any_; }         ///< whether some slices are spared
     bool contains(Slice s) const { return gone_[s] != 0; }  ///< whether it goes
     std::uint32_t count() const { return count_; }          ///< slices that go
     /// What goes, in pieces: slices that are connected or were joined, by their least.
@@ -65,9 +68,10 @@ class Knots {
     const Slices& slices_;
     const QuadMesh& mesh_;
     CapsuleTree capsules_;
-    std::vector<std::uint8_t> gone_;
+    std::vector<std::uint8_t> gone_, spared_;  // per slice
     DisjointSets together_;
     std::uint32_t count_ = 0;
+    bool spares_any_ = false;
 };
 
 /// The part of the field's skeleton that a group of slices had to wrap, and a margin beyond its seams.

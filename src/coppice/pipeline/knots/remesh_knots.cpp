@@ -10,11 +10,13 @@
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/pipeline/knots/knot_patch_internal.h"
+#include "coppice/pipeline/knots/losses_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {
 
 constexpr int kMostAttempts = 16;
+constexpr float kLongestStep = 6;   // [radii]
 constexpr float kHaste = 1.5f;      // growth of the steps by which groups grow, from one radius on
 constexpr int kRoundsForFolds = 3;  // in which seams are moved for the sake of folded quads alone
 
@@ -45,8 +47,8 @@ class Remeshing {
           skeletons_(map, slices_),
           care_(slices_.count() + 1, Care::none) {}
 
-    // From the pairs that cross at first.
-    KnotReport run(std::vector<FacePair> pairs, QuadSurface& surface) {
+    // From the pairs that cross at first, and slices that leave something out.
+    KnotReport run(std::vector<FacePair> pairs, std::span<const Slice> lossy, QuadSurface& surface) {
         KnotReport report;
         report.pairs_before = pairs.size();
         for (const FacePair& p : pairs) {
@@ -55,18 +57,20 @@ class Remeshing {
             knots_.take(b);
             knots_.join(a, b);
         }
+        for (const Slice s : lossy) knots_.take(s);
+        report.lossy = static_cast<std::uint32_t>(lossy.size());
         const int rounds = options_.remesh_rounds;
         Remeshed now;
         for (int round = 0; round < rounds; ++round) {
             make_pieces();
             now = assembled();
-            // Quads that stay do not cross each other: those that did were all found at first.
-            pairs = new_crossings(now.mesh, now.kept, ctx_);
+            // Quads that stay do not cross each other, unless they were spared: those that did are gone.
+            pairs = new_crossings(now.mesh, knots_.spares_any() ? 0 : now.kept, ctx_);
             report.rounds = static_cast<std::uint32_t>(round) + 1;
             const bool moved = round < kRoundsForFolds && move_folded_bands(now);
             if (pairs.empty() && !moved) break;
-            answer(now, pairs);
-            if (round + 2 == rounds) give_up_beauty(now, pairs);
+            const bool is_answered = answer(now, pairs) || moved;
+            if (!is_answered || round + 2 == rounds) give_up_beauty(now, pairs);
         }
         report.pairs_after = pairs.size();
         report.slices = knots_.count();
@@ -88,9 +92,11 @@ class Remeshing {
         pieces_[now.piece[face]]->is_current = false;
     }
 
-    // What is done about quads that cross.
-    void answer(const Remeshed& now, std::span<const FacePair> pairs) {
+    // What is done about quads that cross; false when nothing is left to do.
+    bool answer(const Remeshed& now, std::span<const FacePair> pairs) {
         const std::vector<Care> before = care_;
+        const std::uint32_t count = knots_.count();
+        bool joined = false;
         for (const FacePair& p : pairs) {
             for (const std::uint32_t face : {p.first, p.second}) {
                 if (now.seam[face] != kNoSeam) {
@@ -102,8 +108,9 @@ class Remeshing {
                 }
             }
             const Slice a = now.slice[p.first], b = now.slice[p.second];
-            if (a != Slices::kNone && b != Slices::kNone) knots_.join(a, b);
+            if (a != Slices::kNone && b != Slices::kNone) joined |= knots_.join(a, b);
         }
+        return joined || knots_.count() != count || care_ != before;
     }
 
     // Moves seams on whose bands are folded; false when none is.
@@ -121,19 +128,21 @@ class Remeshing {
     // The last resort: whole trees, with all care.
     void give_up_beauty(const Remeshed& now, std::span<const FacePair> pairs) {
         const Skeleton& s = slices_.tubes();
-        std::vector<std::uint8_t> is_bad(s.size(), 0);  // by root
         std::vector<NodeId> root(s.size());
         for (const NodeId n : nodes(s)) root[n.index()] = s.is_root(n) ? n : root[s.parent(n).index()];
+        std::vector<NodeId> bad;
         for (const FacePair& p : pairs) {
             for (const std::uint32_t face : {p.first, p.second}) {
-                if (now.slice[face] != Slices::kNone)
-                    is_bad[root[slices_.tube(now.slice[face]).index()].index()] = 1;
+                const Slice at = now.slice[face];
+                if (at != Slices::kNone) bad.push_back(root[slices_.tube(at).index()]);
             }
         }
+        std::sort(bad.begin(), bad.end());
+        bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+        for (const NodeId tree : bad) knots_.take_tree(tree);
         for (Slice i = 0; i < slices_.count(); ++i) {
-            if (is_bad[root[slices_.tube(i).index()].index()] == 0) continue;
-            knots_.take(i);
-            care_[i] = Care::flat;
+            if (std::binary_search(bad.begin(), bad.end(), root[slices_.tube(i).index()]))
+                care_[i] = Care::flat;
         }
         care_.back() = Care::flat;
         for (const auto& piece : pieces_) piece->is_current = false;
@@ -141,9 +150,8 @@ class Remeshing {
 
     // Pieces for all groups; groups grow until each has one that fits.
     void make_pieces() {
-        for (int attempt = 0; attempt <= kMostAttempts; ++attempt) {
+        for (int attempt = 0;; ++attempt) {
             ctx_.throw_if_cancelled();
-            if (attempt == kMostAttempts) knots_.take_all();
             knots_.close();
             std::vector<KnotGroup> groups = knots_.groups();
             std::vector<std::unique_ptr<Piece>> pieces(groups.size());
@@ -161,22 +169,20 @@ class Remeshing {
             made_.clear();
             for (std::uint32_t i = 0; i < pieces_.size(); ++i) made_[pieces_[i]->surface.group.slices[0]] = i;
             bool is_whole = true;
-            const float radii = std::pow(kHaste, static_cast<float>(attempt));
+            const float radii = std::min(std::pow(kHaste, static_cast<float>(attempt)), kLongestStep);
             for (const auto& piece : pieces_) {
                 const KnotSurface& s = piece->surface;
                 is_whole &= s.is_whole();
+                if (attempt == kMostAttempts && !s.is_whole()) {
+                    knots_.spare(s.group);
+                    continue;
+                }
                 for (const std::uint32_t seam : s.failed) knots_.move_on(s.group.seams[seam], radii);
                 for (const Slice beyond : s.beyond) {
                     if (beyond == Slices::kNone) continue;
                     knots_.take_around(beyond, radii);
                     knots_.join(beyond, s.group.slices[0]);
                 }
-            }
-            if (std::getenv("KNOTS") && !is_whole) {
-                std::size_t bad = 0;
-                for (const auto& piece : pieces_) bad += !piece->surface.is_whole();
-                std::fprintf(stderr, "  attempt %d: %zu of %zu pieces failed\n", attempt, bad,
-                             pieces_.size());
             }
             if (is_whole) break;
         }
@@ -245,6 +251,15 @@ class Remeshing {
     std::unordered_map<Slice, std::uint32_t> made_;  // by the least slice of each
 };
 
+// The tubes by node of the field's skeleton, less those that are only a branch node at a root.
+std::vector<NodeId> real_tubes(const TubeMap& map) {
+    std::vector<NodeId> out(map.tube.begin(), map.tube.end());
+    for (NodeId& t : out) {
+        if (t && map.tubes.is_root(t) && !map.tubes.is_tip(t)) t = NodeId::none();
+    }
+    return out;
+}
+
 }  // namespace
 
 KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOptions& options,
@@ -253,10 +268,13 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOpti
         options.project.method == ProjectionMethod::none || options.control.base == BaseShape::open) {
         return {};
     }
-    std::vector<FacePair> pairs =
-        slice_crossings(surface.mesh, Slices(surface.cage, map.tubes, options.levels), ctx);
-    if (pairs.empty()) return {};
-    return Remeshing(surface, map, options, ctx).run(std::move(pairs), surface);
+    const std::vector<NodeId> wrapping = real_tubes(map);
+    const TubeMap real{map.tubes, map.skeleton, map.source, wrapping};
+    const Slices slices(surface.cage, map.tubes, options.levels);
+    std::vector<FacePair> pairs = slice_crossings(surface.mesh, slices, ctx);
+    const std::vector<Slice> lossy = lossy_slices(real, slices, surface.mesh, ctx);
+    if (pairs.empty() && lossy.empty()) return {};
+    return Remeshing(surface, real, options, ctx).run(std::move(pairs), lossy, surface);
 }
 
 }  // namespace coppice::pipeline_internal

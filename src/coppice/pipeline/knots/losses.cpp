@@ -1,0 +1,134 @@
+#include "coppice/pipeline/knots/losses_internal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "coppice/base/parallel.h"
+#include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/skeleton/segment_cone.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr float kSteep = 0.7f;    // change of the radius over the length of a segment
+constexpr float kThick = 1.5f;    // radii of the tube at a node that is more than a tube
+constexpr float kReach = 2;       // [radii] from a node, within which faces are looked at
+constexpr double kMissing = 0.4;  // [radii] by which such a point has to be outside
+constexpr float kDepth = 0.8f;    // [radii] from a node, where points are asked about
+constexpr double kInside = 0.85;  // rho below which a point is inside for certain
+
+// The corners and the middles of the faces of a cube, as directions.
+std::array<Vec3, 14> directions() {
+    std::array<Vec3, 14> out;
+    std::size_t k = 0;
+    for (const float x : {-1.0f, 1.0f}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            out[k] = {};
+            out[k++][axis] = x;
+        }
+        for (const float y : {-1.0f, 1.0f}) {
+            for (const float z : {-1.0f, 1.0f}) out[k++] = normalized(Vec3(x, y, z));
+        }
+    }
+    return out;
+}
+
+bool is_steep(const Segment& s) { return std::abs(s.radius_a - s.radius_b) > kSteep * distance(s.a, s.b); }
+
+// Whether the end of a segment is much thicker than the tube that wraps it, or than those beside it where
+// none does.
+bool is_too_thick(const TubeMap& map, NodeId n) {
+    const Skeleton& s = map.skeleton;
+    float widest = 0;
+    if (const NodeId tube = map.tube[n.index()]) {
+        widest = round_cone<float>(map.tubes.segment(tube)).foot(s.position(n)).radius;
+    } else {
+        for_each_segment_at(s, s.parent(n), [&](NodeId beside) {
+            if (map.tube[beside.index()]) widest = std::max(widest, s.radius(beside));
+        });
+    }
+    return s.radius(n) > kThick * widest;
+}
+
+// Nodes about which something may be left out.
+std::vector<NodeId> doubtful_nodes(const TubeMap& map) {
+    const Skeleton& s = map.skeleton;
+    std::vector<std::uint8_t> is_doubtful(s.size(), 0);
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        if (is_too_thick(map, n) || is_steep(s.segment(n))) {
+            is_doubtful[n.index()] = is_doubtful[s.parent(n).index()] = 1;
+        }
+    }
+    std::vector<NodeId> out;
+    for (const NodeId n : nodes(s)) {
+        if (is_doubtful[n.index()] != 0) out.push_back(n);
+    }
+    return out;
+}
+
+// The faces of the mesh around the nodes: nearest faces of points in their balls.
+PolygonMesh faces_near(const QuadMesh& mesh, const Skeleton& s, std::span<const NodeId> around,
+                       const Context& ctx) {
+    std::vector<Box3> balls;
+    for (const NodeId n : around) {
+        balls.push_back(Box3{s.position(n), s.position(n)}.inflated(kReach * s.radius(n)));
+    }
+    const BoxTree reaches(balls, ctx);
+    std::vector<std::uint8_t> is_near(mesh.quads.size(), 0);
+    parallel_for(ctx, is_near.size(), 1024, [&](std::size_t q) {
+        Box3 box;
+        for (const std::uint32_t v : mesh.quads[q]) box.extend(mesh.positions[v]);
+        reaches.visit_overlapping(box, [&](std::uint32_t) {
+            is_near[q] = 1;
+            return false;
+        });
+    });
+    PolygonMesh out;
+    out.positions = mesh.positions;
+    for (std::size_t q = 0; q < is_near.size(); ++q) {
+        if (is_near[q] != 0) out.add_face(mesh.quads[q]);
+    }
+    return out;
+}
+
+// The slice that is nearest to a point.
+Slice nearest_slice(const CapsuleTree& tubes, const Slices& slices, Vec3 p) {
+    const auto near = tubes.nearest(Vec3d(p)).capsule;
+    return near == CapsuleTree::kNone ? Slices::kNone : slices.near(tubes.node(near), p);
+}
+
+}  // namespace
+
+std::vector<Slice> lossy_slices(const TubeMap& map, const Slices& slices, const QuadMesh& mesh,
+                                const Context& ctx) {
+    const std::vector<NodeId> doubtful = doubtful_nodes(map);
+    if (doubtful.empty()) return {};
+    const Skeleton& s = map.skeleton;
+    const CapsuleTree cones(s, s.origin(), ctx), tubes(map.tubes, s.origin(), ctx);
+    const PolygonMesh polygons = faces_near(mesh, s, doubtful, ctx);
+    if (polygons.face_count() == 0) return {};
+    const SurfaceTree surface(polygons, ctx);
+    const auto around = directions();
+    std::vector<Slice> found(doubtful.size(), Slices::kNone);
+    parallel_for(ctx, doubtful.size(), 16, [&](std::size_t i) {
+        const NodeId n = doubtful[i];
+        for (const Vec3 d : around) {
+            const Vec3 p = s.position(n) + d * (kDepth * s.radius(n));
+            if (cones.nearest(Vec3d(p)).rho > kInside ||
+                surface.signed_distance(Vec3d(p)) <= kMissing * static_cast<double>(s.radius(n)))
+                continue;
+            found[i] = nearest_slice(tubes, slices, p);
+            break;
+        }
+    });
+    std::erase(found, Slices::kNone);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
+
+}  // namespace coppice::pipeline_internal
