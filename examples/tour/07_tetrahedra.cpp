@@ -1,4 +1,5 @@
-// Branches that run through each other: quads keep one sphere per tree, tetrahedra make one body.
+// Branches that run through each other: they may be left to cross, or become one body, of quads or of
+// triangles.
 
 #include <cstdio>
 
@@ -21,6 +22,11 @@ int main() {
                     (unsigned long long)report.topology.components,
                     report.intersections->total == 0 ? "none" : "some");
     };
+
+    coppice::MeshOptions keep;
+    keep.overlaps = coppice::Overlaps::keep;
+    const coppice::MeshResult crossed = coppice::mesh_skeleton(cross, keep);
+    judge("quads, kept", coppice::to_polygons(crossed.quads().mesh));
 
     const coppice::MeshResult quads = coppice::mesh_skeleton(cross);
     judge("quads", coppice::to_polygons(quads.quads().mesh));

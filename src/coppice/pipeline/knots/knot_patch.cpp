@@ -20,11 +20,10 @@ constexpr float kSeamReach = 2.2f;  // [radii] how far from a seam's centre its 
 
 // Triangles as large as two quads, within what tetrahedra resolve.
 MeshOptions patch_options(const MeshOptions& options) {
-    constexpr float kCoarsest = 1.0f;
+    constexpr float kFinest = 0.05f, kCoarsest = 1.0f;
     MeshOptions out = options;
     const auto around = static_cast<float>(options.control.sides << options.levels);
-    out.tetra.edge = std::clamp(4 * std::numbers::pi_v<float> / around, 0.05f, kCoarsest);
-    out.tetra.march.snap = 0.45f;
+    out.tetra = {.edge = std::clamp(4 * std::numbers::pi_v<float> / around, kFinest, kCoarsest)};
     out.field.weights = Weights::local;
     return out;
 }
@@ -231,11 +230,21 @@ KnotSurface knot_surface(KnotGroup group, const KnotSkeletons& skeletons, const 
     out.ring_vertices = static_cast<std::uint32_t>(out.positions.size());
     const BoxTree reaches(boxes, ctx);
 
-    std::optional<GlobalWeights> weights;
-    std::vector<std::pair<std::string, double>> seconds;
-    Stages stages(ctx, seconds);
-    const TriMesh found =
-        mesh_by_tetrahedra(out.knot.skeleton, PointSet{}, patch_options(options), weights, ctx, stages).mesh;
+    TriMesh found;
+    try {
+        std::optional<GlobalWeights> weights;
+        std::vector<std::pair<std::string, double>> seconds;
+        Stages stages(ctx, seconds);
+        found =
+            mesh_by_tetrahedra(out.knot.skeleton, PointSet{}, patch_options(options), weights, ctx, stages)
+                .mesh;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error&) {
+        // Nothing is left of a surface that is thinner than the tetrahedra: the quads are better than that.
+        out.is_impossible = true;
+        return out;
+    }
     Cut cut = cut_off(found, beyond_seams(out, found.positions, reaches, ctx), out.ring_vertices);
     out.triangles = std::move(cut.triangles);
     out.positions.insert(out.positions.end(), found.positions.begin(), found.positions.end());

@@ -56,10 +56,8 @@ class Neighbourhood {
     std::vector<NodeId> with_margin() && {
         std::sort(inside_.begin(), inside_.end());
         for (const NodeId n : inside_) {
-            if (s_.is_root(n)) continue;
-            const Segment segment = s_.segment(n);
-            reach(n, kMargin * segment.radius_b);
-            reach(s_.parent(n), kMargin * segment.radius_a);
+            reach(n, kMargin * s_.radius(n));
+            if (!s_.is_root(n)) reach(s_.parent(n), kMargin * s_.segment(n).radius_a);
         }
         while (!queue_.empty()) {
             const NodeId n = queue_.back();
@@ -139,6 +137,7 @@ KnotSkeleton KnotSkeletons::of(const KnotGroup& group) const {
     for (std::size_t i = 0; i < group.slices.size(); ++i) {
         const NodeId tube = slices_.tube(group.slices[i]);
         if (i > 0 && slices_.tube(group.slices[i - 1]) == tube) continue;
+        near.add(map_.source[tube.index()]);  // should it wrap none
         for (const std::uint32_t n : wrapped_[tube.index()]) near.add(NodeId(n));
     }
     const std::vector<NodeId> segments = std::move(near).with_margin();

@@ -70,7 +70,8 @@ class Remeshing {
             const bool moved = round < kRoundsForFolds && move_folded_bands(now);
             if (pairs.empty() && !moved) break;
             const bool is_answered = answer(now, pairs) || moved;
-            if (!is_answered || round + 2 == rounds) give_up_beauty(now, pairs);
+            if (!is_answered || round + 2 >= rounds) take_trees(now, pairs);
+            if (round + 2 >= rounds) ask_all_care();
         }
         report.pairs_after = pairs.size();
         report.slices = knots_.count();
@@ -125,8 +126,8 @@ class Remeshing {
         return found;
     }
 
-    // The last resort: whole trees, with all care.
-    void give_up_beauty(const Remeshed& now, std::span<const FacePair> pairs) {
+    // The last resort: whole trees.
+    void take_trees(const Remeshed& now, std::span<const FacePair> pairs) {
         const Skeleton& s = slices_.tubes();
         std::vector<NodeId> root(s.size());
         for (const NodeId n : nodes(s)) root[n.index()] = s.is_root(n) ? n : root[s.parent(n).index()];
@@ -140,11 +141,10 @@ class Remeshing {
         std::sort(bad.begin(), bad.end());
         bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
         for (const NodeId tree : bad) knots_.take_tree(tree);
-        for (Slice i = 0; i < slices_.count(); ++i) {
-            if (std::binary_search(bad.begin(), bad.end(), root[slices_.tube(i).index()]))
-                care_[i] = Care::flat;
-        }
-        care_.back() = Care::flat;
+    }
+
+    void ask_all_care() {
+        std::fill(care_.begin(), care_.end(), Care::flat);
         for (const auto& piece : pieces_) piece->is_current = false;
     }
 
@@ -173,7 +173,7 @@ class Remeshing {
             for (const auto& piece : pieces_) {
                 const KnotSurface& s = piece->surface;
                 is_whole &= s.is_whole();
-                if (attempt == kMostAttempts && !s.is_whole()) {
+                if (s.is_impossible || (attempt >= kMostAttempts && !s.is_whole())) {
                     knots_.spare(s.group);
                     continue;
                 }
