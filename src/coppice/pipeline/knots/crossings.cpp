@@ -30,7 +30,6 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr std::uint32_t kMostPairs = 1u << 20;
 constexpr std::uint32_t kUncertain = 1u << 16;  // more turns than there are
 constexpr std::size_t kTubeGrain = 64;
 constexpr std::size_t kGroupGrain = 16;

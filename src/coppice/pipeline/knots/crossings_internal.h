@@ -10,16 +10,18 @@
 
 namespace coppice::pipeline_internal {
 
+inline constexpr std::uint32_t kMostPairs = 1u << 20;  ///< that are looked for
+
 /// Quads of the mesh that the slices are of, ascending; all others cross or touch none of them, nor each
 /// other: see crossings.cpp. Of a clean mesh about one in a hundred. O(n log n).
 std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
 
 /// The pairs of quads that cross or touch: all that crossing_faces() finds in the whole mesh, in the same
-/// order, up to 2^20 of them. Only unproved_quads() are searched, so that a clean mesh takes about a
+/// order, up to kMostPairs. Only unproved_quads() are searched, so that a clean mesh takes about a
 /// twentieth of the time.
 std::vector<FacePair> slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
 
-/// The pairs that a quad of number `first_new` or later has a part in, in order, up to 2^20 of them. The
+/// The pairs that a quad of number `first_new` or later has a part in, in order, up to kMostPairs. The
 /// search itself costs in proportion to those quads and what lies near them.
 std::vector<FacePair> new_crossings(const QuadMesh& mesh, std::uint32_t first_new, const Context& ctx);
 

@@ -15,8 +15,9 @@ namespace coppice::pipeline_internal {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-constexpr float kGap = 0.35f;       // [radii] between the quads that stay and the triangles that come
-constexpr float kSeamReach = 2.2f;  // [radii] how far from a seam's centre its loops lie
+constexpr double kMostTriangles = 1e6;  // besides as many as the mesh has quads
+constexpr float kGap = 0.35f;           // [radii] between the quads that stay and the triangles that come
+constexpr float kSeamReach = 2.2f;      // [radii] how far from a seam's centre its loops lie
 
 // Triangles as large as two quads, within what tetrahedra resolve.
 MeshOptions patch_options(const MeshOptions& options) {
@@ -26,6 +27,19 @@ MeshOptions patch_options(const MeshOptions& options) {
     out.tetra = {.edge = std::clamp(4 * std::numbers::pi_v<float> / around, kFinest, kCoarsest)};
     out.field.weights = Weights::local;
     return out;
+}
+
+// Triangles of a surface about a skeleton, roughly.
+double expected_triangles(const Skeleton& s, float edge) {
+    double area = 0;  // in squares of the local edge
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const Segment segment = s.segment(n);
+        const auto radius = static_cast<double>(std::min(segment.radius_a, segment.radius_b));
+        area += static_cast<double>(distance(segment.a, segment.b)) / radius * 2 * std::numbers::pi;
+    }
+    constexpr double kOfASquare = 4 / std::numbers::sqrt3;
+    return area * kOfASquare / static_cast<double>(edge * edge);
 }
 
 Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
@@ -231,13 +245,15 @@ KnotSurface knot_surface(KnotGroup group, const KnotSkeletons& skeletons, const 
     const BoxTree reaches(boxes, ctx);
 
     TriMesh found;
+    const MeshOptions by_tetrahedra = patch_options(options);
+    out.is_impossible = expected_triangles(out.knot.skeleton, by_tetrahedra.tetra.edge) >
+                        kMostTriangles + static_cast<double>(mesh.quads.size());
+    if (out.is_impossible) return out;
     try {
         std::optional<GlobalWeights> weights;
         std::vector<std::pair<std::string, double>> seconds;
         Stages stages(ctx, seconds);
-        found =
-            mesh_by_tetrahedra(out.knot.skeleton, PointSet{}, patch_options(options), weights, ctx, stages)
-                .mesh;
+        found = mesh_by_tetrahedra(out.knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
     } catch (const Cancelled&) {
         throw;
     } catch (const Error&) {

@@ -33,12 +33,13 @@ struct KnotSurface {
     std::vector<Slice> slice;           ///< per triangle: the one it is near, or none
     std::vector<std::uint32_t> failed;  ///< seams that could not be joined: the surface is no use
     std::vector<Slice> beyond;          ///< slices beyond the seams that it runs into: likewise
-    bool is_impossible = false;         ///< tetrahedra find no surface, however much is taken
+    bool is_impossible = false;  ///< tetrahedra find no surface, however much is taken, or too large a one
     /// Whether it can be used.
     bool is_whole() const { return failed.empty() && beyond.empty() && !is_impossible; }
 };
 
-/// Marches through tetrahedra about the group, and joins what it finds to `mesh`.
+/// Marches through tetrahedra about the group, and joins what it finds to `mesh`. Does not try what would
+/// take much more quads than that has, and a million.
 KnotSurface knot_surface(KnotGroup group, const KnotSkeletons& skeletons, const QuadMesh& mesh,
                          const MeshOptions& options, const Context& ctx);
 

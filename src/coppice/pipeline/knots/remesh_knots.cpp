@@ -15,7 +15,7 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr int kMostAttempts = 16;
+constexpr int kMostAttempts = 10;
 constexpr float kLongestStep = 6;   // [radii]
 constexpr float kHaste = 1.5f;      // growth of the steps by which groups grow, from one radius on
 constexpr int kRoundsForFolds = 3;  // in which seams are moved for the sake of folded quads alone
@@ -61,6 +61,7 @@ class Remeshing {
         report.lossy = static_cast<std::uint32_t>(lossy.size());
         const int rounds = options_.remesh_rounds;
         Remeshed now;
+        bool has_taken_trees = false;
         for (int round = 0; round < rounds; ++round) {
             make_pieces();
             now = assembled();
@@ -70,7 +71,11 @@ class Remeshing {
             const bool moved = round < kRoundsForFolds && move_folded_bands(now);
             if (pairs.empty() && !moved) break;
             const bool is_answered = answer(now, pairs) || moved;
-            if (!is_answered || round + 2 >= rounds) take_trees(now, pairs);
+            if (!is_answered && has_taken_trees) break;
+            if (!is_answered || round + 2 >= rounds) {
+                take_trees(now, pairs);
+                has_taken_trees = true;
+            }
             if (round + 2 >= rounds) ask_all_care();
         }
         report.pairs_after = pairs.size();
@@ -272,6 +277,7 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOpti
     const TubeMap real{map.tubes, map.skeleton, map.source, wrapping};
     const Slices slices(surface.cage, map.tubes, options.levels);
     std::vector<FacePair> pairs = slice_crossings(surface.mesh, slices, ctx);
+    if (pairs.size() >= kMostPairs) return {.pairs_before = pairs.size(), .pairs_after = pairs.size()};
     const std::vector<Slice> lossy = lossy_slices(real, slices, surface.mesh, ctx);
     if (pairs.empty() && lossy.empty()) return {};
     return Remeshing(surface, real, options, ctx).run(std::move(pairs), lossy, surface);
