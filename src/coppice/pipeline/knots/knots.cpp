@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/segment_distance.h"
 #include "coppice/pipeline/knots/knots_internal.h"
 
 namespace coppice::pipeline_internal {
@@ -11,9 +12,32 @@ constexpr float kWindow = 0.6f;       // the piece of the tube that is looked at
 constexpr float kLeastCosine = 0.5f;  // between the tube's direction at the seam and elsewhere in the window
 constexpr float kGreatestRatio = 1.8f;  // between radii in the window
 constexpr float kOwnWay = 3.0f;         // along which the own tube is not taken for another
-constexpr double kOwnReach = 1.05;      // other branches have to be clear of the seam by this,
-constexpr double kOtherReach = 1.05;    // and by so many of their own radii
+constexpr double kClearance = 1.05;     // of other branches, in sums of radii,
+constexpr double kSlabInside = 0.8;     // within a slab that reaches so far to the side that goes
+constexpr double kSlabOutside = 0.3;    // and so far to the side that stays
 constexpr double kFarthest = 40;        // radii of the seam at which no branch is looked for any more
+
+// Whether a branch keeps away from the tube where its seam lies: where triangles are cut off and joined to
+// it, which is a slab across the tube, mostly on the side that goes.
+bool is_clear_of(const Seam& seam, const RoundCone& branch) {
+    const Vec3d outward(seam.outward), from = branch.a - Vec3d(seam.center);
+    const auto r = static_cast<double>(seam.radius);
+    const double widest = std::max(branch.radius_a, branch.radius_b());
+    const double height = dot(from, outward), rise = dot(branch.axis, outward);
+    const double low = -kSlabInside * r - widest, high = kSlabOutside * r + widest;
+    double begin = 0, end = 1;  // of the branch's axis, within the slab
+    if (rise != 0) {
+        const double t0 = (low - height) / rise, t1 = (high - height) / rise;
+        begin = std::max(begin, std::min(t0, t1));
+        end = std::min(end, std::max(t0, t1));
+    } else if (height < low || height > high) {
+        return true;
+    }
+    if (begin > end) return true;
+    const Vec3d across = branch.axis - outward * rise, offset = from - outward * height;
+    const double t = std::clamp(closest_parameter(Vec3d{}, offset, across), begin, end);
+    return length(offset + across * t) > kClearance * (r + branch.radius(t));
+}
 
 }  // namespace
 
@@ -179,8 +203,7 @@ bool Knots::lies_well(const Seam& seam) const {
     bool clear = true;
     capsules_.visit_near(c, limit, [&](std::uint32_t i, double) {
         if (!clear || std::find(own.begin(), own.end(), capsules_.node(i)) != own.end()) return;
-        const auto foot = capsules_.cone(i).foot(c);
-        clear = foot.distance() > kOwnReach * static_cast<double>(seam.radius) + kOtherReach * foot.radius;
+        clear = is_clear_of(seam, capsules_.cone(i));
     });
     return clear;
 }
