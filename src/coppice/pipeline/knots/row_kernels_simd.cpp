@@ -21,9 +21,10 @@ std::int32_t any_turns(const double* HWY_RESTRICT x, const double* HWY_RESTRICT 
         const Vec3d a{x[k], y[k], z[k]}, b{x[l], y[l], z[l]}, c{x[m], y[m], z[m]}, d{x[n], y[n], z[n]};
         const Vec3d ab = b - a, ac = c - a, ad = d - a, bc = c - b, bd = d - b;
         const Vec3d from_a = a - apex, from_b = b - apex;
-        const bool faces_out = (dot(cross(ab, ac), from_a) > margin) & (dot(cross(ac, ad), from_a) > margin) &
-                               (dot(cross(ab, ad), from_a) > margin) & (dot(cross(bc, bd), from_b) > margin);
-        any |= faces_out ? 0 : 1;
+        // As numbers, so that no branch keeps the loop from being done in vectors.
+        const auto out = [&](Vec3d normal, Vec3d from) { return dot(normal, from) > margin ? 1 : 0; };
+        any |= 1 - (out(cross(ab, ac), from_a) & out(cross(ac, ad), from_a) & out(cross(ab, ad), from_a) &
+                    out(cross(bc, bd), from_b));
     }
     return any;
 }
