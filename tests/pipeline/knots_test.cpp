@@ -25,25 +25,6 @@ std::uint64_t crossings(const QuadMesh& mesh) {
     return check_surface(to_polygons(mesh), nullptr).intersections->total;
 }
 
-// The soma of three points that archives of neurons write, and four neurites that leave its middle.
-Skeleton soma() {
-    const NodeId root = NodeId::none();
-    const NodeId a(0);
-    return Skeleton({root, a, a, a, NodeId(3), a, NodeId(5), a, NodeId(7), a, NodeId(9)},
-                    {{0, 0, 0},
-                     {0, -5, 0},
-                     {0, 5, 0},
-                     {6, 0, 0},
-                     {30, 0, 0},
-                     {-6, 0, 0},
-                     {-30, 0, 0},
-                     {0, 0, 6},
-                     {0, 3, 30},
-                     {0, 0, -6},
-                     {0, -4, -30}},
-                    {5, 5, 5, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f, 0.5f, 0.4f});
-}
-
 // A ball at the end of a thread.
 Skeleton fat_end() {
     return Skeleton({NodeId::none(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 8}, {0, 0, 9}},
@@ -131,7 +112,7 @@ TEST(Knots, NoQuadsCrossForAnyLevelAndNumberOfSides) {
 }
 
 TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
-    const QuadSurface made = mesh_skeleton(soma()).quads();
+    const QuadSurface made = mesh_skeleton(zoo_skeleton("soma_of_three_points")).quads();
     EXPECT_GT(made.knots.pairs_before, 0u);
     EXPECT_EQ(crossings(made.mesh), 0u);
     constexpr double kCapsule = std::numbers::pi * 25 * (10 + 20.0 / 3);

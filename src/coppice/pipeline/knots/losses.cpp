@@ -44,7 +44,10 @@ bool is_too_thick(const TubeMap& map, NodeId n) {
     const Skeleton& s = map.skeleton;
     float widest = 0;
     if (const NodeId tube = map.tube[n.index()]) {
-        widest = round_cone<float>(map.tubes.segment(tube)).foot(s.position(n)).radius;
+        // A tree that lies within one node has the ball of that for a tube.
+        widest = map.tubes.is_root(tube)
+                     ? map.tubes.radius(tube)
+                     : round_cone<float>(map.tubes.segment(tube)).foot(s.position(n)).radius;
     } else {
         for_each_segment_at(s, s.parent(n), [&](NodeId beside) {
             if (map.tube[beside.index()]) widest = std::max(widest, s.radius(beside));

@@ -38,14 +38,15 @@ struct Remeshed {
 
 class Remeshing {
   public:
-    Remeshing(const QuadSurface& surface, const TubeMap& map, const MeshOptions& options, const Context& ctx)
+    Remeshing(const QuadSurface& surface, const TubeMap& map, const Slices& slices,
+              const MeshOptions& options, const Context& ctx)
         : quads_(surface.mesh),
           options_(options),
           ctx_(ctx),
-          slices_(surface.cage, map.tubes, options.levels),
-          knots_(map, slices_, surface.mesh, ctx),
-          skeletons_(map, slices_),
-          care_(slices_.count() + 1, Care::none) {}
+          slices_(slices),
+          knots_(map, slices, surface.mesh, ctx),
+          skeletons_(map, slices),
+          care_(slices.count() + 1, Care::none) {}
 
     // From the pairs that cross at first, and slices that leave something out.
     KnotReport run(std::vector<FacePair> pairs, std::span<const Slice> lossy, QuadSurface& surface) {
@@ -248,7 +249,7 @@ class Remeshing {
     const QuadMesh& quads_;
     const MeshOptions& options_;
     const Context& ctx_;
-    Slices slices_;
+    const Slices& slices_;
     Knots knots_;
     KnotSkeletons skeletons_;
     std::vector<Care> care_;  // per slice, and one more for what is near none
@@ -280,7 +281,7 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOpti
     if (pairs.size() >= kMostPairs) return {.pairs_before = pairs.size(), .pairs_after = pairs.size()};
     const std::vector<Slice> lossy = lossy_slices(real, slices, surface.mesh, ctx);
     if (pairs.empty() && lossy.empty()) return {};
-    return Remeshing(surface, real, options, ctx).run(std::move(pairs), lossy, surface);
+    return Remeshing(surface, real, slices, options, ctx).run(std::move(pairs), lossy, surface);
 }
 
 }  // namespace coppice::pipeline_internal
