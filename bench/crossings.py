@@ -1,28 +1,11 @@
 #!/usr/bin/env python3
 """crossings.py COPPICE SKELETON...: quads that cross before and after remeshing, and what that costs, as the table of
 docs/user/comparison.md. The counts are those of `coppice check`; quality and volume are those after remeshing."""
-import json
 import os
-import subprocess
 import sys
 import tempfile
 
-
-def run(*command):
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode not in (0, 1):  # 1: a check failed, which is a figure here
-        sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def measure(coppice, skeleton, rounds, folder):
-    mesh, report = os.path.join(folder, "mesh.ply"), os.path.join(folder, "report.json")
-    run(coppice, "mesh", skeleton, "-o", mesh, "--remesh-rounds", str(rounds), "--report", report)
-    judged = json.loads(run(coppice, "check", mesh, "--skeleton", skeleton, "--json"))
-    with open(report, encoding="utf-8") as file:
-        made = json.load(file)
-    seconds = next(s["seconds"] for s in made["stages"] if s["name"] == "mesh")
-    return judged, made["counts"], seconds
+from judged import mesh_and_check
 
 
 def main():
@@ -31,8 +14,8 @@ def main():
     print("| --- " * 13 + "|")
     with tempfile.TemporaryDirectory() as folder:
         for skeleton in skeletons:
-            before, was, took = measure(coppice, skeleton, 0, folder)
-            after, made, longer = measure(coppice, skeleton, 12, folder)
+            before, was, took = mesh_and_check(coppice, skeleton, folder, "--remesh-rounds", "0")
+            after, made, longer = mesh_and_check(coppice, skeleton, folder)
             shape = after["scaled_jacobian"]
             print(f"| {os.path.basename(skeleton)} | {before['intersections']['total']:,} | {after['intersections']['total']:,} | "
                   f"{after['components']} | {after['components'] - after['euler'] // 2} | {was['quads']:,} | {made['quads']:,} | "

@@ -1,26 +1,15 @@
 #!/usr/bin/env python3
 """volumes.py COPPICE SKELETON...: volume of surfaces over that of the skeleton's rounded cones, by method and fit, as the table of
 docs/user/comparison.md. Prints what `coppice check` measures, and the seconds that meshing takes without and with --fit volume."""
-import json
 import os
-import subprocess
 import sys
 import tempfile
 
-
-def run(*command):
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode not in (0, 1):  # 1: a check failed, which is a figure here
-        sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
-    return done.stdout
+from judged import mesh_and_check
 
 
 def measure(coppice, skeleton, method, fit, folder):
-    mesh, report = os.path.join(folder, "mesh.ply"), os.path.join(folder, "report.json")
-    run(coppice, "mesh", skeleton, "-o", mesh, "--method", method, "--fit", fit, "--report", report)
-    judged = json.loads(run(coppice, "check", mesh, "--skeleton", skeleton, "--json"))
-    with open(report, encoding="utf-8") as file:
-        seconds = next(s["seconds"] for s in json.load(file)["stages"] if s["name"] == "mesh")
+    judged, _, seconds = mesh_and_check(coppice, skeleton, folder, "--method", method, "--fit", fit)
     return judged["volume"], judged["intersections"]["total"], seconds
 
 
