@@ -81,14 +81,9 @@ Statistics deviation_of_areas(const PolygonMesh& mesh, const CapsuleTree& capsul
     if (mesh.face_count() == 0 || capsules.size() == 0) return {};
     const AreaPoints points(mesh, std::max(kLeastPoints, mesh.positions.size()));
     std::vector<double> deviation(points.size());
-    parallel_for_ranges(ctx, deviation.size(), kGrain, [&](IndexRange range) {
-        std::uint32_t hint = CapsuleTree::kNone;
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            const CapsuleTree::Nearest nearest = capsules.nearest(points[i], hint);
-            hint = nearest.capsule;
-            deviation[i] = nearest.rho - 1;
-        }
-    });
+    for_each_nearest(
+        capsules, ctx, deviation.size(), [&](std::size_t i) { return points[i]; },
+        [&](std::size_t i, CapsuleTree::Nearest nearest) { deviation[i] = nearest.rho - 1; });
     return statistics(std::move(deviation));
 }
 

@@ -4,13 +4,10 @@
 #include <utility>
 
 #include "coppice/base/disjoint_sets.h"
-#include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 
 namespace coppice {
 namespace {
-
-constexpr std::size_t kGrain = 1 << 12;
 
 /// The root of every node's tree.
 std::vector<NodeId> roots_of(const Skeleton& skeleton) {
@@ -40,15 +37,11 @@ CapsuleTree capsules_of(const Skeleton& skeleton, Vec3d origin, const Context& c
 /// For every vertex the node whose segment is nearest; none where nothing is near.
 std::vector<NodeId> nearest_nodes(const PolygonMesh& mesh, const CapsuleTree& capsules, const Context& ctx) {
     std::vector<NodeId> out(mesh.positions.size());
-    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
-        if (ctx.stop.stop_requested()) return;
-        std::uint32_t hint = CapsuleTree::kNone;
-        for (std::size_t v = range.begin; v < range.end; ++v) {
-            hint = capsules.nearest(Vec3d(mesh.positions[v]), hint).capsule;
-            if (hint != CapsuleTree::kNone) out[v] = capsules.node(hint);
-        }
-    });
-    ctx.throw_if_cancelled();
+    for_each_nearest(
+        capsules, ctx, out.size(), [&](std::size_t v) { return Vec3d(mesh.positions[v]); },
+        [&](std::size_t v, CapsuleTree::Nearest nearest) {
+            if (nearest.capsule != CapsuleTree::kNone) out[v] = capsules.node(nearest.capsule);
+        });
     return out;
 }
 

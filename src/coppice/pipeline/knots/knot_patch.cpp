@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "coppice/base/disjoint_sets.h"
-#include "coppice/base/parallel.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/remesh/zip.h"
@@ -14,7 +13,6 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr std::size_t kGrain = 256;
 constexpr double kMostTriangles = 1e6;  // besides as many as the mesh has quads
 constexpr float kGap = 0.35f;           // [radii] between the quads that stay and the triangles that come
 constexpr float kSeamReach = 2.2f;      // [radii] how far from a seam's centre its loops lie
@@ -25,7 +23,6 @@ MeshOptions patch_options(const MeshOptions& options) {
     MeshOptions out = options;
     const auto around = static_cast<float>(options.control.sides << options.levels);
     out.tetra = {.edge = std::clamp(4 * std::numbers::pi_v<float> / around, kFinest, kCoarsest)};
-    out.field.weights = Weights::local;
     return out;
 }
 
@@ -52,13 +49,12 @@ Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
 std::vector<std::uint8_t> beyond_seams(const KnotSurface& surface, std::span<const Vec3> positions,
                                        const BoxTree& reaches, const Context& ctx) {
     std::vector<std::uint8_t> beyond(positions.size(), 0);
-    parallel_for_ranges(ctx, beyond.size(), kGrain, [&](IndexRange range) {
-        std::uint32_t near = CapsuleTree::kNone;
-        for (std::size_t v = range.begin; v < range.end; ++v) {
+    const auto point = [&](std::size_t v) { return Vec3d(positions[v]); };
+    for_each_nearest(
+        surface.capsules, ctx, beyond.size(), point, [&](std::size_t v, CapsuleTree::Nearest near) {
+            if (near.capsule == CapsuleTree::kNone) return;
             const Vec3 p = positions[v];
-            near = surface.capsules.nearest(Vec3d(p), near).capsule;
-            if (near == CapsuleTree::kNone) return;
-            bool is_beyond = surface.knot.margin[surface.capsules.node(near).index()] != 0;
+            bool is_beyond = surface.knot.margin[surface.capsules.node(near.capsule).index()] != 0;
             reaches.visit_overlapping(Box3{p, p}, [&](std::uint32_t i) {
                 const Seam& s = surface.group.seams[i];
                 const float reach = kSeamReach * s.radius;
@@ -66,8 +62,7 @@ std::vector<std::uint8_t> beyond_seams(const KnotSurface& surface, std::span<con
                 is_beyond |= length_squared(way) < reach * reach && dot(way, s.outward) > -kGap * s.radius;
             });
             beyond[v] = is_beyond ? 1 : 0;
-        }
-    });
+        });
     return beyond;
 }
 
@@ -215,18 +210,17 @@ class Joining {
 };
 
 void find_slices(KnotSurface& surface, const Context& ctx) {
-    surface.slice.resize(surface.triangles.size());
-    parallel_for_ranges(ctx, surface.slice.size(), kGrain, [&](IndexRange range) {
-        std::uint32_t near = CapsuleTree::kNone;
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            const Triangle& t = surface.triangles[i];
-            const auto& x = surface.positions;
-            near = surface.capsules.nearest(Vec3d((x[t[0]] + x[t[1]] + x[t[2]]) / 3.0f), near).capsule;
-            surface.slice[i] = near == CapsuleTree::kNone
-                                   ? Slices::kNone
-                                   : surface.knot.slice[surface.capsules.node(near).index()];
-        }
-    });
+    surface.slice.assign(surface.triangles.size(), Slices::kNone);
+    const auto middle = [&](std::size_t i) {
+        const auto& x = surface.positions;
+        const Triangle& t = surface.triangles[i];
+        return Vec3d((x[t[0]] + x[t[1]] + x[t[2]]) / 3.0f);
+    };
+    for_each_nearest(surface.capsules, ctx, surface.slice.size(), middle,
+                     [&](std::size_t i, CapsuleTree::Nearest near) {
+                         if (near.capsule == CapsuleTree::kNone) return;
+                         surface.slice[i] = surface.knot.slice[surface.capsules.node(near.capsule).index()];
+                     });
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "coppice/base/parallel.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/knots/knot_patch_internal.h"
@@ -11,7 +10,6 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr std::size_t kGrain = 256;
 constexpr int kSmoothingPasses = 6;
 constexpr float kBoxMargin = 0.3f;  // [radii] that vertices may move out of their region's box
 
@@ -38,14 +36,11 @@ std::vector<PatchVertex> moving_vertices(const KnotSurface& surface, const KnotQ
     for (std::uint32_t v = surface.ring_vertices; v < is_used.size(); ++v) {
         if (is_used[v] != 0) out.push_back({v, 0, 0});
     }
-    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
-        std::uint32_t near = CapsuleTree::kNone;
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            const Vec3d p(made.positions[out[i].vertex]);
-            out[i].region = near = surface.capsules.nearest(p, near).capsule;
-            if (near == CapsuleTree::kNone) return;
-            out[i].radius = static_cast<float>(surface.capsules.cone(near).foot(p).radius);
-        }
+    const auto point = [&](std::size_t i) { return Vec3d(made.positions[out[i].vertex]); };
+    for_each_nearest(surface.capsules, ctx, out.size(), point, [&](std::size_t i, CapsuleTree::Nearest near) {
+        out[i].region = near.capsule;
+        if (near.capsule == CapsuleTree::kNone) return;
+        out[i].radius = static_cast<float>(surface.capsules.cone(near.capsule).foot(point(i)).radius);
     });
     std::erase_if(out, [&](const PatchVertex& m) {
         if (m.region == CapsuleTree::kNone) return true;
@@ -102,10 +97,8 @@ KnotQuads knot_quads(const KnotSurface& surface, std::span<const Care> care, con
     out.triangle = std::move(patch.triangle);
     const std::vector<PatchVertex> moving = moving_vertices(surface, out, care, ctx);
     if (moving.empty()) return out;
-    MeshOptions local = options;
-    local.field.weights = Weights::local;
     std::optional<GlobalWeights> weights;
-    ConvolutionField field = surface_field(surface.knot.skeleton, local, PointSet{}, weights, ctx);
+    ConvolutionField field = surface_field(surface.knot.skeleton, options, PointSet{}, weights, ctx);
     field.set_regions(region_boxes(surface.capsules, moving, out.positions), ctx);
     const Buffer<Vec3> before = out.positions;
     smooth_patch(out.positions, out.quads, moving, FieldRef(field), kSmoothingPasses, ctx);

@@ -36,12 +36,18 @@ struct Remeshed {
     std::uint32_t kept = 0;            // quads that stay
 };
 
+// A piece of the skeleton has no points of its own to fit global weights to.
+MeshOptions with_local_weights(MeshOptions options) {
+    options.field.weights = Weights::local;
+    return options;
+}
+
 class Remeshing {
   public:
     Remeshing(const QuadSurface& surface, const TubeMap& map, const Slices& slices,
               const MeshOptions& options, const Context& ctx)
         : quads_(surface.mesh),
-          options_(options),
+          options_(with_local_weights(options)),
           ctx_(ctx),
           slices_(slices),
           knots_(map, slices, surface.mesh, ctx),
@@ -247,7 +253,7 @@ class Remeshing {
     }
 
     const QuadMesh& quads_;
-    const MeshOptions& options_;
+    const MeshOptions options_;
     const Context& ctx_;
     const Slices& slices_;
     Knots knots_;
