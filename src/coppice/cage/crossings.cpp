@@ -3,6 +3,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/cage/crossings_internal.h"
+#include "coppice/skeleton/measure.h"
 #include "coppice/skeleton/segment_cone.h"
 #include "coppice/spatial/box_tree.h"
 
@@ -24,9 +25,7 @@ float greatest_radius(const Segment& s) { return std::max(s.radius_a, s.radius_b
 class Search {
   public:
     Search(const Skeleton& s, const Axes& axes, const Enclosure& enclosure)
-        : s_(s), axes_(axes), enclosure_(enclosure), root_(s.size()) {
-        for (const NodeId n : nodes(s)) root_[n.index()] = s.is_root(n) ? n : root_[s.parent(n).index()];
-    }
+        : s_(s), axes_(axes), enclosure_(enclosure), root_(tree_roots(s)) {}
 
     void add(NodeId a, NodeId b, std::vector<Crossing>& out) const {
         if (s_.is_root(a) || s_.is_root(b) || root_[a.index()] != root_[b.index()]) return;

@@ -5,17 +5,10 @@
 
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/skeleton/measure.h"
 
 namespace coppice {
 namespace {
-
-/// The root of every node's tree.
-std::vector<NodeId> roots_of(const Skeleton& skeleton) {
-    std::vector<NodeId> root(skeleton.size());
-    for (const NodeId n : nodes(skeleton))
-        root[n.index()] = skeleton.is_root(n) ? n : root[skeleton.parent(n).index()];
-    return root;
-}
 
 /// All segments, and trees of one node, in the frame of the mesh.
 CapsuleTree capsules_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx) {
@@ -81,7 +74,7 @@ TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, co
     }
     if (out.parts <= 1) return out;
 
-    const std::vector<NodeId> root = roots_of(skeleton);
+    const std::vector<NodeId> root = tree_roots(skeleton);
     const std::vector<NodeId> nearest = nearest_nodes(mesh, capsules_of(skeleton, mesh.origin, ctx), ctx);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> tree_and_part;
     for (std::uint32_t v = 0; v < nearest.size(); ++v) {

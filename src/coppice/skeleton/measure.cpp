@@ -65,4 +65,12 @@ std::vector<BranchOrder> branch_orders(const Skeleton& s) {
     return out;
 }
 
+std::vector<NodeId> tree_roots(const Skeleton& skeleton) {
+    std::vector<NodeId> root(skeleton.size());
+    for (const NodeId n : nodes(skeleton)) {
+        root[n.index()] = skeleton.is_root(n) ? n : root[skeleton.parent(n).index()];
+    }
+    return root;
+}
+
 }  // namespace coppice

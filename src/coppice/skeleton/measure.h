@@ -41,4 +41,7 @@ struct BranchOrder {
 /// the others are one order higher. O(n).
 std::vector<BranchOrder> branch_orders(const Skeleton& skeleton);
 
+/// Per node, the root of its tree. O(n).
+std::vector<NodeId> tree_roots(const Skeleton& skeleton);
+
 }  // namespace coppice

@@ -90,16 +90,14 @@ void Knots::spare(const KnotGroup& group) {
     spares_any_ = true;
 }
 
-void Knots::take_tree(NodeId root) {
-    const Skeleton& s = map_.tubes;
-    std::vector<std::uint8_t> is_of(s.size(), 0);
-    for (const NodeId n : nodes(s)) {
-        is_of[n.index()] = n == root || (!s.is_root(n) && is_of[s.parent(n).index()] != 0);
-        if (is_of[n.index()] == 0) continue;
+void Knots::take_trees(std::span<const NodeId> trees, std::span<const NodeId> root) {
+    for (const NodeId n : nodes(map_.tubes)) {
+        const NodeId tree = root[n.index()];
+        if (!std::binary_search(trees.begin(), trees.end(), tree)) continue;
         for (Slice i = slices_.first(n); i <= slices_.last(n); ++i) {
             spared_[i] = 0;
             take(i);
-            join(slices_.first(root), i);
+            join(slices_.first(tree), i);
         }
     }
 }

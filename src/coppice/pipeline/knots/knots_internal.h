@@ -39,7 +39,9 @@ class Knots {
     void take(Slice s);  ///< takes a slice, unless it is spared
     /// Gives a group back for which nothing fits: its slices stay, and are spared from now on.
     void spare(const KnotGroup& group);
-    void take_tree(NodeId root);  ///< takes all of a tree, spared or not, as one group
+    /// Takes all of some trees, named by their roots in ascending order, spared or not, each as one group;
+    /// `root` is that of every node.
+    void take_trees(std::span<const NodeId> trees, std::span<const NodeId> root);
     /// Takes slices on from a seam, so many radii along the tube, as far as the next branch node.
     void move_on(const Seam& seam, float radii);
     /// Takes slices both ways from one on, likewise.

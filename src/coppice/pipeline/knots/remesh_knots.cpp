@@ -11,6 +11,7 @@
 #include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/pipeline/knots/knot_patch_internal.h"
 #include "coppice/pipeline/knots/losses_internal.h"
+#include "coppice/skeleton/measure.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -140,9 +141,7 @@ class Remeshing {
 
     // The last resort: whole trees.
     void take_trees(const Remeshed& now, std::span<const FacePair> pairs) {
-        const Skeleton& s = slices_.tubes();
-        std::vector<NodeId> root(s.size());
-        for (const NodeId n : nodes(s)) root[n.index()] = s.is_root(n) ? n : root[s.parent(n).index()];
+        const std::vector<NodeId> root = tree_roots(slices_.tubes());
         std::vector<NodeId> bad;
         for (const FacePair& p : pairs) {
             for (const std::uint32_t face : {p.first, p.second}) {
@@ -152,7 +151,7 @@ class Remeshing {
         }
         std::sort(bad.begin(), bad.end());
         bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
-        for (const NodeId tree : bad) knots_.take_tree(tree);
+        knots_.take_trees(bad, root);
     }
 
     void ask_all_care() {
