@@ -57,8 +57,7 @@ Make by_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Con
             made.sampled = result.tetrahedra().march.vertices;
         }
         made.stages = result.stages;
-        if (want_mesh)
-            made.mesh = std::visit([](const auto& s) { return to_polygons(s.mesh); }, result.surface);
+        if (want_mesh) made.mesh = to_polygons(result);
         return made;
     };
 }

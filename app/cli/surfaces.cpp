@@ -74,6 +74,17 @@ std::string count(Figures& counts, const TetraSurface& surface) {
     return fmt::format("{} triangles", grouped(surface.mesh.triangles.size()));
 }
 
+std::string count(Figures& counts, const CylinderMesh& surface) {
+    counts["vertices"] = surface.mesh.positions.size();
+    counts["faces"] = surface.mesh.face_count();
+    counts["tubes"] = surface.report.tubes;
+    counts["rings"] = surface.report.rings;
+    counts["least_sides"] = surface.report.least_sides;
+    counts["most_sides"] = surface.report.most_sides;
+    return fmt::format("{} tubes, {} faces", grouped(surface.report.tubes),
+                       grouped(surface.mesh.face_count()));
+}
+
 }  // namespace
 
 void write_surface(const std::filesystem::path& path, const MeshResult& result, const Context& ctx) {

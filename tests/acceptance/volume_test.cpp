@@ -15,8 +15,7 @@ using namespace test;
 void expect_volume(const Skeleton& skeleton, MeshOptions options) {
     options.fit = Fit::volume;
     const MeshResult r = mesh_skeleton(skeleton, options);
-    const double volume =
-        std::visit([](const auto& s) { return shape(to_polygons(s.mesh)).signed_volume; }, r.surface);
+    const double volume = shape(to_polygons(r)).signed_volume;
     ASSERT_TRUE(r.fitted);
     EXPECT_NEAR(volume, r.fitted->after, 1e-4 * r.fitted->cones);
     if (r.fitted->closed) {

@@ -30,9 +30,6 @@ Skeleton small_tree(float x = 0) {
                     {0.5f, 0.45f, 0.4f, 0.3f, 0.3f, 0.1f});
 }
 
-PolygonMesh polygons_of(const MeshResult& r) {
-    return std::visit([](const auto& s) { return to_polygons(s.mesh); }, r.surface);
-}
 double volume_of(const PolygonMesh& m) { return shape(m).signed_volume; }
 std::uint64_t crossings(const PolygonMesh& m) {
     return crossing_faces(SurfaceTree(m), 1'000'000).pairs.size();
@@ -53,8 +50,8 @@ TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
     EXPECT_TRUE(r.fitted->closed);
     const double exact = kPi * 0.25 * 10 + 2 * kPi / 3 * 0.125;
     EXPECT_NEAR(r.fitted->cones, exact, r.fitted->error);
-    EXPECT_NEAR(volume_of(polygons_of(r)), exact, 1e-3 * exact);
-    EXPECT_NEAR(r.fitted->after, volume_of(polygons_of(r)), 1e-4 * exact);
+    EXPECT_NEAR(volume_of(to_polygons(r)), exact, 1e-3 * exact);
+    EXPECT_NEAR(r.fitted->after, volume_of(to_polygons(r)), 1e-4 * exact);
     // Sixteen sides have the area of the circle when their corners are at r sqrt(a / sin a), a = 2 pi / 16.
     const double a = kPi / 8, corner = 0.5 * std::sqrt(a / std::sin(a));
     std::size_t seen = 0;
@@ -82,7 +79,7 @@ TEST(FitVolume, FlatEndsStayFlat) {
     }
     EXPECT_GT(flat, wider);  // the rim, but not what is within
     EXPECT_EQ(wider, 32u);
-    EXPECT_NEAR(volume_of(polygons_of(after)), kPi * 2.5, 1e-3 * kPi * 2.5);
+    EXPECT_NEAR(volume_of(to_polygons(after)), kPi * 2.5, 1e-3 * kPi * 2.5);
 }
 
 TEST(FitVolume, AnOpenBaseCountsAsClosed) {
@@ -92,14 +89,14 @@ TEST(FitVolume, AnOpenBaseCountsAsClosed) {
     const MeshResult r = mesh_skeleton(small_tree(7), options);
     EXPECT_TRUE(r.fitted->closed);
     // The base is at z = 0, so that its disc adds nothing to the volume of the open surface.
-    EXPECT_NEAR(volume_of(polygons_of(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+    EXPECT_NEAR(volume_of(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
 }
 
 TEST(FitVolume, HoldsForLevelsAndMethods) {
     for (const int level : {0, 1, 2, 3}) {
         SCOPED_TRACE(level);
         const MeshResult r = mesh_with(small_tree(), Fit::volume, MeshMethod::quads, level);
-        EXPECT_NEAR(volume_of(polygons_of(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+        EXPECT_NEAR(volume_of(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
     }
     for (const float edge : {0.25f, 0.5f, 1.0f}) {
         SCOPED_TRACE(edge);
@@ -108,7 +105,7 @@ TEST(FitVolume, HoldsForLevelsAndMethods) {
         options.fit = Fit::volume;
         options.tetra.edge = edge;
         const MeshResult r = mesh_skeleton(small_tree(), options);
-        EXPECT_NEAR(volume_of(polygons_of(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
+        EXPECT_NEAR(volume_of(to_polygons(r)), r.fitted->cones, 1e-3 * r.fitted->cones);
     }
 }
 
@@ -116,7 +113,7 @@ TEST(FitVolume, ASomaOfThreePointsIsWhole) {
     const MeshResult r = mesh_with(zoo_skeleton("soma_of_three_points"), Fit::volume);
     EXPECT_TRUE(r.fitted->closed);
     EXPECT_GT(r.fitted->before, 0.95 * r.fitted->cones);
-    EXPECT_EQ(crossings(polygons_of(r)), 0u);
+    EXPECT_EQ(crossings(to_polygons(r)), 0u);
 }
 
 TEST(FitVolume, PartsGetTheirOwn) {
@@ -163,12 +160,12 @@ TEST(FitVolume, AddsNoFoldsOrCrossings) {
             SCOPED_TRACE(name);
             PolygonMesh before;
             try {
-                before = polygons_of(mesh_with(skeleton, Fit::surface, method));
+                before = to_polygons(mesh_with(skeleton, Fit::surface, method));
             } catch (const InvalidInput&) {
                 continue;  // nothing is left of it as tetrahedra
             }
             const MeshResult r = mesh_with(skeleton, Fit::volume, method);
-            const PolygonMesh after = polygons_of(r);
+            const PolygonMesh after = to_polygons(r);
             EXPECT_LE(crossings(after), crossings(before));
             EXPECT_EQ(topology(after).sound(), topology(before).sound());
             closed += r.fitted->closed ? 1 : 0;
@@ -186,7 +183,7 @@ TEST(FitVolume, SameBitsForAnyNumberOfThreads) {
         const MeshResult one = mesh_with(small_tree(), Fit::volume, method, 3, {.threads = 1});
         for (const unsigned threads : {2u, 7u}) {
             const MeshResult many = mesh_with(small_tree(), Fit::volume, method, 3, {.threads = threads});
-            EXPECT_EQ(polygons_of(many).positions, polygons_of(one).positions);
+            EXPECT_EQ(to_polygons(many).positions, to_polygons(one).positions);
             EXPECT_EQ(*many.fitted, *one.fitted);
         }
     }

@@ -23,7 +23,7 @@ struct EnumNames<BaseShape> {
 
 /// How the control cage is made.
 struct ControlOptions {
-    int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16
+    int sides = 4;                     ///< quads around a branch before subdivision; 4, 8 or 16 for a cage
     TipShape tips = TipShape::round;   ///< how branches end
     BaseShape base = BaseShape::flat;  ///< how a tree ends at a root with one child
 };
@@ -31,7 +31,9 @@ struct ControlOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, ControlOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"sides", "quads around a branch before subdivision: 4, 8 or 16", Unit::none, 4, 16}, o.sides);
+    visit(Field{"sides", "quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders",
+                Unit::none, 3, 32},
+          o.sides);
     visit(Field{"tips", "how branches end"}, o.tips);
     visit(Field{"base", "how a tree ends at a root with one child"}, o.base);
 }

@@ -88,12 +88,26 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     return out;
 }
 
+CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& options, const Context& ctx,
+                               Stages& stages) {
+    const CylinderOptions tubes{.sides = options.control.sides << options.levels,
+                                .rows = 1 << options.levels,
+                                .thin = options.tube_sides,
+                                .tips = options.control.tips,
+                                .base = options.control.base};
+    return stages.run("cylinders", 1.0f, [&] { return cylinders(prepared, tubes, ctx); });
+}
+
 template <class Mesh>
 FitVolumeReport fit_to_ends(Mesh& mesh, const Skeleton& skeleton, const ControlOptions& ends,
                             const Context& ctx) {
     const EndShape base = ends.base == BaseShape::round ? EndShape::round : EndShape::flat;
     const EndShape tips = ends.tips == TipShape::round ? EndShape::round : EndShape::flat;
     return fit_volume(mesh, skeleton, base, tips, ctx);
+}
+
+FitVolumeReport fit_to_ends(PolygonMesh&, const Skeleton&, const ControlOptions&, const Context&) {
+    throw InvalidInput("mesh: fit must be surface for cylinders, which run through each other at forks");
 }
 
 MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
@@ -108,6 +122,8 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     out.prepared = prepared.report;
     if (options.method == MeshMethod::quads) {
         out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, meshing, stages);
+    } else if (options.method == MeshMethod::cylinders) {
+        out.surface = mesh_by_cylinders(prepared.skeleton, options, meshing, stages);
     } else {
         const auto make = with_solid ? solid_by_tetrahedra : mesh_by_tetrahedra;
         out.surface = make(prepared.skeleton, constraints, options, out.weights, meshing, stages);
@@ -123,7 +139,17 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     return out;
 }
 
+PolygonMesh polygons_of(const PolygonMesh& mesh) { return mesh; }
+template <class Mesh>
+PolygonMesh polygons_of(const Mesh& mesh) {
+    return to_polygons(mesh);
+}
+
 }  // namespace
+
+PolygonMesh to_polygons(const MeshResult& result) {
+    return std::visit([](const auto& surface) { return polygons_of(surface.mesh); }, result.surface);
+}
 
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, const Context& ctx) {
     return mesh_skeleton(skeleton, PointSet{}, options, ctx);

@@ -23,6 +23,7 @@
 #include "coppice/subdivision/untangle.h"
 #include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/march/march.h"
+#include "coppice/tubes/cylinders.h"
 
 namespace coppice {
 
@@ -30,11 +31,12 @@ namespace coppice {
 enum class MeshMethod {
     quads,       ///< a cage about the skeleton, subdivided and moved onto the field [Zhu2015]
     tetrahedra,  ///< triangles where the field has its level, found in tetrahedra [Zhu2013]
+    cylinders,   ///< a tube for every axis, not joined to the others [Huang2017]
 };
 
 template <>
 struct EnumNames<MeshMethod> {
-    static constexpr std::array<std::string_view, 2> names{"quads", "tetrahedra"};
+    static constexpr std::array<std::string_view, 3> names{"quads", "tetrahedra", "cylinders"};
 };
 
 /// What of its skeleton a surface keeps.
@@ -76,9 +78,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 }
 
 /// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,
-/// tetra, and the ends of control.
+/// tetra, and the ends of control; cylinders with levels, prepare, control and tube_sides.
 struct MeshOptions {
-    MeshMethod method = MeshMethod::quads;  ///< quads or triangles
+    MeshMethod method = MeshMethod::quads;  ///< quads, triangles, or tubes
     int levels =
         2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
     Fit fit = Fit::surface;               ///< where vertices lie in the end
@@ -91,12 +93,15 @@ struct MeshOptions {
     UntangleOptions untangle;  ///< how folds are taken out
     int remesh_rounds = 12;    ///< times that quads which cross are looked for and remeshed; 0 = never
     TetraOptions tetra;        ///< for tetrahedra only
+    TubeSides tube_sides = TubeSides::equal;  ///< for cylinders only: faces around thin axes
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"method", "quads along the branches, or triangles wherever the field leads"}, o.method);
+    visit(Field{"method",
+                "quads along the branches, triangles wherever the field leads, or a tube for every axis"},
+          o.method);
     visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
           o.levels);
     visit(Field{"fit",
@@ -122,6 +127,11 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
               Unit::none, 0, 100},
         o.remesh_rounds);
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
+    visit(
+        Field{
+            "tube_sides",
+            "faces around thin cylinders: as many as around thick ones, or fewer, by the root of the radius"},
+        o.tube_sides);
 }
 
 /// What remeshing did at knots, where tubes cross each other or themselves.
@@ -156,8 +166,8 @@ struct TetraSurface {
 
 /// A surface, and what every stage did.
 struct MeshResult {
-    std::variant<QuadSurface, TetraSurface> surface;     ///< in the order of MeshMethod
-    PrepareReport prepared;                              ///< changes to the skeleton
+    std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< in the order of MeshMethod
+    PrepareReport prepared;                                         ///< changes to the skeleton
     std::optional<GlobalWeights> weights;                ///< where options.field.weights asked for it
     std::optional<FitVolumeReport> fitted;               ///< where options.fit asked for the volume
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
@@ -169,7 +179,13 @@ struct MeshResult {
     /// The surface of triangles; std::bad_variant_access when the method was another.
     const TetraSurface& tetrahedra() const { return std::get<TetraSurface>(surface); }
     TetraSurface& tetrahedra() { return std::get<TetraSurface>(surface); }  ///< the same, to change
+
+    /// The tubes; std::bad_variant_access when the method was another.
+    const CylinderMesh& cylinders() const { return std::get<CylinderMesh>(surface); }
 };
+
+/// The faces of a surface, whichever method made it. O(n).
+PolygonMesh to_polygons(const MeshResult& result);
 
 /// Wraps a skeleton in one closed surface of quads, one sphere per tree: prepares the skeleton, grafts
 /// branches that run through each other, finds where branches part, builds a coarse cage, subdivides it,
@@ -185,11 +201,15 @@ struct MeshResult {
 /// one body: the surface is closed, manifold and never crosses itself, but may have handles. It has a part
 /// for each tree, whatever the options, or fewer where trees touch.
 ///
-/// With `fit` volume, either is moved at the end so that it encloses the volume of the skeleton's rounded
-/// cones (see fit_volume).
+/// Or, with cylinders, makes a tube for every axis of the prepared skeleton (see cylinders()): `sides` around
+/// times two for each level, and two to the power of levels rows along each segment.
+///
+/// With `fit` volume, either of the closed surfaces is moved at the end so that it encloses the volume of the
+/// skeleton's rounded cones (see fit_volume).
 ///
 /// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index,
-/// and when tetrahedra find no surface because it is thinner than they are.
+/// and when tetrahedra find no surface because it is thinner than they are, and `fit` when it is not surface
+/// for cylinders.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
 
 /// The same with global weights that are fitted to these points of the surface; chosen ones where there are

@@ -169,9 +169,11 @@ double memory_of_tetrahedra(const Skeleton& skeleton, const TetraOptions& option
            (double{options.edge} * options.edge);
 }
 
+/// Of quads, or as much for cylinders, which have fewer vertices and more sides.
 double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
-    return options.method == MeshMethod::quads ? memory_of_quads(skeleton, options.levels)
-                                               : memory_of_tetrahedra(skeleton, options.tetra);
+    if (options.method == MeshMethod::tetrahedra) return memory_of_tetrahedra(skeleton, options.tetra);
+    const double quads = memory_of_quads(skeleton, options.levels);
+    return options.method == MeshMethod::cylinders ? quads * options.control.sides / 4 : quads;
 }
 
 SceneCommand mesh_command() {
