@@ -96,6 +96,40 @@ TEST(CrossingFaces, CanBeCancelled) {
     EXPECT_THROW(crossing_faces(SurfaceTree(m), kMany, {.stop = source.get_token()}), Cancelled);
 }
 
+TEST(CrossingsAmong, AreThoseOfTheWholeByTheSameNumbers) {
+    const PolygonMesh m =
+        both(both(cube(), box({9, 9, 9}, {10, 10, 10})), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
+    const std::vector<FacePair> all = crossing_faces(SurfaceTree(m), kMany).pairs;
+    ASSERT_EQ(all.size(), 6u);
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t f = 0; f < m.face_count(); ++f) {
+        if (f < 6 || f >= 12) faces.push_back(f);
+    }
+    EXPECT_EQ(crossings_among(m, faces, kMany).pairs, all);
+    // Without the faces of one box there are none, and one face has nothing to cross.
+    EXPECT_TRUE(crossings_among(m, std::span(faces).first(6), kMany).pairs.empty());
+    EXPECT_TRUE(crossings_among(m, std::span(faces).first(1), kMany).pairs.empty());
+    EXPECT_FALSE(crossings_among(m, faces, 5).complete);
+}
+
+TEST(FacesNear, AreThoseWhoseBoxesMeetOne) {
+    // A strip of unit quads along x.
+    const PolygonMesh m = grid(2, 3000, false, [](std::uint32_t i, std::uint32_t j) {
+        return Vec3{static_cast<float>(j), static_cast<float>(i), 0};
+    });
+    std::vector<std::uint32_t> expected;
+    const std::vector<Box3> boxes{{{10.5f, 0.2f, -1}, {12.5f, 0.3f, 1}}, {{2900, 0, 0}, {2900, 0, 0}}};
+    for (std::uint32_t f = 0; f < m.face_count(); ++f) {
+        const Box3 box = FaceView(m).box(f);
+        if (box.overlaps(boxes[0]) || box.overlaps(boxes[1])) expected.push_back(f);
+    }
+    // Columns 10, 11 and 12, and the two that touch at 2900; each twice, as the strip goes there and back.
+    EXPECT_EQ(expected.size(), 2u * 5);
+    EXPECT_EQ(faces_near(m, boxes), expected);
+    EXPECT_TRUE(faces_near(m, {}).empty());
+    EXPECT_TRUE(faces_near(PolygonMesh{}, boxes).empty());
+}
+
 /// Bars along x and y that cross in eight pairs of faces: either's outer face the other's two sides, and
 /// sides by sides.
 PolygonMesh crossing_bars() {

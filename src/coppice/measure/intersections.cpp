@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::size_t kGroupsPerRange = 64;
 constexpr std::size_t kRangesPerBatch = 32;
+constexpr std::size_t kFaceGrain = 1 << 12;
+constexpr std::size_t kPatch = 16;  // faces that are mostly neighbours
 constexpr double kNeighbourHops = 3;
 constexpr double kNeighbourRadii = 3;
 constexpr double kClearance = 1.05;
@@ -160,6 +162,45 @@ FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const 
     std::sort(result.pairs.begin(), result.pairs.end());
     result.pairs.erase(std::unique(result.pairs.begin(), result.pairs.end()), result.pairs.end());
     return result;
+}
+
+FacePairs crossings_among(const FaceView& mesh, std::span<const std::uint32_t> faces, std::uint32_t limit,
+                          const Context& ctx) {
+    if (faces.size() < 2) return {};
+    const PolygonMesh part = some_faces(mesh, faces);
+    FacePairs found = crossing_faces(SurfaceTree(part, ctx), limit, ctx);
+    for (FacePair& p : found.pairs) p = {faces[p.first], faces[p.second]};
+    return found;
+}
+
+std::vector<std::uint32_t> faces_near(const FaceView& mesh, std::span<const Box3> boxes, const Context& ctx) {
+    if (boxes.empty()) return {};
+    const BoxTree tree(boxes, ctx);
+    const auto is_near = [&](const Box3& box) {
+        bool near = false;
+        tree.visit_overlapping(box, [&](std::uint32_t) {
+            near = true;
+            return false;
+        });
+        return near;
+    };
+    std::vector<std::vector<std::uint32_t>> found((mesh.size() + kFaceGrain - 1) / kFaceGrain);
+    parallel_for_ranges(ctx, mesh.size(), kFaceGrain, [&](IndexRange range) {
+        auto& own = found[range.begin / kFaceGrain];
+        for (std::size_t begin = range.begin; begin < range.end; begin += kPatch) {
+            const auto first = static_cast<std::uint32_t>(begin);
+            const auto end = static_cast<std::uint32_t>(std::min(begin + kPatch, range.end));
+            Box3 patch;
+            for (std::uint32_t f = first; f < end; ++f) patch.extend(mesh.box(f));
+            if (!is_near(patch)) continue;
+            for (std::uint32_t f = first; f < end; ++f) {
+                if (is_near(mesh.box(f))) own.push_back(f);
+            }
+        }
+    });
+    std::vector<std::uint32_t> faces;
+    for (const auto& f : found) faces.insert(faces.end(), f.begin(), f.end());
+    return faces;
 }
 
 IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "coppice/base/box.h"
 #include "coppice/base/context.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/surface_tree.h"
+#include "coppice/mesh/face_view.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -28,6 +31,15 @@ struct FacePairs {
 /// the same three corners always. O(n + boxes that overlap); polls ctx.stop. The search ends soon after
 /// `limit` pairs, which keeps tangled soup from filling the memory.
 FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const Context& ctx = {});
+
+/// The pairs among some faces, given by their numbers, ascending and each once; pairs have these numbers too.
+/// What it costs depends on those faces, but for a bit per vertex of the mesh.
+FacePairs crossings_among(const FaceView& mesh, std::span<const std::uint32_t> faces, std::uint32_t limit,
+                          const Context& ctx = {});
+
+/// The faces whose boxes meet any of the boxes, which must not be empty; ascending. O(n) where few do.
+std::vector<std::uint32_t> faces_near(const FaceView& mesh, std::span<const Box3> boxes,
+                                      const Context& ctx = {});
 
 /// Crossing pairs by the parts of the skeleton they belong to: the segments of least rho at the means of
 /// their corners.

@@ -7,7 +7,6 @@
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/limit_offsets_internal.h"
-#include "coppice/spatial/box_tree.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -30,29 +29,6 @@ Faces where_set(std::span<const std::uint8_t> set) {
         if (set[f]) faces.push_back(f);
     }
     return faces;
-}
-
-/// These faces alone, over the same vertices.
-PolygonMesh part_of_mesh(const PolygonMesh& mesh, std::span<const Vec3> positions, const Faces& faces) {
-    PolygonMesh part;
-    part.positions.assign(positions.begin(), positions.end());
-    for (const std::uint32_t f : faces) part.add_face(mesh.face(f));
-    return part;
-}
-
-/// The pairs among these faces that cross, by their numbers in the whole.
-FacePairs crossings_among(const PolygonMesh& mesh, std::span<const Vec3> positions, const Faces& faces,
-                          const Context& ctx) {
-    const PolygonMesh part = part_of_mesh(mesh, positions, faces);
-    FacePairs found = crossing_faces(SurfaceTree(part, ctx), kMostCrossings, ctx);
-    for (FacePair& p : found.pairs) p = {faces[p.first], faces[p.second]};
-    return found;
-}
-
-Box3 box_of(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
-    Box3 box;
-    for (const std::uint32_t v : face) box.extend(positions[v]);
-    return box;
 }
 
 /// The search for what moving makes worse.
@@ -106,19 +82,10 @@ class Limiter {
             looked_ = true;
             return crossing_faces(SurfaceTree(moved_, ctx_), kMostCrossings, ctx_);
         }
+        const FaceView moved(moved_);
         std::vector<Box3> boxes;
-        for (const std::uint32_t f : where_set(changed_))
-            boxes.push_back(box_of(start_.face(f), moved_.positions));
-        const BoxTree tree(boxes, ctx_);
-        std::vector<std::uint8_t> near(start_.face_count(), 0);
-        parallel_for(ctx_, near.size(), kGrain, [&](std::size_t i) {
-            const Box3 box = box_of(start_.face(static_cast<std::uint32_t>(i)), moved_.positions);
-            tree.visit_overlapping(box, [&](std::uint32_t) {
-                near[i] = 1;
-                return false;
-            });
-        });
-        return crossings_among(start_, moved_.positions, where_set(near), ctx_);
+        for (const std::uint32_t f : where_set(changed_)) boxes.push_back(moved.box(f));
+        return crossings_among(moved, faces_near(moved, boxes, ctx_), kMostCrossings, ctx_);
     }
 
     /// The faces of those pairs that did not cross before.
@@ -127,7 +94,7 @@ class Limiter {
         Faces faces;
         for (const FacePair& p : found.pairs) faces.insert(faces.end(), {p.first, p.second});
         sort_out(faces);
-        const FacePairs before = crossings_among(start_, start_.positions, faces, ctx_);
+        const FacePairs before = crossings_among(start_, faces, kMostCrossings, ctx_);
         std::vector<FacePair> fresh;
         std::ranges::set_difference(found.pairs, before.pairs, std::back_inserter(fresh));
         faces.clear();

@@ -20,9 +20,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 
+#include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
 #include "coppice/pipeline/knots/tube_proofs_internal.h"
 #include "coppice/spatial/box_tree.h"
@@ -33,7 +33,6 @@ namespace {
 constexpr std::uint32_t kUncertain = 1u << 16;  // more turns than there are
 constexpr std::size_t kTubeGrain = 64;
 constexpr std::size_t kGroupGrain = 16;
-constexpr std::size_t kFaceGrain = 1 << 12;
 // Above the rounding of a scalar product in double precision, of points and directions at most 1 long.
 constexpr double kRounding = 1e-14;
 // Above that of distances, over the size of what they are measured on.
@@ -53,41 +52,6 @@ Margins margins(const Directions& d, double size) {
         m[i] = kRounding * size * (std::fabs(d.x[i]) + std::fabs(d.y[i]) + std::fabs(d.z[i]));
     return m;
 }
-
-// Numbers below some bound.
-class NumberSet {
-  public:
-    explicit NumberSet(std::size_t bound) : word_((bound + 63) / 64, 0) {}
-
-    void add(std::uint32_t i) { word_[i / 64] |= std::uint64_t{1} << (i % 64); }
-    // Lets rank() be asked.
-    void count() {
-        before_.resize(word_.size());
-        std::uint32_t sum = 0;
-        for (std::size_t w = 0; w < word_.size(); ++w) {
-            before_[w] = sum;
-            sum += static_cast<std::uint32_t>(std::popcount(word_[w]));
-        }
-    }
-    // How many come before one of them.
-    std::uint32_t rank(std::uint32_t i) const {
-        const std::uint64_t below = word_[i / 64] & ((std::uint64_t{1} << (i % 64)) - 1);
-        return before_[i / 64] + static_cast<std::uint32_t>(std::popcount(below));
-    }
-    std::vector<std::uint32_t> ascending() const {
-        std::vector<std::uint32_t> out;
-        for (std::size_t w = 0; w < word_.size(); ++w) {
-            for (std::uint64_t bits = word_[w]; bits != 0; bits &= bits - 1)
-                out.push_back(static_cast<std::uint32_t>(64 * w) +
-                              static_cast<std::uint32_t>(std::countr_zero(bits)));
-        }
-        return out;
-    }
-
-  private:
-    std::vector<std::uint64_t> word_;
-    std::vector<std::uint32_t> before_;  // per word: members in earlier ones
-};
 
 // The greatest coordinate by its amount, and how far the corners of a box may be from c.
 double greatest(const Bounds& b) {
@@ -381,35 +345,6 @@ class Search {
     std::vector<std::uint32_t> turns_;  // per vertex of the cage
 };
 
-// The pairs among some quads, ascending.
-std::vector<FacePair> crossings_among(const QuadMesh& mesh, std::span<const std::uint32_t> quads,
-                                      const Context& ctx) {
-    if (quads.size() < 2) return {};
-    NumberSet used(mesh.positions.size());
-    for (const std::uint32_t q : quads) {
-        for (const std::uint32_t v : mesh.quads[q]) used.add(v);
-    }
-    PolygonMesh part;
-    used.count();
-    for (const std::uint32_t v : used.ascending()) part.positions.push_back(mesh.positions[v]);
-    for (const std::uint32_t q : quads) {
-        Quad face = mesh.quads[q];
-        for (std::uint32_t& v : face) v = used.rank(v);
-        part.add_face(face);
-    }
-    std::vector<FacePair> pairs = crossing_faces(SurfaceTree(part, ctx), kMostPairs, ctx).pairs;
-    for (FacePair& p : pairs) p = {quads[p.first], quads[p.second]};
-    return pairs;
-}
-
-Box3 box_of_quads(const QuadMesh& mesh, IndexRange range) {
-    Box3 box;
-    for (std::size_t q = range.begin; q < range.end; ++q) {
-        for (const std::uint32_t v : mesh.quads[q]) box.extend(mesh.positions[v]);
-    }
-    return box;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& slices, const Context& ctx) {
@@ -418,40 +353,16 @@ std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& sl
 }
 
 std::vector<FacePair> slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx) {
-    return crossings_among(mesh, unproved_quads(mesh, slices, ctx), ctx);
+    return crossings_among(mesh, unproved_quads(mesh, slices, ctx), kMostPairs, ctx).pairs;
 }
 
 std::vector<FacePair> new_crossings(const QuadMesh& mesh, std::uint32_t first_new, const Context& ctx) {
-    const std::size_t count = mesh.quads.size();
+    const FaceView all(mesh), old = all.first(first_new);
     std::vector<Box3> boxes;
-    for (std::size_t q = first_new; q < count; ++q) boxes.push_back(box_of_quads(mesh, {q, q + 1}));
-    if (boxes.empty()) return {};
-    const BoxTree tree(boxes, ctx);
-    const auto is_near = [&](const Box3& box) {
-        bool near = false;
-        tree.visit_overlapping(box, [&](std::uint32_t) {
-            near = true;
-            return false;
-        });
-        return near;
-    };
-    // Quads come in patches: sixteen neighbours at a time.
-    constexpr std::size_t kPatch = 16;
-    std::vector<std::vector<std::uint32_t>> found((first_new + kFaceGrain - 1) / kFaceGrain);
-    parallel_for_ranges(ctx, first_new, kFaceGrain, [&](IndexRange range) {
-        auto& own = found[range.begin / kFaceGrain];
-        for (std::size_t begin = range.begin; begin < range.end; begin += kPatch) {
-            const IndexRange patch{begin, std::min(begin + kPatch, range.end)};
-            if (!is_near(box_of_quads(mesh, patch))) continue;
-            for (std::size_t q = patch.begin; q < patch.end; ++q) {
-                if (is_near(box_of_quads(mesh, {q, q + 1}))) own.push_back(static_cast<std::uint32_t>(q));
-            }
-        }
-    });
-    std::vector<std::uint32_t> quads;
-    for (const auto& f : found) quads.insert(quads.end(), f.begin(), f.end());
-    for (std::size_t q = first_new; q < count; ++q) quads.push_back(static_cast<std::uint32_t>(q));
-    std::vector<FacePair> pairs = crossings_among(mesh, quads, ctx);
+    for (std::uint32_t q = first_new; q < all.size(); ++q) boxes.push_back(all.box(q));
+    std::vector<std::uint32_t> quads = faces_near(old, boxes, ctx);
+    for (std::uint32_t q = first_new; q < all.size(); ++q) quads.push_back(q);
+    std::vector<FacePair> pairs = crossings_among(all, quads, kMostPairs, ctx).pairs;
     std::erase_if(pairs, [&](const FacePair& p) { return p.second < first_new; });
     return pairs;
 }

@@ -6,9 +6,9 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/skeleton/segment_cone.h"
-#include "coppice/spatial/box_tree.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -74,28 +74,13 @@ std::vector<NodeId> doubtful_nodes(const TubeMap& map) {
 }
 
 // The faces of the mesh around the nodes: nearest faces of points in their balls.
-PolygonMesh faces_near(const QuadMesh& mesh, const Skeleton& s, std::span<const NodeId> around,
-                       const Context& ctx) {
+PolygonMesh faces_about(const QuadMesh& mesh, const Skeleton& s, std::span<const NodeId> around,
+                        const Context& ctx) {
     std::vector<Box3> balls;
     for (const NodeId n : around) {
         balls.push_back(Box3{s.position(n), s.position(n)}.inflated(kReach * s.radius(n)));
     }
-    const BoxTree reaches(balls, ctx);
-    std::vector<std::uint8_t> is_near(mesh.quads.size(), 0);
-    parallel_for(ctx, is_near.size(), 1024, [&](std::size_t q) {
-        Box3 box;
-        for (const std::uint32_t v : mesh.quads[q]) box.extend(mesh.positions[v]);
-        reaches.visit_overlapping(box, [&](std::uint32_t) {
-            is_near[q] = 1;
-            return false;
-        });
-    });
-    PolygonMesh out;
-    out.positions = mesh.positions;
-    for (std::size_t q = 0; q < is_near.size(); ++q) {
-        if (is_near[q] != 0) out.add_face(mesh.quads[q]);
-    }
-    return out;
+    return some_faces(mesh, faces_near(mesh, balls, ctx));
 }
 
 // The slice that is nearest to a point.
@@ -112,7 +97,7 @@ std::vector<Slice> lossy_slices(const TubeMap& map, const Slices& slices, const 
     if (doubtful.empty()) return {};
     const Skeleton& s = map.skeleton;
     const CapsuleTree cones(s, s.origin(), ctx), tubes(map.tubes, s.origin(), ctx);
-    const PolygonMesh polygons = faces_near(mesh, s, doubtful, ctx);
+    const PolygonMesh polygons = faces_about(mesh, s, doubtful, ctx);
     if (polygons.face_count() == 0) return {};
     const SurfaceTree surface(polygons, ctx);
     const auto around = directions();

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/box.h"
+#include "coppice/mesh/mesh.h"
+
+namespace coppice {
+
+/// The faces of a mesh of any kind, which must outlive the view. Cheap to copy.
+class FaceView {
+  public:
+    /// of quads
+    FaceView(const QuadMesh& mesh)  // NOLINT(google-explicit-constructor): it is the mesh, as a view
+        : quads_(mesh.quads.data()),
+          positions_(mesh.positions),
+          size_(static_cast<std::uint32_t>(mesh.quads.size())) {}
+    /// of polygons
+    FaceView(const PolygonMesh& mesh)  // NOLINT(google-explicit-constructor): it is the mesh, as a view
+        : corners_(mesh.corners.data()),
+          first_(mesh.first.data()),
+          positions_(mesh.positions),
+          size_(mesh.face_count()) {}
+
+    std::uint32_t size() const { return size_; }                    ///< number of faces
+    std::span<const Vec3> positions() const { return positions_; }  ///< [m] of the vertices
+    /// Corner vertices of face f, in order.
+    std::span<const std::uint32_t> face(std::uint32_t f) const {
+        if (quads_ != nullptr) return quads_[f];
+        return {corners_ + first_[f], first_[f + 1] - first_[f]};
+    }
+    /// The least box about face f.
+    Box3 box(std::uint32_t f) const {
+        Box3 box;
+        for (const std::uint32_t v : face(f)) box.extend(positions_[v]);
+        return box;
+    }
+    /// The first `count` faces alone.
+    FaceView first(std::uint32_t count) const {
+        FaceView view = *this;
+        view.size_ = count;
+        return view;
+    }
+
+  private:
+    const Quad* quads_ = nullptr;             // of a mesh of quads
+    const std::uint32_t* corners_ = nullptr;  // of any other
+    const std::uint32_t* first_ = nullptr;    // per face, in corners_
+    std::span<const Vec3> positions_;
+    std::uint32_t size_;
+};
+
+/// Some faces alone, in the order given, over those vertices that they use, which keep their order. O(faces
+/// given), but for a bit per vertex of the mesh.
+PolygonMesh some_faces(const FaceView& mesh, std::span<const std::uint32_t> faces);
+
+}  // namespace coppice

@@ -1,0 +1,25 @@
+#include "coppice/base/number_set.h"
+
+#include <gtest/gtest.h>
+
+namespace coppice {
+namespace {
+
+TEST(NumberSet, CountsItsMembersInOrder) {
+    NumberSet set(200);
+    for (const std::uint32_t i : {130u, 0u, 63u, 64u, 199u, 64u}) set.add(i);
+    EXPECT_EQ(set.ascending(), (std::vector<std::uint32_t>{0, 63, 64, 130, 199}));
+    set.count();
+    EXPECT_EQ(set.rank(0), 0u);
+    EXPECT_EQ(set.rank(64), 2u);
+    EXPECT_EQ(set.rank(65), 3u);
+    EXPECT_EQ(set.rank(199), 4u);
+}
+
+TEST(NumberSet, MayBeEmpty) {
+    EXPECT_TRUE(NumberSet(0).ascending().empty());
+    EXPECT_TRUE(NumberSet(65).ascending().empty());
+}
+
+}  // namespace
+}  // namespace coppice
