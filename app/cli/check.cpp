@@ -24,6 +24,32 @@ std::string torn_off(const TreePartsReport& parts, const CheckFlags& flags) {
         grouped(parts.trees), parts.largest.front().node.index());
 }
 
+std::string name_of(const CrossingPlace& place) {
+    if (!place.node)
+        return fmt::format("({:.6g}, {:.6g}, {:.6g})", place.place.x, place.place.y, place.place.z);
+    if (place.node == place.other_node) return fmt::format("node {}", place.node.index());
+    return fmt::format("nodes {} and {}", place.node.index(), place.other_node.index());
+}
+
+std::string crosses_itself(const SurfaceReport& report, const CheckFlags& flags) {
+    constexpr std::size_t kMostListed = 3;
+    const CrossingPlaces& places = *report.crossing_places;
+    std::string text =
+        fmt::format("'{}' crosses itself at {} place{}{}", flags.mesh.string(), grouped(places.total),
+                    places.total == 1 ? "" : "s", report.intersections->complete ? "" : " or more");
+    const std::size_t listed = std::min(kMostListed, places.largest.size());
+    for (std::size_t k = 0; k < listed; ++k) {
+        const CrossingPlace& place = places.largest[k];
+        text += fmt::format("{} {} ({}{})", k == 0 ? ":" : ",", name_of(place), grouped(place.pairs),
+                            k > 0              ? ""
+                            : place.pairs == 1 ? " pair of faces"
+                                               : " pairs of faces");
+    }
+    if (listed > 0 && listed < places.total)
+        text += fmt::format(", and {} more", grouped(places.total - listed));
+    return text;
+}
+
 ExitCode check(Run& run, const CheckFlags& flags) {
     if (flags.mesh.empty()) throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON]");
     const PolygonMesh mesh = load_mesh(run, flags.mesh);
@@ -37,6 +63,7 @@ ExitCode check(Run& run, const CheckFlags& flags) {
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            report.sound() ? "sound" : "not sound"));
+    if (report.crossing_places && report.crossing_places->total > 0) say(crosses_itself(report, flags));
     if (!report.covers_skeleton()) {
         say(fmt::format(
             "{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",

@@ -54,6 +54,9 @@ def make_inputs():
     write("open.obj", CUBE + "".join(CUBE_FACES[1:]))
     # A stem with a branch; the piece of it above 1.7 m hangs in the air.
     write("torn.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 1.6), 0) + box_obj((-0.1, -0.1, 1.7), (0.1, 0.1, 2), 8))
+    # A stem and a bar across it, for cross.swc.
+    write("crossed.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 2), 0) + box_obj((-0.5, -0.05, 0.95), (0.5, 0.05, 1.05), 8))
+    write("cross.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1.2 0.1 1\n3 1 0 0 2 0.1 2\n4 1 -0.1 0 1 0.05 -1\n5 1 0.5 0 1 0.05 4\n")
     write("empty.swc", "")
     # Rings of 16 points on a stem of radius 0.1 and 2 m.
     stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <stop_token>
 
 #include "mesh/shapes.h"
@@ -205,6 +206,57 @@ TEST(Classify, WithoutASkeletonAllAreLocal) {
     const IntersectionReport r = classify(crossing_faces(SurfaceTree(m), kMany), m, nullptr, nullptr);
     EXPECT_EQ(r.total, 8u);
     EXPECT_EQ(r.local, 8u);
+}
+
+/// A bar through a slab at `x`: eight pairs (see CrossingFaces.OfTwoBoxes); where the bar ends in it, four.
+PolygonMesh pierced(float x, bool through) {
+    return both(box({x, 0, 0}, {x + 9, 9, 1}), box({x + 4, 4, through ? -3 : 0.5f}, {x + 5, 5, 3}));
+}
+
+CrossingPlaces places_of(const PolygonMesh& m, const Skeleton* s, std::size_t most_named) {
+    std::optional<CapsuleTree> capsules;
+    if (s != nullptr) capsules.emplace(*s, m.origin);
+    return crossing_places(crossing_faces(SurfaceTree(m), kMany), m, s, capsules ? &*capsules : nullptr,
+                           most_named);
+}
+
+TEST(CrossingPlaces, ComeByTheNumberOfTheirPairs) {
+    PolygonMesh m = both(both(pierced(0, false), pierced(20, true)), pierced(40, false));
+    m.origin = {1000, 0, 0};
+    const CrossingPlaces all = places_of(m, nullptr, 9);
+    ASSERT_EQ(all.total, 3u);
+    ASSERT_EQ(all.largest.size(), 3u);
+    EXPECT_EQ(all.more(), 0u);
+    EXPECT_EQ(all.largest[0].pairs, 8u);
+    EXPECT_EQ(all.largest[1].pairs, 4u);
+    // The means of four sides of the bar and of the slab's faces, two and one: at (x + 4.5, 4.5).
+    EXPECT_EQ(all.largest[0].place, Vec3d(1024.5, 4.5, 0.25));   // sides at 0, slab at 0 and 1
+    EXPECT_EQ(all.largest[1].place, Vec3d(1004.5, 4.5, 1.375));  // sides at 1.75, slab at 1
+    EXPECT_EQ(all.largest[2].place.x, 1044.5);                   // as many pairs, of later faces
+    EXPECT_FALSE(all.largest[0].node);
+    const CrossingPlaces few = places_of(m, nullptr, 1);
+    ASSERT_EQ(few.largest.size(), 1u);
+    EXPECT_EQ(few.largest[0], all.largest[0]);
+    EXPECT_EQ(few.more(), 2u);
+    EXPECT_EQ(places_of(m, nullptr, 0).more(), 3u);
+    EXPECT_EQ(places_of(cube(), nullptr, 5), CrossingPlaces{});
+}
+
+TEST(CrossingPlaces, NameTheNearestNodesOfASkeleton) {
+    // The bar goes along z by nodes 0 to 2, the slab along x by 3 and 4; the place is at z = 0.25.
+    const Skeleton s(
+        {kRoot, NodeId(0), NodeId(1), kRoot, NodeId(3)},
+        {{4.5f, 4.5f, -3}, {4.5f, 4.5f, 1.5f}, {4.5f, 4.5f, 3}, {1, 4.5f, 0.5f}, {9, 4.5f, 0.5f}},
+        {0.5f, 0.5f, 0.5f, 4, 4});
+    const CrossingPlaces found = places_of(pierced(0, true), &s, 5);
+    ASSERT_EQ(found.largest.size(), 1u);
+    EXPECT_EQ(found.largest[0].node, NodeId(1));
+    EXPECT_EQ(found.largest[0].other_node, NodeId(3));
+    // All on one segment: one node, twice.
+    const Skeleton alone({kRoot, NodeId(0)}, {{4.5f, 4.5f, -3}, {4.5f, 4.5f, 1.5f}}, {0.5f, 0.5f});
+    const CrossingPlaces one = places_of(pierced(0, true), &alone, 5);
+    EXPECT_EQ(one.largest.at(0).node, NodeId(1));
+    EXPECT_EQ(one.largest.at(0).other_node, NodeId(1));
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #include "coppice/measure/intersections.h"
 
 #include <algorithm>
+#include <array>
+#include <unordered_map>
 
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/predicates.h"
 
@@ -12,6 +15,7 @@ constexpr std::size_t kGroupsPerRange = 64;
 constexpr std::size_t kRangesPerBatch = 32;
 constexpr std::size_t kFaceGrain = 1 << 12;
 constexpr std::size_t kPatch = 16;  // faces that are mostly neighbours
+constexpr std::size_t kPairGrain = 256;
 constexpr double kNeighbourHops = 3;
 constexpr double kNeighbourRadii = 3;
 constexpr double kClearance = 1.05;
@@ -79,6 +83,18 @@ std::vector<FacePair> crossings_of_groups(const SurfaceTree& surface, IndexRange
     return found;
 }
 
+Vec3d middle(const PolygonMesh& mesh, std::uint32_t face) {
+    const auto corners = mesh.face(face);
+    Vec3d sum;
+    for (const std::uint32_t v : corners) sum += Vec3d(mesh.positions[v]);
+    return sum / static_cast<double>(corners.size());
+}
+
+/// The segment that a face belongs to.
+std::uint32_t capsule_of(const PolygonMesh& mesh, std::uint32_t face, const CapsuleTree& capsules) {
+    return capsules.nearest(middle(mesh, face)).capsule;
+}
+
 enum class Kind { local, remote, overlap };
 
 class Classifier {
@@ -91,7 +107,8 @@ class Classifier {
     }
 
     Kind kind(const PolygonMesh& mesh, FacePair pair) const {
-        const std::uint32_t i = part(mesh, pair.first), j = part(mesh, pair.second);
+        const std::uint32_t i = capsule_of(mesh, pair.first, capsules_),
+                            j = capsule_of(mesh, pair.second, capsules_);
         if (i == CapsuleTree::kNone || j == CapsuleTree::kNone) return Kind::local;
         if (are_neighbours(i, j)) return Kind::local;
         const RoundCone &a = capsules_.cone(i), &b = capsules_.cone(j);
@@ -100,13 +117,6 @@ class Classifier {
     }
 
   private:
-    std::uint32_t part(const PolygonMesh& mesh, std::uint32_t face) const {
-        const auto corners = mesh.face(face);
-        Vec3d sum;
-        for (const std::uint32_t v : corners) sum += Vec3d(mesh.positions[v]);
-        return capsules_.nearest(sum / static_cast<double>(corners.size())).capsule;
-    }
-
     /// Climbs from both child nodes to where they meet. The way leaves out the two segments themselves.
     bool are_neighbours(std::uint32_t i, std::uint32_t j) const {
         const RoundCone &s = capsules_.cone(i), &t = capsules_.cone(j);
@@ -133,6 +143,58 @@ class Classifier {
     const CapsuleTree& capsules_;
     Column<NodeId, std::uint32_t> depth_;
 };
+
+/// Pairs by place, the largest first.
+std::vector<std::vector<FacePair>> sort_by_place(const FacePairs& found, const PolygonMesh& mesh) {
+    if (found.pairs.empty()) return {};
+    DisjointSets sets(mesh.positions.size());
+    for (const FacePair& p : found.pairs) {
+        const std::uint32_t first = mesh.face(p.first)[0];
+        for (const std::uint32_t f : {p.first, p.second}) {
+            for (const std::uint32_t v : mesh.face(f)) sets.join(first, v);
+        }
+    }
+    std::vector<std::vector<FacePair>> places;
+    std::unordered_map<std::uint32_t, std::size_t> place_of;  // by the vertex that stands for it
+    for (const FacePair& p : found.pairs) {
+        const auto [at, is_new] = place_of.try_emplace(sets.find(mesh.face(p.first)[0]), places.size());
+        if (is_new) places.emplace_back();
+        places[at->second].push_back(p);
+    }
+    std::ranges::stable_sort(places, std::ranges::greater(), &std::vector<FacePair>::size);
+    return places;
+}
+
+/// The two segments, the lesser first, that most of these pairs lie on.
+std::array<std::uint32_t, 2> capsules_of(std::span<const FacePair> pairs, const PolygonMesh& mesh,
+                                         const CapsuleTree& capsules, const Context& ctx) {
+    std::vector<std::array<std::uint32_t, 2>> sides(pairs.size());
+    parallel_for(ctx, sides.size(), kPairGrain, [&](std::size_t i) {
+        sides[i] = {capsule_of(mesh, pairs[i].first, capsules), capsule_of(mesh, pairs[i].second, capsules)};
+        std::ranges::sort(sides[i]);
+    });
+    std::ranges::sort(sides);
+    std::array<std::uint32_t, 2> best{};
+    std::ptrdiff_t most = 0;
+    for (auto at = sides.begin(); at != sides.end();) {
+        const auto end = std::upper_bound(at, sides.end(), *at);
+        if (end - at > most) {
+            most = end - at;
+            best = *at;
+        }
+        at = end;
+    }
+    return best;
+}
+
+/// The end of a segment that is nearer to a place; none where there is no segment.
+NodeId nearer_end(const Skeleton& skeleton, const CapsuleTree& capsules, std::uint32_t i, Vec3d place) {
+    if (i == CapsuleTree::kNone) return {};
+    const RoundCone& cone = capsules.cone(i);
+    const NodeId end = capsules.node(i), begin = skeleton.parent(end);
+    const bool is_begin = begin && distance(place, cone.a) < distance(place, cone.b());
+    return is_begin ? begin : end;
+}
 
 }  // namespace
 
@@ -212,7 +274,7 @@ IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, con
     }
     const Classifier classifier(*skeleton, *capsules);
     std::vector<Kind> kinds(found.pairs.size());
-    parallel_for(ctx, kinds.size(), 256,
+    parallel_for(ctx, kinds.size(), kPairGrain,
                  [&](std::size_t i) { kinds[i] = classifier.kind(mesh, found.pairs[i]); });
     const auto count = [&](Kind k) {
         return static_cast<std::uint64_t>(std::count(kinds.begin(), kinds.end(), k));
@@ -221,6 +283,25 @@ IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, con
     report.remote = count(Kind::remote);
     report.overlap = count(Kind::overlap);
     return report;
+}
+
+CrossingPlaces crossing_places(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,
+                               const CapsuleTree* capsules, std::size_t most_named, const Context& ctx) {
+    const std::vector<std::vector<FacePair>> places = sort_by_place(found, mesh);
+    CrossingPlaces out{.total = places.size()};
+    for (std::size_t k = 0; k < std::min(most_named, places.size()); ++k) {
+        const std::vector<FacePair>& pairs = places[k];
+        Vec3d sum;
+        for (const FacePair& p : pairs) sum += middle(mesh, p.first) + middle(mesh, p.second);
+        const Vec3d place = sum / (2 * static_cast<double>(pairs.size()));
+        CrossingPlace& named =
+            out.largest.emplace_back(CrossingPlace{.place = mesh.origin + place, .pairs = pairs.size()});
+        if (skeleton == nullptr || capsules == nullptr) continue;
+        const auto [one, other] = capsules_of(pairs, mesh, *capsules, ctx);
+        named.node = nearer_end(*skeleton, *capsules, one, place);
+        named.other_node = nearer_end(*skeleton, *capsules, other, place);
+    }
+    return out;
 }
 
 }  // namespace coppice

@@ -61,6 +61,50 @@ struct IntersectionReport {
 IntersectionReport classify(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,
                             const CapsuleTree* capsules, const Context& ctx = {});
 
+/// A place where a surface crosses itself.
+struct CrossingPlace {
+    NodeId node;  ///< with a skeleton the node nearest to the place, of the segment that most pairs lie on
+    NodeId other_node;        ///< the same of the other face of these pairs; often the same node
+    Vec3d place;              ///< [m] the mean of the faces, with the mesh's origin
+    std::uint64_t pairs = 0;  ///< of faces
+    friend bool operator==(const CrossingPlace&, const CrossingPlace&) = default;  ///< member by member
+};
+
+/// The places where a surface crosses itself.
+struct CrossingPlaces {
+    std::uint64_t total = 0;                                       ///< number of places
+    std::vector<CrossingPlace> largest;                            ///< some of them, by number of pairs
+    std::uint64_t more() const { return total - largest.size(); }  ///< places not named
+    friend bool operator==(const CrossingPlaces&, const CrossingPlaces&) = default;  ///< member by member
+};
+
+/// Sorts pairs by place: two belong together when their faces share a vertex, and so on. The `most_named`
+/// places with most pairs are described; of equal ones those of earlier faces come first. Nodes are named
+/// with a skeleton only; `capsules` must be those of `skeleton`, in the mesh's frame. O(pairs), but for a
+/// number per vertex and a search for each face of the places that are named.
+CrossingPlaces crossing_places(const FacePairs& found, const PolygonMesh& mesh, const Skeleton* skeleton,
+                               const CapsuleTree* capsules, std::size_t most_named, const Context& ctx = {});
+
+/// Calls visit(name, number) for every figure, in order.
+template <class Visitor>
+void visit_figures(const CrossingPlace& p, Visitor&& visit) {
+    visit("pairs", p.pairs);
+    if (p.node) {
+        visit("node", p.node.index());
+        visit("other_node", p.other_node.index());
+    }
+    visit("x", p.place.x);
+    visit("y", p.place.y);
+    visit("z", p.place.z);
+}
+
+/// Calls visit(name, number) for both counts.
+template <class Visitor>
+void visit_figures(const CrossingPlaces& p, Visitor&& visit) {
+    visit("total", p.total);
+    visit("more", p.more());
+}
+
 /// Calls visit(name, number) for every count.
 template <class Visitor>
 void visit_figures(const IntersectionReport& r, Visitor&& visit) {

@@ -14,7 +14,10 @@ void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const Capsule
     ctx.report(0.3f);
     if (options.intersections) {
         const auto limit = static_cast<std::uint32_t>(options.most_intersections);
-        report.intersections = classify(crossing_faces(surface, limit, ctx), mesh, skeleton, capsules, ctx);
+        const FacePairs found = crossing_faces(surface, limit, ctx);
+        report.intersections = classify(found, mesh, skeleton, capsules, ctx);
+        report.crossing_places = crossing_places(found, mesh, skeleton, capsules,
+                                                 static_cast<std::size_t>(options.most_places), ctx);
     }
     ctx.report(0.7f);
     if (capsules == nullptr) return;

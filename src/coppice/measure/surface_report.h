@@ -20,6 +20,7 @@ namespace coppice {
 struct CheckOptions {
     bool intersections = true;           ///< look for faces that cross
     int most_intersections = 1'000'000;  ///< stop looking after so many pairs; >= 0
+    int most_places = 5;                 ///< where they cross that are named; >= 0
     EndShape base = EndShape::flat;      ///< how the skeleton's trees end at a root with one child
     EndShape tips = EndShape::round;     ///< how its branches end
 };
@@ -30,6 +31,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"intersections", "look for self-intersections: faces that cross"}, o.intersections);
     visit(Field{"most_intersections", "stop looking after so many crossing pairs", Unit::none, 0, 1e9},
           o.most_intersections);
+    visit(Field{"most_places", "name so many of the places where faces cross, the largest first", Unit::none,
+                0, 1e6},
+          o.most_places);
     visit(Field{"base", "how trees are meant to end at a root with one child, for the volume"}, o.base);
     visit(Field{"tips", "how branches are meant to end, for the volume"}, o.tips);
 }
@@ -39,6 +43,7 @@ struct SurfaceReport {
     TopologyReport topology;                          ///< how faces join
     ShapeReport shape;                                ///< how well shaped they are
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
+    std::optional<CrossingPlaces> crossing_places;    ///< where they are; none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
     std::optional<CoverageReport> coverage;           ///< none without a skeleton
     std::optional<TreePartsReport> parts;             ///< none without a skeleton
@@ -59,6 +64,12 @@ struct SurfaceReport {
 /// `validate`). The same bits for any number of threads.
 SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton,
                             const CheckOptions& options = {}, const Context& ctx = {});
+
+/// Calls visit("name_1", value), visit("name_2", value), ...
+template <class Value, class Visitor>
+void visit_numbered(const char* name, const std::vector<Value>& values, Visitor&& visit) {
+    for (std::size_t k = 0; k < values.size(); ++k) visit(name + std::to_string(k + 1), values[k]);
+}
 
 /// Calls visit(name, value) for every figure, in the order for print. A value is an integer, a bool, a
 /// double, or a group (Statistics, IntersectionReport) with a visit_figures of its own. Names are those of
@@ -83,6 +94,10 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
     visit("signed_volume", r.shape.signed_volume);
     visit("area", r.shape.area);
     if (r.intersections) visit("intersections", *r.intersections);
+    if (r.crossing_places) {
+        visit("crossing_places", *r.crossing_places);
+        visit_numbered("crossing_place_", r.crossing_places->largest, visit);
+    }
     if (r.radius) {
         visit("radius_all", r.radius->all);
         visit("radius_regular", r.radius->regular);
@@ -97,14 +112,11 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
         visit("trees", r.parts->trees);
         visit("parts", r.parts->parts);
         visit("parts_loose", r.parts->loose);
-        for (std::size_t k = 0; k < r.parts->largest.size(); ++k)
-            visit(std::string("loose_part_") + static_cast<char>('1' + k), r.parts->largest[k]);
+        visit_numbered("loose_part_", r.parts->largest, visit);
     }
     if (r.volume) {
         visit("volume", *r.volume);
-        for (std::size_t k = 0; k < r.volume->lumps.size(); ++k) {
-            visit(std::string("missing_lump_") + static_cast<char>('1' + k), r.volume->lumps[k]);
-        }
+        visit_numbered("missing_lump_", r.volume->lumps, visit);
     }
     if (r.radius) {
         visit("tips", r.radius->tips);
