@@ -1,6 +1,10 @@
 #include "surfaces.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string_view>
+#include <vector>
 
 #include "coppice/io/mesh/writer.h"
 #include "figures.h"
@@ -38,12 +42,21 @@ Figures counts_of(const KnotReport& r) {
     return out;
 }
 
-// What to say of quads that crossed: nothing where none did.
+std::string counted(std::uint64_t number, std::string_view thing) {
+    return fmt::format("{} {}{}", grouped(number), thing, number == 1 ? "" : "s");
+}
+
+bool had_knots(const KnotReport& r) { return r.pairs_before > 0 || r.lossy > 0; }
+
+// What to say of quads that crossed or left something out: nothing where none did.
 std::string told(const KnotReport& r) {
-    if (r.rounds == 0) return {};
-    std::string out = fmt::format(", {} crossings remeshed", grouped(r.pairs_before));
-    if (r.pairs_after > 0) out += fmt::format(" but {}", grouped(r.pairs_after));
-    if (r.handles > 0) out += fmt::format(", {} handles", grouped(static_cast<std::uint64_t>(r.handles)));
+    std::vector<std::string> remeshed;
+    if (r.pairs_before > 0) remeshed.push_back(counted(r.pairs_before, "crossing"));
+    if (r.lossy > 0) remeshed.push_back(counted(r.lossy, "lost bulge"));
+    std::string out;
+    if (r.rounds > 0) out += fmt::format(", {} remeshed", fmt::join(remeshed, " and "));
+    if (r.pairs_after > 0) out += fmt::format(", {} left", counted(r.pairs_after, "crossing"));
+    if (r.handles > 0) out += ", " + counted(static_cast<std::uint64_t>(r.handles), "handle");
     return out;
 }
 
@@ -53,7 +66,7 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["cage_quads"] = surface.cage.cage.quads.size();
     counts["branches_grafted"] = counts_of(surface.grafted);
     counts["branches_parted"] = counts_of(surface.parted);
-    if (surface.knots.rounds > 0) counts["crossings_remeshed"] = counts_of(surface.knots);
+    if (had_knots(surface.knots)) counts["crossings_remeshed"] = counts_of(surface.knots);
     return fmt::format("{} grafted, {} cut; {} quads{}", grouped(surface.grafted.grafted),
                        grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()), told(surface.knots));
 }
