@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "coppice/base/fields.h"
 #include "coppice/io/file.h"
+#include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/pipeline/option_fields.h"
 #include "coppice/points/spacing.h"
 #include "coppice/render/cloud_mesh.h"
 #include "coppice/render/png.h"
@@ -14,10 +17,27 @@
 #include "options.h"
 
 namespace coppice::cli {
+
+/// What stands out in the picture of a mesh.
+enum class Marked { none, crossings };
+
+}  // namespace coppice::cli
+
+namespace coppice {
+
+template <>
+struct EnumNames<cli::Marked> {
+    static constexpr std::array<std::string_view, 2> names{"none", "crossings"};
+};
+
+}  // namespace coppice
+
+namespace coppice::cli {
 namespace {
 
 struct RenderFlags {
     std::filesystem::path input, second, output, distance_to;
+    Marked mark = Marked::none;
     float point_size = 0;  ///< [m] width of points; 0 = from their spacing
     RenderOptions render;
     ReadSkeletonOptions read;
@@ -28,6 +48,13 @@ struct Inputs {
     std::optional<SkeletonFile> skeleton;
     std::optional<PolygonMesh> other;
     std::optional<SurfaceTree> surface;  ///< of the other mesh
+    bool is_cloud = false;               ///< the mesh was made of points
+};
+
+/// What stands out.
+struct Crossings {
+    std::vector<std::uint32_t> faces;
+    std::vector<RenderMark> places;
 };
 
 PolygonMesh load_cloud(Run& run, const std::filesystem::path& path, double point_size) {
@@ -52,6 +79,7 @@ Inputs load(Run& run, const RenderFlags& flags) {
             in.skeleton = load_skeleton(run, path, flags.read);
         } else if (kind == FileKind::points) {
             in.mesh = load_cloud(run, path, double{flags.point_size});
+            in.is_cloud = true;
         } else {
             in.mesh = load_mesh(run, path);
             validate(*in.mesh);
@@ -85,6 +113,23 @@ void load_other(Run& run, const RenderFlags& flags, Inputs& in) {
     });
 }
 
+Crossings find_crossings(Run& run, const Inputs& in) {
+    constexpr std::uint32_t kMostPairs = 1'000'000;
+    constexpr std::size_t kMostPlaces = 1000;
+    if (!in.mesh || in.is_cloud)
+        throw UsageError("--mark crossings needs a mesh: coppice render MESH --mark crossings -o PNG");
+    return run.stage("crossings", [&](const Context& ctx) {
+        Crossings out;
+        const FacePairs found = crossing_faces(SurfaceTree(*in.mesh, ctx), kMostPairs, ctx);
+        for (const FacePair& p : found.pairs) out.faces.insert(out.faces.end(), {p.first, p.second});
+        const CrossingPlaces places = crossing_places(found, *in.mesh, nullptr, nullptr, kMostPlaces, ctx);
+        for (const CrossingPlace& p : places.largest) out.places.push_back({p.place, p.radius});
+        run.counts()["crossings"] = found.pairs.size();
+        run.counts()["crossing_places"] = places.total;
+        return out;
+    });
+}
+
 ExitCode render_file(Run& run, const RenderFlags& flags) {
     check_flags(flags);
     Inputs in = load(run, flags);
@@ -104,9 +149,12 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
             return vertex_deviations(*in.mesh, in.skeleton->skeleton, ctx);
         });
     }
+    const Crossings crossings = flags.mark == Marked::crossings ? find_crossings(run, in) : Crossings{};
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
                             .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
                             .deviation = deviation,
+                            .marked_faces = crossings.faces,
+                            .marks = crossings.places,
                             .distance_to = in.surface ? &*in.surface : nullptr};
     const Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
     run.stage("write", [&](const Context&) {
@@ -129,6 +177,10 @@ Command render_command() {
     options.file("-o,--output", "PNG", flags->output, "picture to write");
     options.file("--distance-to", "MESH", flags->distance_to,
                  "colour by the distance from this mesh: inside blue, outside red");
+    options.value(
+        {{"mark", "what stands out: crossings are faces of the mesh that cross, with rings around them"},
+         choice_of(flags->mark)},
+        "Picture");
     options.value({{"point_size", "width of the points of a cloud; 0 = their spacing", Unit::metre, 0, 1e6},
                    &flags->point_size},
                   "Picture");

@@ -233,6 +233,7 @@ TEST(CrossingPlaces, ComeByTheNumberOfTheirPairs) {
     EXPECT_EQ(all.largest[0].place, Vec3d(1024.5, 4.5, 0.25));   // sides at 0, slab at 0 and 1
     EXPECT_EQ(all.largest[1].place, Vec3d(1004.5, 4.5, 1.375));  // sides at 1.75, slab at 1
     EXPECT_EQ(all.largest[2].place.x, 1044.5);                   // as many pairs, of later faces
+    EXPECT_NEAR(all.largest[0].radius, std::sqrt(2 * 4.5 * 4.5 + 0.75 * 0.75), 1e-6);  // the slab's corners
     EXPECT_FALSE(all.largest[0].node);
     const CrossingPlaces few = places_of(m, nullptr, 1);
     ASSERT_EQ(few.largest.size(), 1u);

@@ -125,6 +125,69 @@ TEST(Render, TheSkeletonShinesThroughTheMesh) {
     EXPECT_LT(plain[0], plain[2] + 60);
 }
 
+bool is_magenta(const Image::Pixel& p) { return p[0] > p[1] + 60 && p[2] > p[1] + 40; }
+
+TEST(Render, MarkedFacesStandOutAlsoWhereTheyAreHidden) {
+    const PolygonMesh mesh = cube(1);
+    const Image plain = render({.mesh = &mesh}, small());
+    EXPECT_FALSE(is_magenta(plain.at(32, 32)));
+    // The camera is on +x: the last face of the cube is in front, the fifth one behind.
+    for (const std::uint32_t face : {5u, 4u}) {
+        const std::vector<std::uint32_t> marked{face};
+        const Image image = render({.mesh = &mesh, .marked_faces = marked}, small());
+        EXPECT_TRUE(is_magenta(image.at(32, 32))) << face;
+        EXPECT_EQ(is_magenta(image.at(5, 32)), face == 5) << "what is behind looks smaller";
+        EXPECT_EQ(render({.mesh = &mesh, .marked_faces = marked}, small(), {.threads = 3}), image);
+    }
+    const std::vector<std::uint32_t> none{6};
+    EXPECT_THROW(render({.mesh = &mesh, .marked_faces = none}, small()), InvalidInput);
+    const Skeleton skeleton = fork();
+    EXPECT_THROW(render({.skeleton = &skeleton, .marked_faces = none}, small()), InvalidInput);
+}
+
+TEST(Render, MarkedTrianglesAndLargerFacesStandOutWhole) {
+    PolygonMesh
+        mesh;  // a square across the view, as one of four corners with a triangle below and five above
+    mesh.positions.assign(
+        {{0, -1, -1}, {0, 1, -1}, {0, 1, 0}, {0, -1, 0}, {0, -1, 1}, {0, 0, 1.1f}, {0, 1, 1}});
+    mesh.add_face(std::vector<std::uint32_t>{0, 1, 2});
+    mesh.add_face(std::vector<std::uint32_t>{0, 2, 3});
+    mesh.add_face(std::vector<std::uint32_t>{3, 2, 6, 5, 4});
+    const auto pixels_of = [&](std::uint32_t face) {
+        const std::vector<std::uint32_t> marked{face};
+        const Image image = render({.mesh = &mesh, .marked_faces = marked}, small());
+        int count = 0;
+        for (const Image::Pixel& p : image.pixels) count += is_magenta(p) ? 1 : 0;
+        return count;
+    };
+    EXPECT_NEAR(pixels_of(0), pixels_of(1), 60);
+    EXPECT_NEAR(pixels_of(2), 2.1 * pixels_of(0), 120);  // areas 1 and 2.1
+}
+
+TEST(Render, RingsAreDrawnAroundMarks) {
+    const PolygonMesh mesh = cube(1, {100, 0, 0});
+    // A ring about the middle, as wide as the cube at that depth; one too small to be seen is drawn larger.
+    const std::vector<RenderMark> wide{{{100, 0, 0}, 0.5}}, tiny{{{100, 0, 0}, 0}};
+    const auto columns = [&](std::span<const RenderMark> marks) {
+        const Image image = render({.mesh = &mesh, .marks = marks}, small());
+        std::vector<int> found;
+        for (int x = 0; x < 64; ++x) {
+            if (is_magenta(image.at(x, 32))) found.push_back(x);
+        }
+        return found;
+    };
+    const auto ring = columns(wide);
+    ASSERT_GE(ring.size(), 2u);
+    EXPECT_EQ(ring.front(), 63 - ring.back());  // about the middle
+    EXPECT_GT(ring.back() - ring.front(), 20);
+    EXPECT_LT(ring.back() - ring.front(), 40);
+    EXPECT_FALSE(columns(tiny).empty());
+    EXPECT_TRUE(columns({}).empty());
+    // One behind the camera, and one beside the picture.
+    const std::vector<RenderMark> outside{{{1e6, 0, 0}, 1}, {{100, 1e6, 0}, 1}};
+    EXPECT_TRUE(columns(outside).empty());
+}
+
 TEST(Render, SamePictureForAnyNumberOfThreads) {
     const Skeleton skeleton = fork();
     RenderOptions o = small();

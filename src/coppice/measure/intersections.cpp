@@ -165,6 +165,28 @@ std::vector<std::vector<FacePair>> sort_by_place(const FacePairs& found, const P
     return places;
 }
 
+/// Calls visit(face) for both faces of every pair.
+template <class Visit>
+void for_each_face(std::span<const FacePair> pairs, const Visit& visit) {
+    for (const FacePair& p : pairs) {
+        visit(p.first);
+        visit(p.second);
+    }
+}
+
+CrossingPlace place_of(std::span<const FacePair> pairs, const PolygonMesh& mesh) {
+    CrossingPlace out{.pairs = pairs.size()};
+    Vec3d sum;
+    for_each_face(pairs, [&](std::uint32_t f) { sum += middle(mesh, f); });
+    const Vec3d place = sum / (2 * static_cast<double>(pairs.size()));
+    for_each_face(pairs, [&](std::uint32_t f) {
+        for (const std::uint32_t v : mesh.face(f))
+            out.radius = std::max(out.radius, distance(place, Vec3d(mesh.positions[v])));
+    });
+    out.place = mesh.origin + place;
+    return out;
+}
+
 /// The two segments, the lesser first, that most of these pairs lie on.
 std::array<std::uint32_t, 2> capsules_of(std::span<const FacePair> pairs, const PolygonMesh& mesh,
                                          const CapsuleTree& capsules, const Context& ctx) {
@@ -291,13 +313,10 @@ CrossingPlaces crossing_places(const FacePairs& found, const PolygonMesh& mesh, 
     CrossingPlaces out{.total = places.size()};
     for (std::size_t k = 0; k < std::min(most_named, places.size()); ++k) {
         const std::vector<FacePair>& pairs = places[k];
-        Vec3d sum;
-        for (const FacePair& p : pairs) sum += middle(mesh, p.first) + middle(mesh, p.second);
-        const Vec3d place = sum / (2 * static_cast<double>(pairs.size()));
-        CrossingPlace& named =
-            out.largest.emplace_back(CrossingPlace{.place = mesh.origin + place, .pairs = pairs.size()});
+        CrossingPlace& named = out.largest.emplace_back(place_of(pairs, mesh));
         if (skeleton == nullptr || capsules == nullptr) continue;
         const auto [one, other] = capsules_of(pairs, mesh, *capsules, ctx);
+        const Vec3d place = named.place - mesh.origin;
         named.node = nearer_end(*skeleton, *capsules, one, place);
         named.other_node = nearer_end(*skeleton, *capsules, other, place);
     }

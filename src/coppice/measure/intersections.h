@@ -66,6 +66,7 @@ struct CrossingPlace {
     NodeId node;  ///< with a skeleton the node nearest to the place, of the segment that most pairs lie on
     NodeId other_node;        ///< the same of the other face of these pairs; often the same node
     Vec3d place;              ///< [m] the mean of the faces, with the mesh's origin
+    double radius = 0;        ///< [m] from there to the farthest corner of them
     std::uint64_t pairs = 0;  ///< of faces
     friend bool operator==(const CrossingPlace&, const CrossingPlace&) = default;  ///< member by member
 };
@@ -96,6 +97,7 @@ void visit_figures(const CrossingPlace& p, Visitor&& visit) {
     visit("x", p.place.x);
     visit("y", p.place.y);
     visit("z", p.place.z);
+    visit("radius", p.radius);
 }
 
 /// Calls visit(name, number) for both counts.

@@ -21,6 +21,7 @@ class Camera {
 
     Vec3 position() const { return position_; }
     Vec3 direction(float x, float y) const;  ///< unit, through a point of the picture
+    Vec3 right() const { return right_; }    ///< unit, to the right in the picture
     Vec3 to_camera() const { return -forward_; }
 
     struct Projected {

@@ -8,6 +8,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/render/ring_internal.h"
 #include "coppice/render/scale_bar_internal.h"
 #include "coppice/render/shading_internal.h"
 
@@ -38,6 +39,11 @@ void check(const RenderScene& scene, const RenderOptions& options) {
                 throw InvalidInput(fmt::format("render: vertex {} of the mesh has no finite position", v));
             }
         }
+    }
+    const std::uint32_t faces = scene.mesh == nullptr ? 0 : scene.mesh->face_count();
+    for (const std::uint32_t f : scene.marked_faces) {
+        if (f >= faces)
+            throw InvalidInput(fmt::format("render: face {} is marked, but there are {}", f, faces));
     }
     if (options.color == RenderColor::distance &&
         (scene.mesh == nullptr || scene.distance_to == nullptr || scene.distance_to->boxes().size() == 0)) {
@@ -86,6 +92,22 @@ void draw_tile(Image& image, const Shading& shading, int left, int top, int bott
     }
 }
 
+/// Rings at least as wide as a fortieth of the picture, so that none is overlooked.
+void draw_marks(Image& image, const RenderScene& scene, const TracedScene& traced, const Camera& camera) {
+    constexpr float kLeastRadius = 1.0f / 80, kWidth = 1.0f / 450, kFree = 1.15f;
+    const auto size = static_cast<float>(std::min(image.width, image.height));
+    for (const RenderMark& mark : scene.marks) {
+        const Vec3 place = traced.local(mark.place);
+        const Camera::Projected middle = camera.project(place);
+        if (middle.depth <= 0) continue;
+        const auto beside =
+            camera.project(place + camera.right() * (traced.local_length(mark.radius) * kFree));
+        const float radius =
+            std::max(std::hypot(beside.x - middle.x, beside.y - middle.y), kLeastRadius * size);
+        draw_ring(image, {middle.x, middle.y, radius, std::max(1.5f, kWidth * size)}, kMarkColor);
+    }
+}
+
 }  // namespace
 
 Image render(const RenderScene& scene, const RenderOptions& options, const Context& ctx) {
@@ -115,6 +137,7 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
         ctx.report(kBuildShare +
                    (1 - kBuildShare) * static_cast<float>(end) / static_cast<float>(options.height));
     }
+    draw_marks(image, scene, traced, camera);
     if (options.color == RenderColor::deviation)
         draw_scale_bar(image, fmt::format("{:.3g}%", 100 * options.deviation_range));
     if (options.color == RenderColor::distance) draw_scale_bar(image, length_text(chosen.distance_range));

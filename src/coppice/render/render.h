@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 
@@ -20,16 +21,25 @@ struct EnumNames<RenderColor> {
     static constexpr std::array<std::string_view, 3> names{"plain", "deviation", "distance"};
 };
 
+/// A place to point at.
+struct RenderMark {
+    Vec3d place;        ///< [m] in the world, origins added
+    double radius = 0;  ///< [m] of what is there
+};
+
 /// What to draw; refers to values that must outlive the call.
 ///
 /// A mesh alone is drawn as a solid; a skeleton alone as round cones with its radii; both together as the
-/// solid mesh with the skeleton's axis shining through. The origins of both are respected.
+/// solid mesh with the skeleton's axis shining through. Marked faces stand out in magenta on a pale mesh, and
+/// shine through where they are hidden. The origins of all are respected.
 struct RenderScene {
     const PolygonMesh* mesh = nullptr;   ///< the surface, if any
     const Skeleton* skeleton = nullptr;  ///< the skeleton, if any
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
-    const SurfaceTree* distance_to = nullptr;  ///< another surface, from which the drawn one is measured
+    std::span<const std::uint32_t> marked_faces;  ///< of the mesh
+    std::span<const RenderMark> marks;            ///< places to draw rings around, large enough to be seen
+    const SurfaceTree* distance_to = nullptr;     ///< another surface, from which the drawn one is measured
 };
 
 /// How to draw it. The camera stands where the whole object just fills the picture.

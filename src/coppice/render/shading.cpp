@@ -29,6 +29,10 @@ constexpr Vec3 kWire{0.03f, 0.03f, 0.04f};
 constexpr Vec3 kAxis{0.90f, 0.22f, 0.03f};
 constexpr float kAxisCover = 0.85f;
 constexpr float kWireCover = 0.8f;
+constexpr Vec3 kPale{0.50f, 0.50f, 0.48f};  // a mesh with marked faces
+constexpr float kMarkCover = 0.95f;
+constexpr float kHiddenMarkCover = 0.7f;
+constexpr float kSame = 1e-5f;  // of the distance, within which a marked face is the one in front
 
 struct Pair {
     float x, y;
@@ -124,7 +128,8 @@ Light Shading::pixel(int x, int y) const {
 Light Shading::sample(float x, float y, const Draws& draws) const {
     const Vec3 direction = camera_.direction(x, y);
     Light light;
-    if (const auto hit = scene_.trace(camera_.position(), direction)) {
+    const auto hit = scene_.trace(camera_.position(), direction);
+    if (hit) {
         light = solid(*hit, x, y, draws);
     } else {
         const Light back = options_.transparent ? Light{} : Light{kBackground, 1};
@@ -136,7 +141,18 @@ Light Shading::sample(float x, float y, const Draws& draws) const {
             light = over({kAxis * (bright * kAxisCover), kAxisCover}, light);
         }
     }
+    if (scene_.has_marked()) light = over(marked(direction, hit), light);
     return light;
+}
+
+/// Marked faces, less of them behind others.
+Light Shading::marked(Vec3 direction, const std::optional<Hit>& front) const {
+    const auto hit = scene_.trace_marked(camera_.position(), direction);
+    if (!hit) return {};
+    const bool is_hidden = front && front->distance < hit->distance * (1 - kSame);
+    const float cover = is_hidden ? kHiddenMarkCover : kMarkCover;
+    const float bright = 0.5f + 0.5f * dot(hit->normal, -direction);
+    return {kMarkColor * (bright * cover), cover};
 }
 
 Vec3 Shading::sun_direction(const Draws& draws) const {
@@ -150,7 +166,7 @@ Vec3 Shading::albedo(const Hit& hit) const {
     if (options_.color == RenderColor::distance && hit.on_mesh) {
         return deviation_color(static_cast<float>(scene_.distance_to_other(hit) / options_.distance_range));
     }
-    return kClay;
+    return scene_.has_marked() ? kPale : kClay;
 }
 
 Light Shading::solid(const Hit& hit, float x, float y, const Draws& draws) const {

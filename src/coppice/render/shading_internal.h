@@ -12,6 +12,9 @@ struct Light {
     float alpha = 0;
 };
 
+/// Of what is marked: a magenta that no surface has. Linear.
+constexpr Vec3 kMarkColor{0.80f, 0.0f, 0.42f};
+
 /// Red for outside, blue for inside, pale grey for true; `t` runs over [-1, 1]. Linear.
 Vec3 deviation_color(float t);
 
@@ -30,6 +33,7 @@ class Shading {
     struct Draws;  // the random numbers of one sample
 
     Light sample(float x, float y, const Draws& draws) const;
+    Light marked(Vec3 direction, const std::optional<Hit>& front) const;
     Light solid(const Hit& hit, float x, float y, const Draws& draws) const;
     Light ground(Vec3 direction, const Draws& draws) const;
     Vec3 albedo(const Hit& hit) const;

@@ -66,9 +66,10 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
     device_ = new_embree_device(ctx);
     solid_is_mesh_ = scene.mesh != nullptr;
     if (scene.mesh != nullptr) {
-        add_faces(*scene.mesh);
+        add_faces(*scene.mesh, scene.marked_faces);
         if (!options.flat) smooth_normals();
-        solid_ = build_mesh(ctx);
+        solid_ = build_mesh(quads_, ctx);
+        if (!marked_quads_.empty()) marked_ = build_mesh(marked_quads_, ctx);
         if (scene.skeleton != nullptr) axis_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
     } else {
         solid_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
@@ -100,23 +101,28 @@ void TracedScene::place(const RenderScene& scene, float skeleton_width) {
     bounds_.extend(-Vec3(half));
 }
 
-void TracedScene::add_faces(const PolygonMesh& mesh) {
+void TracedScene::add_faces(const PolygonMesh& mesh, std::span<const std::uint32_t> marked) {
+    std::vector<std::uint8_t> is_marked(mesh.face_count(), 0);
+    for (const std::uint32_t f : marked) is_marked[f] = 1;
     positions_.reserve(mesh.positions.size());
     for (const Vec3 p : mesh.positions) positions_.push_back(local(p, mesh.origin));
     quads_.reserve(mesh.face_count());
     edges_.reserve(mesh.face_count());
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         const auto c = mesh.face(f);
+        const std::size_t begin = quads_.size();
         if (c.size() == 4) {
             quads_.push_back({c[0], c[1], c[2], c[3]});
             edges_.push_back(0b1111);
-            continue;
         }
-        for (std::size_t k = 1; k + 1 < c.size(); ++k) {
+        for (std::size_t k = 1; c.size() != 4 && k + 1 < c.size(); ++k) {
             quads_.push_back({c[0], c[k], c[k + 1], c[k + 1]});
             edges_.push_back(
                 static_cast<std::uint8_t>((k == 1 ? 1 : 0) | 0b10 | (k + 2 == c.size() ? 0b1000 : 0)));
         }
+        if (is_marked[f] != 0)
+            marked_quads_.insert(marked_quads_.end(), quads_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 quads_.end());
     }
 }
 
@@ -146,15 +152,15 @@ void TracedScene::collect_frame_points(const RenderScene& scene, float skeleton_
     }
 }
 
-EmbreeScene TracedScene::build_mesh(const Context& ctx) {
+EmbreeScene TracedScene::build_mesh(std::span<const Quad> of, const Context& ctx) {
     EmbreeScene scene(rtcNewScene(device_.get()));
     const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD));
     const auto positions =
         new_embree_buffer<Vec3>(geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
     const auto quads =
-        new_embree_buffer<Quad>(geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, quads_.size());
+        new_embree_buffer<Quad>(geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, of.size());
     parallel_for(ctx, positions.size(), kGrain, [&](std::size_t i) { positions[i] = positions_[i]; });
-    parallel_for(ctx, quads.size(), kGrain, [&](std::size_t i) { quads[i] = quads_[i]; });
+    parallel_for(ctx, quads.size(), kGrain, [&](std::size_t i) { quads[i] = of[i]; });
     attach_geometry(scene.get(), geometry.get());
     commit_scene(device_.get(), scene.get(), ctx);
     return scene;
@@ -195,6 +201,10 @@ std::optional<Hit> TracedScene::trace(Vec3 origin, Vec3 direction) const {
 
 std::optional<Hit> TracedScene::trace_axis(Vec3 origin, Vec3 direction) const {
     return trace(axis_.get(), origin, direction);
+}
+
+std::optional<Hit> TracedScene::trace_marked(Vec3 origin, Vec3 direction) const {
+    return trace(marked_.get(), origin, direction);
 }
 
 std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 direction) const {

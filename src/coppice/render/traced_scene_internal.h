@@ -29,12 +29,16 @@ class TracedScene {
     TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx);
 
     std::optional<Hit> trace(Vec3 origin, Vec3 direction) const;
-    std::optional<Hit> trace_axis(Vec3 origin, Vec3 direction) const;  ///< of the skeleton inside a mesh
+    std::optional<Hit> trace_axis(Vec3 origin, Vec3 direction) const;    ///< of the skeleton inside a mesh
+    std::optional<Hit> trace_marked(Vec3 origin, Vec3 direction) const;  ///< of the marked faces
     bool occluded(Vec3 origin, Vec3 direction, float far) const;
 
     const std::vector<FramePoint>& frame_points() const { return frame_points_; }
     Box3 bounds() const { return bounds_; }
     bool has_axis() const { return axis_ != nullptr; }
+    bool has_marked() const { return marked_ != nullptr; }
+    Vec3 local(Vec3d world) const { return Vec3((world - center_) * scale_); }
+    float local_length(double length) const { return static_cast<float>(length * scale_); }
 
     const Quad& quad(std::uint32_t face) const { return quads_[face]; }
     bool has_edge(std::uint32_t face, int k) const {
@@ -46,10 +50,10 @@ class TracedScene {
 
   private:
     void place(const RenderScene& scene, float skeleton_width);
-    void add_faces(const PolygonMesh& mesh);
+    void add_faces(const PolygonMesh& mesh, std::span<const std::uint32_t> marked);
     void smooth_normals();
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
-    EmbreeScene build_mesh(const Context& ctx);
+    EmbreeScene build_mesh(std::span<const Quad> quads, const Context& ctx);
     EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
     template <class T>
@@ -61,14 +65,15 @@ class TracedScene {
     Box3 bounds_;
     std::vector<FramePoint> frame_points_;
     std::vector<Vec3> positions_;
-    std::vector<Vec3> normals_;  ///< per vertex; empty when faces are shown flat
-    std::vector<Quad> quads_;    ///< triangles repeat their last corner; larger faces are fans
+    std::vector<Vec3> normals_;       ///< per vertex; empty when faces are shown flat
+    std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
+    std::vector<Quad> marked_quads_;  ///< those of marked faces
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_;
     const SurfaceTree* distance_to_ = nullptr;
     bool solid_is_mesh_ = false;
     EmbreeDevice device_;
-    EmbreeScene solid_, axis_;
+    EmbreeScene solid_, axis_, marked_;
 };
 
 }  // namespace coppice
