@@ -37,6 +37,7 @@ std::vector<Command> all_commands(CommonFlags& common);
 
 Command mesh_command();
 Command extract_command();
+Command sketch_command();
 Command check_command();
 Command compare_command();
 Command info_command();

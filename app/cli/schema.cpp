@@ -15,6 +15,8 @@
 #include "coppice/render/render.h"
 #include "coppice/render/scan.h"
 #include "coppice/scene/reference.h"
+#include "coppice/sketch/draw.h"
+#include "coppice/sketch/reconstruct.h"
 
 namespace coppice::cli {
 namespace {
@@ -60,6 +62,8 @@ ExitCode schema(Run& run) {
                    {"restore", described<RestoreOptions>()},
                    {"extract_mesh", described<FromMeshOptions>()},
                    {"extract_cloud", described<CloudOptions>()},
+                   {"sketch", described<SketchOptions>()},
+                   {"draw_sketch", described<DrawOptions>()},
                    {"check", described<CheckOptions>()},
                    {"compare", described<CompareOptions>()},
                    {"render", described<RenderOptions>()},

@@ -47,6 +47,15 @@ def make_inputs():
     # A branch that comes back and runs through its own stem, out again on the other side.
     write("loop.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 1 1 0 2 0.05 4\n6 1 -2 0 2 0.05 5\n")
     write("tree_cm.swc", "1 1 0 0 0 20 -1\n2 1 0 0 100 15 1\n3 1 50 0 180 10 2\n4 1 -50 0 180 10 2\n")
+    sketch = {"format": "coppice-sketch", "version": 1,
+              "views": [{"name": side, "orthographic": side, "pixels_per_metre": 100, "origin": [200, 300]} for side in ("front", "side")],
+              "branches": [{"name": "stem", "strokes": {side: {"points": [[200, 300], [200, 100]], "widths": [20, 10]} for side in ("front", "side")}},
+                           {"name": "lateral", "parent": "stem", "strokes": {"front": {"points": [[200, 200], [240, 150], [260, 110]]},
+                                                                             "side": {"points": [[200, 200], [230, 150], [250, 110]]}}}]}
+    write("fork.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.075 1\n3 1 0 0 2 0.05 2\n4 1 0.4 0.3 1.5 0.032 2\n5 1 0.6 0.5 1.9 0.0225 4\n")
+    write("fork.sketch.json", json.dumps(sketch))
+    write("broken.sketch.json", json.dumps(sketch).replace('"parent": "stem"', '"parent": "trunk"'))
+    write("torn.sketch.json", json.dumps(sketch).replace("[230, 150], [250, 110]", "[230, 250], [250, 290]"))
     write("messy.swc", "2 1 0 0 1 0.15 1\n1 1 0 0 0 0.2 -1\n3 1 0 0 2 0 2\n")
     write("broken.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n2 1 0 0 2 0.1 1\n")
     write("lines.obj", "v 0 0 0\nv 0 0 1\nv 0 0 2\nl 1 2 3\n")

@@ -1,0 +1,132 @@
+// coppice_sketch_bench: draws made-up trees into two pictures, as well and as badly as people do, makes
+// skeletons of these sketches, and prints as Markdown how near they come to the trees.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "clock.h"
+#include "coppice/base/median.h"
+#include "coppice/base/segment_distance.h"
+#include "coppice/measure/skeleton_match.h"
+#include "coppice/skeleton/random_tree.h"
+#include "coppice/sketch/draw.h"
+#include "coppice/sketch/reconstruct.h"
+#include "machine.h"
+#include "messy_strokes.h"
+#include "program.h"
+
+namespace {
+
+using namespace coppice;
+
+constexpr double kNear = 1.5;  // [radius] of a node, within which its branch is to pass
+
+struct Flags {
+    bench::ProgramFlags program;
+    int trees = 20;
+    int segments = 256;  ///< of each tree: about 100 branches
+    std::vector<double> angles{90, 60, 30, 15};
+};
+
+struct Kind {
+    const char* name;
+    bench::Mess mess;
+};
+constexpr Kind kKinds[] = {{"clean", {}},
+                           {"±2 px", {.jitter = 2}},
+                           {"±2 px, cut", {.jitter = 2, .cut = 0.3}},
+                           {"±2 px, 5 % wrong", {.jitter = 2, .wrong = 0.05}},
+                           {"±2 px, cut, 5 % wrong", {.jitter = 2, .cut = 0.3, .wrong = 0.05}}};
+
+/// Sums over trees.
+struct Score {
+    double branches = 0, refused = 0, ratio = 0, worst_ratio = 1, tips = 0;
+    double near = 0, nodes = 0, off = 0, trees = 0;
+    std::vector<double> seconds;
+};
+
+double distance_to(const Skeleton& found, Vec3d p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const NodeId n : nodes(found)) {
+        if (found.is_root(n)) continue;
+        const Segment s = found.segment(n);
+        const Vec3d a(s.a), d = Vec3d(s.b) - a;
+        least = std::min(least, distance(p, a + d * closest_parameter(p, a, d)));
+    }
+    return least;
+}
+
+void judge(const Skeleton& tree, const Skeleton& found, Score& score, const Context& ctx) {
+    const SkeletonMatch match = compare(tree, found, {}, ctx);
+    score.ratio += match.length.ratio();
+    if (std::abs(match.length.ratio() - 1) > std::abs(score.worst_ratio - 1))
+        score.worst_ratio = match.length.ratio();
+    score.tips += match.tips.percent();
+    for (const NodeId n : nodes(tree)) {
+        const double off = distance_to(found, Vec3d(tree.position(n))) / double{tree.radius(n)};
+        score.near += off <= kNear ? 1 : 0;
+        score.off += off;
+        score.nodes += 1;
+    }
+    score.trees += 1;
+}
+
+Score measure(const Flags& flags, double degrees, const bench::Mess& mess, const Context& ctx) {
+    Score score;
+    for (int seed = 1; seed <= flags.trees; ++seed) {
+        const auto number = static_cast<std::uint64_t>(seed);
+        const Skeleton tree = random_tree(static_cast<std::uint32_t>(flags.segments), number);
+        const DrawOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
+        const Sketch sketch = messed_up(draw_sketch(tree, views_of(tree, draw), draw), mess, number);
+        const bench::Clock clock;
+        const SketchResult result = reconstruct(sketch, {}, "tree", ctx);
+        score.seconds.push_back(clock.seconds());
+        score.branches += static_cast<double>(sketch.branches.size());
+        score.refused += static_cast<double>(std::ranges::count_if(
+            result.branches, [](const BranchFit& fit) { return !fit.refused.empty(); }));
+        judge(tree, result.skeleton, score, ctx);
+    }
+    return score;
+}
+
+void run(const Flags& flags) {
+    const Context ctx = flags.program.context();
+    fmt::print(
+        "Machine: {}. Threads: {}. {} trees of {} segments for each line, pictures of 2000 x 2000 "
+        "pixels.\n\n",
+        bench::machine_description(), flags.program.thread_count(), flags.trees, flags.segments);
+    fmt::print(
+        "| views apart | strokes | branches | refused | length | worst | nodes within 1.5 r | mean off [r] | "
+        "tips | "
+        "ms for 100 branches |\n| {} |\n",
+        fmt::join(std::vector<std::string>(10, "---"), " | "));
+    for (const double degrees : flags.angles) {
+        for (const Kind& kind : kKinds) {
+            const Score s = measure(flags, degrees, kind.mess, ctx);
+            fmt::print(
+                "| {:g}° | {} | {:.0f} | {:.0f} | {:.3f} | {:.3f} | {:.1f} % | {:.2f} | {:.1f} % | {:.1f} "
+                "|\n",
+                degrees, kind.name, s.branches, s.refused, s.ratio / s.trees, s.worst_ratio,
+                100 * s.near / s.nodes, s.off / s.nodes, s.tips / s.trees,
+                1e5 * median(s.seconds) * s.trees / s.branches);
+        }
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Flags flags;
+    CLI::App app("Measures how near skeletons made of sketches come to the trees that were drawn");
+    app.add_option("--trees", flags.trees, "made-up trees for each line")->capture_default_str();
+    app.add_option("--segments", flags.segments, "of each tree")->capture_default_str();
+    app.add_option("--angles", flags.angles, "degrees between the two views")->capture_default_str();
+    app.add_option("--threads", flags.program.threads, "0 takes all")->capture_default_str();
+    return bench::run_program(app, argc, argv, [&] { run(flags); });
+}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "coppice/base/context.h"
+#include "coppice/sketch/sketch.h"
+
+namespace coppice {
+
+/// Whether a file of this name holds a sketch: it ends with .sketch.json.
+bool is_sketch_name(const std::filesystem::path& path);
+
+/// Reads a sketch: JSON as docs/user/sketch.schema.json describes it. Throws IoError when it cannot be read,
+/// Unsupported for a newer version, InvalidInput naming line or field: no JSON, fields that are missing,
+/// unknown or of the wrong kind, and what `validate` finds. O(points).
+Sketch read_sketch(const std::filesystem::path& path, const Context& ctx = {});
+
+/// The same of a text; `source` names it in messages.
+Sketch parse_sketch(std::string_view text, const std::string& source);
+
+/// The text that `parse_sketch` reads, with the fewest digits that give the same numbers.
+std::string encode_sketch(const Sketch& sketch);
+
+/// Writes a sketch; the file appears whole or not at all. Throws IoError when it cannot be written.
+void write_sketch(const std::filesystem::path& path, const Sketch& sketch);
+
+}  // namespace coppice

@@ -1,0 +1,241 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "coppice/base/error.h"
+#include "coppice/io/file.h"
+#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/io/text_internal.h"
+
+namespace coppice {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kLargestSketch = std::uint64_t{256} << 20;
+
+/// A value of the file, and what it is called: "tree.sketch.json: branches[3].strokes.front".
+class Value {
+  public:
+    Value(const Json& json, std::string where) : json_(json), where_(std::move(where)) {}
+
+    [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(where_ + " " + what); }
+
+    /// Throws unless it is an object that has no other members than these.
+    void expect_members(std::initializer_list<std::string_view> names) const {
+        if (!json_.is_object()) fail("must be an object with named fields");
+        for (const auto& [key, value] : json_.items()) {
+            if (std::ranges::find(names, key) == names.end())
+                fail(fmt::format("has no field {}; there are {}", in_quotes(key), fmt::join(names, ", ")));
+        }
+    }
+    bool has(const std::string& name) const { return json_.contains(name); }
+    Value member(const std::string& name) const {
+        const auto found = json_.find(name);
+        if (found == json_.end()) throw InvalidInput(field(name) + " is missing");
+        return {*found, field(name)};
+    }
+    std::vector<std::pair<std::string, Value>> members() const {
+        if (!json_.is_object()) fail("must be an object with named fields");
+        std::vector<std::pair<std::string, Value>> out;
+        for (const auto& [key, value] : json_.items()) out.emplace_back(key, Value(value, field(key)));
+        return out;
+    }
+    std::vector<Value> items() const {
+        if (!json_.is_array()) fail("must be a list");
+        std::vector<Value> out;
+        for (std::size_t i = 0; i < json_.size(); ++i)
+            out.emplace_back(json_[i], fmt::format("{}[{}]", where_, i));
+        return out;
+    }
+    std::string text() const {
+        if (!json_.is_string()) fail("must be a text");
+        return json_.get<std::string>();
+    }
+    double number() const {
+        if (!json_.is_number()) fail("must be a number");
+        return json_.get<double>();
+    }
+    int pixels() const {
+        const double n = number();
+        if (!(n >= 1 && n <= 1e6) || n != std::floor(n)) fail("must be a whole number of pixels");
+        return static_cast<int>(n);
+    }
+    std::vector<double> numbers() const {
+        if (!json_.is_array()) fail("must be a list of numbers");
+        std::vector<double> out;
+        for (const Json& number : json_) {
+            if (!number.is_number()) fail("must be a list of numbers");
+            out.push_back(number.get<double>());
+        }
+        return out;
+    }
+    template <std::size_t N>
+    std::array<double, N> numbers_of() const {
+        const std::vector<double> list = numbers();
+        if (list.size() != N) fail(fmt::format("must be a list of {} numbers, not {}", N, list.size()));
+        std::array<double, N> out;
+        std::ranges::copy(list, out.begin());
+        return out;
+    }
+    Matrix3 matrix() const {
+        const std::vector<Value> rows = items();
+        if (rows.size() != 3) fail("must be three rows of three numbers");
+        return {rows[0].numbers_of<3>(), rows[1].numbers_of<3>(), rows[2].numbers_of<3>()};
+    }
+    template <class Choice>
+    Choice choice(std::initializer_list<std::pair<std::string_view, Choice>> choices) const {
+        const std::string word = text();
+        std::string known;
+        for (const auto& [name, value] : choices) {
+            if (name == word) return value;
+            known += (known.empty() ? "" : ", ") + std::string(name);
+        }
+        fail("must be one of " + known);
+    }
+
+  private:
+    std::string field(const std::string& name) const {
+        return where_ + (where_.ends_with(": ") ? "" : where_.ends_with(":") ? " " : ".") + name;
+    }
+
+    const Json& json_;
+    std::string where_;
+};
+
+SketchView drawing_of(const Value& value) {
+    value.expect_members({"name", "image", "width", "height", "orthographic", "pixels_per_metre", "origin"});
+    const auto side = value.member("orthographic")
+                          .choice<DrawingSide>({{"front", DrawingSide::front},
+                                                {"back", DrawingSide::back},
+                                                {"side", DrawingSide::side},
+                                                {"left", DrawingSide::left},
+                                                {"top", DrawingSide::top}});
+    const auto [x, y] = value.member("origin").numbers_of<2>();
+    const Value scale = value.member("pixels_per_metre");
+    if (!(scale.number() > 0)) scale.fail("must be above 0");
+    return drawing_view(side, scale.number(), {x, y});
+}
+
+SketchView camera_of(const Value& value) {
+    value.expect_members({"name", "image", "width", "height", "projection", "K", "R", "t", "distortion"});
+    SketchView view;
+    if (value.has("projection")) {
+        view.projection = value.member("projection")
+                              .choice<Projection>({{"perspective", Projection::perspective},
+                                                   {"orthographic", Projection::orthographic}});
+    }
+    view.k = value.member("K").matrix();
+    view.r = value.member("R").matrix();
+    const auto [x, y, z] = value.member("t").numbers_of<3>();
+    view.t = {x, y, z};
+    if (value.has("distortion")) {
+        const Value distortion = value.member("distortion");
+        if (view.projection == Projection::orthographic) distortion.fail("is for perspective views");
+        const std::vector<double> numbers = distortion.numbers();
+        if (numbers.size() != 4 && numbers.size() != 5)
+            distortion.fail("must be k1, k2, p1, p2 and, if known, k3");
+        std::ranges::copy(numbers, view.distortion.begin());
+    }
+    return view;
+}
+
+SketchView view_of(const Value& value) {
+    if (!value.has("orthographic") && !value.has("K"))
+        value.fail("needs the camera's K, R and t, or orthographic with pixels_per_metre and origin");
+    SketchView view = value.has("orthographic") ? drawing_of(value) : camera_of(value);
+    view.name = value.member("name").text();
+    if (value.has("image")) view.image = value.member("image").text();
+    if (value.has("width")) view.width = value.member("width").pixels();
+    if (value.has("height")) view.height = value.member("height").pixels();
+    return view;
+}
+
+using Names = std::map<std::string, std::uint32_t, std::less<>>;
+
+std::uint32_t index_of(const Names& names, const std::string& name, const Value& value, const char* what) {
+    const auto found = names.find(name);
+    if (found == names.end()) value.fail(fmt::format("names no {}: {}", what, in_quotes(name)));
+    return found->second;
+}
+
+Stroke stroke_of(const Value& value) {
+    value.expect_members({"points", "widths"});
+    Stroke stroke;
+    for (const Value& point : value.member("points").items()) {
+        const auto [x, y] = point.numbers_of<2>();
+        stroke.points.push_back({x, y});
+    }
+    if (value.has("widths")) stroke.widths = value.member("widths").numbers();
+    return stroke;
+}
+
+SketchBranch branch_of(const Value& value, const Names& views, const Names& branches) {
+    value.expect_members({"name", "parent", "attach", "strokes", "diameters"});
+    SketchBranch branch;
+    branch.name = value.member("name").text();
+    if (value.has("parent")) {
+        const Value parent = value.member("parent");
+        branch.parent = index_of(branches, parent.text(), parent, "branch");
+    }
+    if (value.has("attach")) branch.attach = value.member("attach").number();
+    if (value.has("diameters")) branch.diameters = value.member("diameters").numbers_of<2>();
+    for (const auto& [view, stroke] : value.member("strokes").members()) {
+        branch.strokes.push_back(stroke_of(stroke));
+        branch.strokes.back().view = index_of(views, view, stroke, "view");
+    }
+    std::ranges::sort(branch.strokes, {}, &Stroke::view);
+    return branch;
+}
+
+Names names_of(const std::vector<Value>& values) {
+    Names names;
+    for (const Value& value : values)
+        names.emplace(value.member("name").text(), static_cast<std::uint32_t>(names.size()));
+    return names;
+}
+
+Json parse_json(std::string_view text, const std::string& source) {
+    try {
+        return Json::parse(text);
+    } catch (const Json::parse_error& error) {
+        const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
+        fail_at(source, static_cast<std::size_t>(std::ranges::count(before, '\n')) + 1,
+                "this is not valid JSON");
+    } catch (const Json::exception&) {
+        throw InvalidInput(source + ": this is not valid JSON");
+    }
+}
+
+}  // namespace
+
+bool is_sketch_name(const std::filesystem::path& path) {
+    return path.filename().string().ends_with(".sketch.json");
+}
+
+Sketch parse_sketch(std::string_view text, const std::string& source) {
+    const Json json = parse_json(text, source);
+    const Value file(json, source + ":");
+    if (!json.is_object() || json.value("format", Json()) != "coppice-sketch")
+        throw InvalidInput(source + ": this JSON is no sketch: it needs \"format\": \"coppice-sketch\"");
+    file.expect_members({"format", "version", "views", "branches"});
+    if (const double version = file.member("version").number(); version > 1)
+        throw Unsupported(
+            fmt::format("{}: version {} of coppice-sketch is newer than this program", source, version));
+    Sketch sketch;
+    const std::vector<Value> views = file.member("views").items(), branches = file.member("branches").items();
+    for (const Value& view : views) sketch.views.push_back(view_of(view));
+    const Names view_names = names_of(views), branch_names = names_of(branches);
+    for (const Value& branch : branches)
+        sketch.branches.push_back(branch_of(branch, view_names, branch_names));
+    validate(sketch, source);
+    return sketch;
+}
+
+Sketch read_sketch(const std::filesystem::path& path, const Context& ctx) {
+    return parse_sketch(read_file(path, kLargestSketch, ctx), path.string());
+}
+
+}  // namespace coppice

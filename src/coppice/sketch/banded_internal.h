@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <vector>
+
+namespace coppice::sketch_internal {
+
+/// A symmetric, positive definite system of blocks for points in a row, each tied to the next two. Factoring
+/// and solving are O(points).
+class BandedSystem {
+  public:
+    explicit BandedSystem(std::size_t points)
+        : diagonal_(points, Eigen::Matrix3d::Zero()),
+          next_(points, Eigen::Matrix3d::Zero()),
+          after_next_(points, Eigen::Matrix3d::Zero()),
+          right_(points, Eigen::Vector3d::Zero()) {}
+
+    std::size_t size() const { return diagonal_.size(); }
+    Eigen::Matrix3d& diagonal(std::size_t i) { return diagonal_[i]; }      ///< of point i
+    Eigen::Matrix3d& next(std::size_t i) { return next_[i]; }              ///< row i + 1, column i
+    Eigen::Matrix3d& after_next(std::size_t i) { return after_next_[i]; }  ///< row i + 2, column i
+    Eigen::Vector3d& right(std::size_t i) { return right_[i]; }            ///< right side
+
+    /// The solution, with `damping` times its trace added to the diagonal of every block. Keeps the system.
+    std::vector<Eigen::Vector3d> solve(double damping) const;
+
+  private:
+    std::vector<Eigen::Matrix3d> diagonal_, next_, after_next_;
+    std::vector<Eigen::Vector3d> right_;
+};
+
+}  // namespace coppice::sketch_internal

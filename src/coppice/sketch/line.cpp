@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/median.h"
+#include "coppice/sketch/line_internal.h"
+
+namespace coppice::sketch_internal {
+namespace {
+
+constexpr std::size_t kMostPoints = 256;             // of a line: more are sampled down
+constexpr std::size_t kFewestToJudge = 6;            // points, before any is taken for wrong
+constexpr double kWorth = 8, kWorthOfPiece = 0.8;    // [pixels], [median piece] of a point
+constexpr double kLeastNoise = 0.3, kMostNoise = 5;  // [pixels]
+constexpr double kUnknownNoise = 1;                  // [pixels] of lines with few points
+
+void measure(Line& line) {
+    line.along.assign(1, 0);
+    for (std::size_t i = 1; i < line.points.size(); ++i)
+        line.along.push_back(line.along.back() + length(line.points[i] - line.points[i - 1]));
+}
+
+/// [pixels] from p to the straight way from a to b.
+double off_chord(PicturePoint p, PicturePoint a, PicturePoint b) {
+    const PicturePoint ab = b - a, ap = p - a;
+    const double t = std::clamp(dot(ap, ab) / std::max(dot(ab, ab), 1e-12), 0.0, 1.0);
+    return length(ap - ab * t);
+}
+
+std::vector<double> offsets(const std::vector<PicturePoint>& points) {
+    std::vector<double> out;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i)
+        out.push_back(off_chord(points[i], points[i - 1], points[i + 1]));
+    return out;
+}
+
+class Cleaner {
+  public:
+    explicit Cleaner(Line& line) : line_(line) {}
+
+    void run() {
+        take_shortest_way();
+        for (const bool front : {true, false})
+            if (line_.points.size() >= kFewestToJudge && wrong_end(front))
+                erase(front ? 0 : line_.points.size() - 1), ++line_.left_out;
+    }
+
+  private:
+    void erase(std::size_t i) {
+        line_.points.erase(line_.points.begin() + static_cast<std::ptrdiff_t>(i));
+        if (!line_.widths.empty()) line_.widths.erase(line_.widths.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+
+    /// Leaves out points, up to three in a row, where the way along the others is shorter by more than these
+    /// are worth: a wrong point is a detour there and back, a corner hardly one.
+    void take_shortest_way() {
+        const auto& p = line_.points;
+        const double worth = kWorth + kWorthOfPiece * usual_piece();
+        std::vector<double> way(p.size(), std::numeric_limits<double>::infinity());
+        std::vector<std::size_t> from(p.size(), 0);
+        way[0] = 0;
+        for (std::size_t i = 1; i < p.size(); ++i) {
+            for (std::size_t skipped = 0; skipped <= 3 && skipped < i; ++skipped) {
+                const std::size_t before = i - 1 - skipped;
+                const double there =
+                    way[before] + length(p[i] - p[before]) + worth * static_cast<double>(skipped);
+                if (there < way[i]) way[i] = there, from[i] = before;
+            }
+        }
+        for (std::size_t i = p.size() - 1; i > 0;) {
+            const std::size_t before = from[i];
+            for (std::size_t wrong = i - 1; wrong > before; --wrong) erase(wrong), ++line_.left_out;
+            i = before;
+        }
+    }
+
+    double usual_piece() const {
+        std::vector<double> pieces;
+        for (std::size_t i = 1; i < line_.points.size(); ++i)
+            pieces.push_back(length(line_.points[i] - line_.points[i - 1]));
+        return median(pieces);
+    }
+
+    /// An end is wrong where the last piece is long and turns sharply.
+    bool wrong_end(bool front) const {
+        const auto& p = line_.points;
+        const std::size_t n = p.size();
+        const auto at = [&](std::size_t i) { return front ? p[i] : p[n - 1 - i]; };
+        const PicturePoint last = at(0) - at(1), before = at(1) - at(3);
+        const double size = length(last);
+        return size > 1.8 * usual_piece() && dot(last, before) < 0.7 * size * length(before);
+    }
+
+    Line& line_;
+};
+
+std::vector<double> widths_of(const Stroke& stroke) {
+    if (stroke.widths.size() != 2 || stroke.points.size() == 2) return stroke.widths;
+    std::vector<double> along(1, 0), out;
+    for (std::size_t i = 1; i < stroke.points.size(); ++i)
+        along.push_back(along.back() + length(stroke.points[i] - stroke.points[i - 1]));
+    for (const double s : along)
+        out.push_back(std::lerp(stroke.widths[0], stroke.widths[1], s / std::max(along.back(), 1e-12)));
+    return out;
+}
+
+Line without_repeats(const SketchView& view, const Stroke& stroke) {
+    Line line;
+    const std::vector<double> widths = widths_of(stroke);
+    for (std::size_t i = 0; i < stroke.points.size(); ++i) {
+        const PicturePoint p = undistorted(view, stroke.points[i]);
+        if (!line.points.empty() && length(p - line.points.back()) < 1e-6) continue;
+        line.points.push_back(p);
+        if (!widths.empty()) line.widths.push_back(widths[i]);
+    }
+    return line;
+}
+
+void sample_down(Line& line) {
+    if (line.points.size() <= kMostPoints) return;
+    Line thin = line;
+    thin.points.clear();
+    thin.widths.clear();
+    for (std::size_t i = 0; i < kMostPoints; ++i) {
+        const double s = line.length() * static_cast<double>(i) / (kMostPoints - 1);
+        thin.points.push_back(line.at(s));
+        if (!line.widths.empty()) thin.widths.push_back(line.width_at(s));
+    }
+    measure(thin);
+    line = std::move(thin);
+}
+
+/// The piece that s lies in, and how far along it.
+std::pair<std::size_t, double> piece_of(const Line& line, double s) {
+    const auto after = std::upper_bound(line.along.begin() + 1, line.along.end() - 1, s);
+    const auto i = static_cast<std::size_t>(after - line.along.begin()) - 1;
+    const double size = line.along[i + 1] - line.along[i];
+    return {i, std::clamp((s - line.along[i]) / std::max(size, 1e-12), 0.0, 1.0)};
+}
+
+}  // namespace
+
+PicturePoint Line::at(double s) const {
+    const auto [i, t] = piece_of(*this, s);
+    return points[i] + (points[i + 1] - points[i]) * t;
+}
+
+double Line::width_at(double s) const {
+    const auto [i, t] = piece_of(*this, s);
+    return std::lerp(widths[i], widths[i + 1], t);
+}
+
+PicturePoint Line::direction(double s) const {
+    const std::size_t i = piece_of(*this, s).first;
+    const PicturePoint d = points[i + 1] - points[i];
+    return d * (1 / coppice::length(d));
+}
+
+double Line::nearest(PicturePoint p, double low, double high) const {
+    double best = low, least = coppice::length(p - at(low));
+    for (std::size_t i = piece_of(*this, low).first; i + 1 < points.size() && along[i] <= high; ++i) {
+        const PicturePoint ab = points[i + 1] - points[i];
+        const double size = along[i + 1] - along[i];
+        const double s = std::clamp(along[i] + dot(p - points[i], ab) / size, std::max(low, along[i]),
+                                    std::min(high, along[i + 1]));
+        if (const double off = coppice::length(p - at(s)); off < least) least = off, best = s;
+    }
+    return best;
+}
+
+Line line_of(const SketchView& view, const Stroke& stroke, double noise, bool clean) {
+    Line line = without_repeats(view, stroke);
+    if (line.points.size() < 2) return line;
+    const bool judged = line.points.size() >= kFewestToJudge;
+    if (judged && clean) Cleaner(line).run();
+    line.noise = noise > 0 ? noise : kUnknownNoise;
+    if (judged && noise <= 0) {
+        // Of three points of which each strays by s, the middle one is off the others' chord by about 0.82 s
+        // in the median.
+        std::vector<double> off = offsets(line.points);
+        line.noise = std::clamp(median(off) / 0.82, kLeastNoise, kMostNoise);
+    }
+    measure(line);
+    sample_down(line);
+    return line;
+}
+
+Line line_through(std::vector<PicturePoint> points) {
+    Line line;
+    const auto same = [](PicturePoint a, PicturePoint b) { return length(a - b) < 1e-6; };
+    points.erase(std::unique(points.begin(), points.end(), same), points.end());
+    if (points.size() == 1) points.push_back(points.front() + PicturePoint{1e-6, 0});
+    line.points = std::move(points);
+    measure(line);
+    return line;
+}
+
+Line with_start(const Line& line, PicturePoint start) {
+    Line out = line;
+    out.points.insert(out.points.begin(), start);
+    if (!out.widths.empty()) out.widths.insert(out.widths.begin(), out.widths.front());
+    measure(out);
+    return out;
+}
+
+Line without_point(const Line& line, std::size_t point) {
+    Line out = line;
+    out.points.erase(out.points.begin() + static_cast<std::ptrdiff_t>(point));
+    if (!out.widths.empty()) out.widths.erase(out.widths.begin() + static_cast<std::ptrdiff_t>(point));
+    ++out.left_out;
+    measure(out);
+    return out;
+}
+
+Line reversed(const Line& line) {
+    Line out = line;
+    std::ranges::reverse(out.points);
+    std::ranges::reverse(out.widths);
+    measure(out);
+    return out;
+}
+
+}  // namespace coppice::sketch_internal

@@ -1,0 +1,188 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "coppice/sketch/match_internal.h"
+
+namespace coppice::sketch_internal {
+namespace {
+
+using Camera = Eigen::Matrix<double, 3, 4>;
+
+constexpr std::size_t kSamples = 48;  // of each stroke
+constexpr double kMostCost = 12;      // of a sample: beyond, how far it is off tells nothing
+constexpr double kUnmatchedCost = 2;  // of a sample at an end that only one stroke has
+
+/// How far a step goes along both strokes, and what its pace costs.
+struct Step {
+    std::size_t first, second;
+    double cost;
+};
+constexpr std::array<Step, 9> kSteps{{{1, 1, 0},
+                                      {2, 3, 0.35},
+                                      {3, 2, 0.35},
+                                      {1, 2, 1},
+                                      {2, 1, 1},
+                                      {1, 3, 2},
+                                      {3, 1, 2},
+                                      {0, 1, 2.5},
+                                      {1, 0, 2.5}}};
+
+Camera camera_of(const SketchView& view) {
+    Eigen::Matrix3d k;
+    Camera pose = Camera::Zero();
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            k(i, j) = view.k[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+            pose(i, j) = view.r[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+        }
+        pose(i, 3) = view.t[i];
+    }
+    if (view.projection == Projection::orthographic) pose.row(2) << 0, 0, 0, 1;
+    return k * pose;
+}
+
+/// [pixels] along the line to sample i, or to the middle between two.
+double sample_at(const Line& line, double i) {
+    return line.length() * std::clamp(i / (kSamples - 1), 0.0, 1.0);
+}
+
+/// How far two points are from being the same, with a sign that tells on which side of the epipolar line.
+double side_distance(const Matrix3& f, PicturePoint first, PicturePoint second) {
+    const Vec3d a{first.x, first.y, 1}, b{second.x, second.y, 1};
+    const Vec3d line_b = f * a, line_a = transposed(f) * b;
+    const double across =
+        line_a.x * line_a.x + line_a.y * line_a.y + line_b.x * line_b.x + line_b.y * line_b.y;
+    return dot(b, line_b) / std::sqrt(std::max(across, 1e-300));
+}
+
+/// The cheapest ways to all pairs of samples.
+class Table {
+  public:
+    Table(const Line& first, const Line& second, const Matrix3& f, bool starts_meet)
+        : starts_meet_(starts_meet) {
+        weigh(first, second, f);
+        for (std::size_t i = 0; i < kSamples; ++i)
+            for (std::size_t j = 0; j < kSamples; ++j) reach(i, j);
+    }
+
+    Match best(const Line& first, const Line& second) const {
+        std::size_t i = kSamples - 1, j = kSamples - 1;
+        double least = total_[i][j];
+        for (std::size_t n = 0; n + 1 < kSamples; ++n) {
+            const double open = kUnmatchedCost * static_cast<double>(kSamples - 1 - n);
+            if (total_[n][kSamples - 1] + open < least)
+                least = total_[n][kSamples - 1] + open, i = n, j = kSamples - 1;
+            if (total_[kSamples - 1][n] + open < least)
+                least = total_[kSamples - 1][n] + open, i = kSamples - 1, j = n;
+        }
+        Match match;
+        match.cost = least / kSamples;
+        const auto pair = [&](std::size_t m, std::size_t n) {
+            return Pair{first.length() * static_cast<double>(m) / (kSamples - 1),
+                        second.length() * static_cast<double>(n) / (kSamples - 1)};
+        };
+        match.pairs.push_back(pair(i, j));
+        const std::size_t last_i = i, last_j = j;
+        for (int step = from_[i][j]; step >= 0; step = from_[i][j]) {
+            i -= kSteps[static_cast<std::size_t>(step)].first;
+            j -= kSteps[static_cast<std::size_t>(step)].second;
+            match.pairs.push_back(pair(i, j));
+        }
+        std::ranges::reverse(match.pairs);
+        match.share = static_cast<double>(std::min(last_i - i, last_j - j)) / (kSamples - 1);
+        return match;
+    }
+
+  private:
+    /// A sample stands for the line half way to its neighbours: it costs what the best of that costs.
+    void weigh(const Line& first, const Line& second, const Matrix3& f) {
+        const double noise = std::max(std::hypot(first.noise, second.noise) / std::sqrt(2.0), 1.0);
+        std::array<PicturePoint, kSamples + 1> a, b;
+        for (std::size_t i = 0; i <= kSamples; ++i) {
+            a[i] = first.at(sample_at(first, static_cast<double>(i) - 0.5));
+            b[i] = second.at(sample_at(second, static_cast<double>(i) - 0.5));
+        }
+        std::array<std::array<double, kSamples + 1>, 2> side{};
+        for (std::size_t i = 0; i <= kSamples; ++i) {
+            for (std::size_t j = 0; j <= kSamples; ++j) side[i % 2][j] = side_distance(f, a[i], b[j]) / noise;
+            for (std::size_t j = 0; i > 0 && j < kSamples; ++j) {
+                const std::array corners{side[0][j], side[1][j], side[0][j + 1], side[1][j + 1]};
+                const auto [low, high] = std::ranges::minmax(corners);
+                const double off = low > 0 ? low : high < 0 ? -high : 0;
+                own_[i - 1][j] = std::min(0.5 * off * off, kMostCost);
+            }
+        }
+    }
+
+    void reach(std::size_t i, std::size_t j) {
+        const bool may_begin = starts_meet_ ? i + j == 0 : i == 0 || j == 0;
+        total_[i][j] = may_begin ? own_[i][j] + kUnmatchedCost * static_cast<double>(i + j)
+                                 : std::numeric_limits<double>::infinity();
+        from_[i][j] = -1;
+        for (std::size_t s = 0; s < kSteps.size(); ++s) {
+            const Step& step = kSteps[s];
+            if (step.first > i || step.second > j) continue;
+            const double weight = 0.5 * static_cast<double>(step.first + step.second);
+            const double cost = total_[i - step.first][j - step.second] + step.cost + weight * own_[i][j];
+            if (cost < total_[i][j]) total_[i][j] = cost, from_[i][j] = static_cast<int>(s);
+        }
+    }
+
+    bool starts_meet_;
+    std::array<std::array<double, kSamples>, kSamples> own_, total_;
+    std::array<std::array<int, kSamples>, kSamples> from_;
+};
+
+/// Moves the second points of pairs, by a sample at most, onto the epipolar lines of the first ones; not
+/// where these run along the stroke. The ends stay.
+void refine(Match& match, const Line& first, const Line& second, const Matrix3& f) {
+    const double sample = second.length() / (kSamples - 1), half = 0.5 * sample;
+    for (std::size_t i = 1; i + 1 < match.pairs.size(); ++i) {
+        Pair& pair = match.pairs[i];
+        const PicturePoint a = first.at(pair.s);
+        const double middle = pair.t;
+        for (int step = 0; step < 2; ++step) {
+            const double slope = (side_distance(f, a, second.at(pair.t + half)) -
+                                  side_distance(f, a, second.at(pair.t - half))) /
+                                 sample;
+            const double off = side_distance(f, a, second.at(pair.t));
+            const double give = second.noise / sample;
+            pair.t -= off * slope / (slope * slope + give * give);
+            pair.t = std::clamp(pair.t, middle - sample, middle + sample);
+        }
+    }
+    for (std::size_t i = 1; i < match.pairs.size(); ++i)
+        match.pairs[i].t = std::clamp(match.pairs[i].t, match.pairs[i - 1].t, match.pairs.back().t);
+}
+
+}  // namespace
+
+// [Hartley2004] 17.3: holds for every pair of linear cameras, also orthographic ones, which have no centre.
+Matrix3 fundamental_matrix(const SketchView& first, const SketchView& second) {
+    const Camera a = camera_of(first), b = camera_of(second);
+    Matrix3 f{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            Eigen::Matrix4d m;
+            const auto others = [](std::size_t k) { return std::array{k == 0 ? 1 : 0, k == 2 ? 1 : 2}; };
+            m << a.row(others(j)[0]), a.row(others(j)[1]), b.row(others(i)[0]), b.row(others(i)[1]);
+            f[i][j] = ((i + j) % 2 == 0 ? 1 : -1) * m.determinant();
+        }
+    }
+    return f;
+}
+
+double epipolar_distance(const Matrix3& f, PicturePoint first, PicturePoint second) {
+    return std::abs(side_distance(f, first, second));
+}
+
+Match match_lines(const Line& first, const Line& second, const Matrix3& f, bool starts_meet) {
+    Match match = Table(first, second, f, starts_meet).best(first, second);
+    refine(match, first, second, f);
+    return match;
+}
+
+}  // namespace coppice::sketch_internal

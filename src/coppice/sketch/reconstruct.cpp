@@ -1,0 +1,142 @@
+#include "coppice/sketch/reconstruct.h"
+
+#include <algorithm>
+#include <map>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/skeleton/raw.h"
+#include "coppice/skeleton/resample.h"
+#include "coppice/sketch/branch_internal.h"
+
+namespace coppice {
+
+using namespace sketch_internal;
+
+namespace {
+
+constexpr double kSameNode = 0.25;  // [radius] a lateral this near a node of its parent leaves from there
+
+/// The branches in order of how many lie between them and a stem.
+std::vector<std::vector<std::uint32_t>> by_order(const Sketch& sketch) {
+    const auto count = static_cast<std::uint32_t>(sketch.branches.size());
+    std::vector<std::vector<std::uint32_t>> children(count), orders(1);
+    for (std::uint32_t b = 0; b < count; ++b) {
+        const auto& parent = sketch.branches[b].parent;
+        (parent ? children[*parent] : orders[0]).push_back(b);
+    }
+    while (true) {
+        std::vector<std::uint32_t> next;
+        for (const std::uint32_t b : orders.back())
+            next.insert(next.end(), children[b].begin(), children[b].end());
+        if (next.empty()) return orders;
+        orders.push_back(std::move(next));
+    }
+}
+
+void check_stems(const Sketch& sketch, const std::string& source) {
+    for (const SketchBranch& branch : sketch.branches) {
+        const auto has_widths = [](const Stroke& stroke) { return !stroke.widths.empty(); };
+        if (branch.parent || branch.diameters || std::ranges::any_of(branch.strokes, has_widths)) continue;
+        throw InvalidInput(source + ": branch '" + branch.name +
+                           "' has no parent and so needs widths or diameters");
+    }
+}
+
+/// Strings the axes together, with a node on the parent's where each begins.
+class Assembly {
+  public:
+    Assembly(const Sketch& sketch, const std::vector<Axis>& axes)
+        : axes_(axes), laterals_(axes.size()), start_(axes.size(), -1) {
+        for (std::uint32_t b = 0; b < axes.size(); ++b)
+            if (sketch.branches[b].parent && made(b)) laterals_[*sketch.branches[b].parent].push_back(b);
+    }
+
+    std::vector<RawNode> run(const std::vector<std::vector<std::uint32_t>>& orders) {
+        for (const auto& order : orders)
+            for (const std::uint32_t b : order)
+                if (made(b)) add(b);
+        return std::move(nodes_);
+    }
+
+  private:
+    bool made(std::uint32_t b) const { return !axes_[b].positions.empty(); }
+
+    /// Where a lateral leaves its parent's axis, in nodes from its start: from a node, where one is near.
+    static double leaves_at(const Axis& parent, Place place) {
+        const Vec3d p = parent.at(place);
+        const double near = kSameNode * parent.radius_at(place);
+        for (const std::size_t node : {place.node, place.node + 1})
+            if (distance(p, parent.positions[node]) < near) return static_cast<double>(node);
+        return static_cast<double>(place.node) + place.along;
+    }
+
+    void add(std::uint32_t b) {
+        const Axis& axis = axes_[b];
+        std::map<double, std::int64_t> id_at;
+        for (std::size_t i = 0; i < axis.positions.size(); ++i) id_at[static_cast<double>(i)] = -1;
+        for (const std::uint32_t lateral : laterals_[b]) id_at[leaves_at(axis, axes_[lateral].start)] = -1;
+        std::int64_t last = -1;
+        for (auto& [at, id] : id_at) {
+            // A lateral's first node is the one that it leaves on its parent.
+            id = last = at == 0 && start_[b] >= 0 ? start_[b] : add_node(last, axis, at);
+        }
+        for (const std::uint32_t lateral : laterals_[b])
+            start_[lateral] = id_at[leaves_at(axis, axes_[lateral].start)];
+    }
+
+    std::int64_t add_node(std::int64_t parent, const Axis& axis, double at) {
+        const std::size_t node = std::min(static_cast<std::size_t>(at), axis.positions.size() - 2);
+        const Place place{node, at - static_cast<double>(node)};
+        const auto id = static_cast<std::int64_t>(nodes_.size());
+        nodes_.push_back(
+            {.id = id, .parent = parent, .position = axis.at(place), .radius = axis.radius_at(place)});
+        return id;
+    }
+
+    const std::vector<Axis>& axes_;
+    std::vector<std::vector<std::uint32_t>> laterals_;  ///< of each branch
+    std::vector<std::int64_t> start_;                   ///< the node that each lateral leaves
+    std::vector<RawNode> nodes_;
+};
+
+Skeleton simplified(Skeleton skeleton, float tolerance) {
+    if (tolerance == 0) return skeleton;
+    return resample(skeleton,
+                    {.tolerance = tolerance, .min_spacing = 0, .max_length = 1e6f, .bend_angle = 3.15f})
+        .skeleton;
+}
+
+}  // namespace
+
+SketchResult reconstruct(const Sketch& sketch, const SketchOptions& options, const std::string& source,
+                         const Context& ctx) {
+    check_fields(options, "sketch");
+    validate(sketch, source);
+    check_stems(sketch, source);
+    std::vector<SketchView> views;
+    for (const SketchView& view : sketch.views) views.push_back(without_distortion(view));
+    std::vector<BranchFit> fits(sketch.branches.size());
+    std::vector<Axis> axes(sketch.branches.size());
+    const auto orders = by_order(sketch);
+    std::size_t done = 0;
+    for (const auto& order : orders) {
+        parallel_for(ctx, order.size(), 4, [&](std::size_t i) {
+            const std::uint32_t b = order[i];
+            const auto& parent = sketch.branches[b].parent;
+            fits[b].branch = b;
+            axes[b] = make_axis(sketch, views, b, parent ? &axes[*parent] : nullptr, options, fits[b], ctx);
+        });
+        done += order.size();
+        ctx.report(static_cast<float>(done) / static_cast<float>(sketch.branches.size()));
+    }
+    const std::vector<RawNode> nodes = Assembly(sketch, axes).run(orders);
+    if (nodes.empty()) {
+        const auto first = std::ranges::find_if(fits, [](const BranchFit& f) { return !f.refused.empty(); });
+        throw InvalidInput(source + ": no branch could be made; " + first->refused);
+    }
+    return {simplified(repair(nodes, source).skeleton, options.tolerance), std::move(fits)};
+}
+
+}  // namespace coppice

@@ -1,0 +1,248 @@
+#include "coppice/sketch/reconstruct.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "coppice/base/random.h"
+#include "coppice/skeleton/measure.h"
+#include "coppice/skeleton/random_tree.h"
+#include "coppice/sketch/draw.h"
+#include "described_options.h"
+#include "errors.h"
+#include "sketch/drawn.h"
+
+namespace coppice {
+namespace {
+
+using test::error_of;
+using test::fork_drawing;
+
+SketchResult made(const Sketch& sketch, const SketchOptions& options = {}, const Context& ctx = {}) {
+    return reconstruct(sketch, options, "a.sketch.json", ctx);
+}
+
+/// [m] from p to the nearest node.
+double to_node(const Skeleton& s, Vec3d p) {
+    double least = 1e9;
+    for (const NodeId n : nodes(s)) least = std::min(least, distance(p, Vec3d(s.position(n))));
+    return least;
+}
+
+/// [m] mean over the nodes of one from the nearest segment of the other.
+double mean_off(const Skeleton& reference, const Skeleton& found) {
+    double sum = 0;
+    for (const NodeId n : nodes(reference)) {
+        const Vec3d p(reference.position(n));
+        double least = 1e9;
+        for (const NodeId m : nodes(found)) {
+            if (found.is_root(m)) continue;
+            const Segment s = found.segment(m);
+            const Vec3d a(s.a), d = Vec3d(s.b) - a;
+            const double t = std::clamp(dot(p - a, d) / length_squared(d), 0.0, 1.0);
+            least = std::min(least, distance(p, a + d * t));
+        }
+        sum += least / reference.size();
+    }
+    return sum;
+}
+
+TEST(Reconstruct, EveryOptionIsDescribed) { test::expect_described<SketchOptions>(); }
+
+TEST(Reconstruct, AForkIsMadeAsDrawn) {
+    const SketchResult result = made(fork_drawing());
+    const Skeleton& s = result.skeleton;
+    EXPECT_EQ(s.tree_count(), 1u);
+    for (const Vec3d p : {Vec3d{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0.4, 0.3, 1.5}, {0.6, 0.5, 1.9}})
+        EXPECT_LT(to_node(s, p), 0.01);  // one pixel
+    // 2 m of stem, 0.707 and 0.490 m of lateral.
+    EXPECT_NEAR(measure(s).length, 2 + std::sqrt(0.5) + std::sqrt(0.24), 0.01);
+    // 20 pixels at 100 per metre are a radius of 0.1 m.
+    EXPECT_NEAR(s.radius(NodeId(0)), 0.1, 1e-3);
+    for (const BranchFit& fit : result.branches) {
+        EXPECT_EQ(fit.refused, "");
+        EXPECT_NEAR(fit.angle, std::numbers::pi / 2, 1e-9);
+        for (const StrokeFit& stroke : fit.strokes) EXPECT_LT(stroke.rms_error, 0.5);
+    }
+    // Without widths of its own the lateral begins with 0.6 of the stem's radius where it leaves, 0.075 m.
+    EXPECT_TRUE(result.branches[1].guessed_radius);
+    EXPECT_FALSE(result.branches[0].guessed_radius);
+    for (const NodeId n : nodes(s)) {
+        if (!s.is_tip(n) || s.position(n).x < 0.5f) continue;
+        EXPECT_NEAR(s.radius(n), 0.3 * 0.075, 1e-3);
+    }
+}
+
+TEST(Reconstruct, DiametersGoBeforeWidths) {
+    Sketch sketch = fork_drawing();
+    sketch.branches[0].diameters = {{0.5, 0.3}};
+    EXPECT_NEAR(made(sketch).skeleton.radius(NodeId(0)), 0.25, 1e-6);
+}
+
+TEST(Reconstruct, ABranchLeavesWhereItIsToldTo) {
+    Sketch sketch = fork_drawing();
+    sketch.branches[1].attach = 0.25;
+    EXPECT_LT(to_node(made(sketch, {.tolerance = 0}).skeleton, {0, 0, 0.5}), 1e-3);
+}
+
+TEST(Reconstruct, StrokesDrawnFromTheTipAreTurned) {
+    const Skeleton straight = made(fork_drawing()).skeleton;
+    Sketch sketch = fork_drawing();
+    std::ranges::reverse(sketch.branches[1].strokes[0].points);
+    const SketchResult result = made(sketch);
+    EXPECT_TRUE(result.branches[1].strokes[0].reversed);
+    EXPECT_FALSE(result.branches[1].strokes[1].reversed);
+    EXPECT_LT(mean_off(straight, result.skeleton), 1e-3);
+}
+
+TEST(Reconstruct, ALevelBranchIsMatchedByItsLength) {
+    // Its strokes lie on each other's epipolar lines, so that these tell nothing.
+    Sketch sketch = fork_drawing();
+    for (Stroke& stroke : sketch.branches[1].strokes)
+        stroke.points = {{200, 200}, {220, 200}, {240, 200}, {260, 200}, {280, 200}};
+    const Skeleton s = made(sketch, {.tolerance = 0}).skeleton;
+    for (const double d : {0.2, 0.4, 0.6, 0.8}) EXPECT_LT(to_node(s, {d, d, 1}), 0.02);
+}
+
+TEST(Reconstruct, WhatOneStrokeLacksGoesOnFromTheOther) {
+    const Skeleton tree = random_tree(40, 5);
+    const Sketch whole = draw_sketch(tree, views_of(tree));
+    Sketch cut = whole;
+    auto& stem = cut.branches[0].strokes[1];
+    const std::size_t kept = stem.points.size() * 4 / 5;
+    stem.points.resize(kept);
+    stem.widths.resize(kept);
+    const double length = made(whole).branches[0].length;
+    EXPECT_NEAR(made(cut).branches[0].length / length, 1, 0.03);
+}
+
+TEST(Reconstruct, WrongPointsAreLeftOut) {
+    const Skeleton tree = random_tree(40, 5);
+    Sketch sketch = draw_sketch(tree, views_of(tree));
+    const Skeleton clean = made(sketch).skeleton;
+    std::vector<PicturePoint>& points = sketch.branches[0].strokes[0].points;
+    points[points.size() / 2].x += 80;
+    const SketchResult result = made(sketch);
+    EXPECT_GE(result.branches[0].strokes[0].left_out, 1u);
+    EXPECT_LT(mean_off(clean, result.skeleton), 0.002);
+}
+
+TEST(Reconstruct, ThirdViewsHelp) {
+    const Skeleton tree = random_tree(60, 2);
+    std::vector<SketchView> views = views_of(tree);
+    const SketchView between = views_of(tree, {.angle = 0.8f})[1];
+    Sketch three = draw_sketch(tree, {views[0], views[1], between});
+    three.views[2].name = "between";
+    const SketchResult result = made(three);
+    EXPECT_LT(mean_off(tree, result.skeleton), 0.002);
+    for (const BranchFit& fit : result.branches) {
+        EXPECT_EQ(fit.refused, "");
+        EXPECT_EQ(fit.strokes.size(), 3u);
+        EXPECT_LT(fit.strokes[2].rms_error, 3);
+    }
+}
+
+/// What is promised of strokes that stray by 2 pixels: the length within 3 %, nodes within 1.5 radii on
+/// average.
+TEST(Reconstruct, TreesDrawnByAnUnsteadyHandAreFound) {
+    for (const double degrees : {90.0, 30.0}) {
+        const Skeleton tree = random_tree(256, 11);
+        const DrawOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
+        Sketch sketch = draw_sketch(tree, views_of(tree, draw), draw);
+        const CounterRandom random(7, 0);
+        std::uint64_t next = 0;
+        for (SketchBranch& branch : sketch.branches)
+            for (Stroke& stroke : branch.strokes)
+                for (PicturePoint& p : stroke.points) {
+                    p.x += random.uniform(next++, -2, 2);
+                    p.y += random.uniform(next++, -2, 2);
+                }
+        const SketchResult result = made(sketch);
+        EXPECT_NEAR(measure(result.skeleton).length / measure(tree).length, 1, 0.03) << degrees;
+        EXPECT_LT(mean_off(tree, result.skeleton), 1.5 * 0.01) << degrees;  // twigs have a radius of 0.01 m
+        EXPECT_TRUE(
+            std::ranges::all_of(result.branches, [](const BranchFit& f) { return f.refused.empty(); }));
+    }
+}
+
+TEST(Reconstruct, ThreadsDoNotChangeTheResult) {
+    const Skeleton tree = random_tree(120, 4);
+    const Sketch sketch = draw_sketch(tree, views_of(tree));
+    const Skeleton one = made(sketch, {}, {.threads = 1, .stop = {}, .progress = {}}).skeleton;
+    for (const unsigned threads : {2u, 7u}) {
+        const Skeleton other = made(sketch, {}, {.threads = threads, .stop = {}, .progress = {}}).skeleton;
+        EXPECT_TRUE(std::ranges::equal(one.positions(), other.positions()));
+        EXPECT_TRUE(std::ranges::equal(one.radii(), other.radii()));
+        EXPECT_TRUE(std::ranges::equal(one.parents(), other.parents()));
+    }
+}
+
+/// Why the lateral of the fork is refused after a change.
+std::string refusal(const std::function<void(Sketch&)>& change) {
+    Sketch sketch = fork_drawing();
+    change(sketch);
+    return made(sketch).branches[1].refused;
+}
+
+TEST(Reconstruct, WhatCannotBeMadeIsRefusedByName) {
+    EXPECT_EQ(refusal([](Sketch& s) { s.branches[1].strokes.pop_back(); }),
+              "branch 'lateral' (strokes in 'front') is refused: it is drawn in one view alone");
+    EXPECT_EQ(
+        refusal([](Sketch& s) {
+            s.branches[1].strokes[1].points = {{300, 250}, {330, 270}, {350, 290}};
+        }),
+        "branch 'lateral' (strokes in 'front', 'side', 90.0 degrees apart) is refused: its strokes do not "
+        "match: their points do not lie on each other's lines of sight");
+    EXPECT_EQ(
+        refusal([](Sketch& s) {
+            for (PicturePoint& p : s.branches[1].strokes[1].points) p = {250, 150};
+        }),
+        "branch 'lateral' (strokes in 'front', 'side') is refused: all points of its stroke in 'side' lie in "
+        "one place");
+}
+
+TEST(Reconstruct, WhatGrowsFromARefusedBranchIsRefusedToo) {
+    Sketch sketch = fork_drawing();
+    SketchBranch twig = sketch.branches[1];
+    twig.name = "twig";
+    twig.parent = 1;
+    sketch.branches.push_back(twig);
+    sketch.branches[1].strokes.pop_back();
+    EXPECT_EQ(
+        made(sketch).branches[2].refused,
+        "branch 'twig' (strokes in 'front', 'side') is refused: the branch that it grows from was refused");
+}
+
+TEST(Reconstruct, ViewsFromOnePlaceGiveNoDepth) {
+    const Skeleton tree = random_tree(20, 1);
+    const DrawOptions draw{.angle = 0.02f};
+    const std::string error = error_of([&] { made(draw_sketch(tree, views_of(tree, draw), draw)); });
+    EXPECT_EQ(error.substr(0, 103),
+              "a.sketch.json: no branch could be made; branch 'stem 1' (strokes in 'front', 'side', 1.1 "
+              "degrees apart)");
+}
+
+TEST(Reconstruct, AStemNeedsItsThickness) {
+    Sketch sketch = fork_drawing();
+    for (Stroke& stroke : sketch.branches[0].strokes) stroke.widths.clear();
+    EXPECT_EQ(error_of([&] { made(sketch); }),
+              "a.sketch.json: branch 'stem' has no parent and so needs widths or diameters");
+}
+
+TEST(Reconstruct, BranchesMayNestDeeply) {
+    Sketch sketch = fork_drawing();
+    for (int i = 0; i < 3000; ++i) {
+        SketchBranch next = sketch.branches[1];
+        next.name = "b" + std::to_string(i);
+        next.parent = static_cast<std::uint32_t>(sketch.branches.size() - 1);
+        next.attach = 0;
+        sketch.branches.push_back(std::move(next));
+    }
+    EXPECT_EQ(made(sketch).branches.size(), 3002u);
+}
+
+}  // namespace
+}  // namespace coppice
