@@ -71,8 +71,7 @@ TEST(SketchFile, WhatIsWrongIsNamed) {
     EXPECT_EQ(said_of("\"orthographic\": \"side\"", "\"orthographic\": \"inside\""),
               "a.sketch.json: views[1].orthographic must be one of front, back, side, left, top");
     EXPECT_EQ(said_of("\"orthographic\": \"side\", ", ""),
-              "a.sketch.json: views[1] needs the camera's K, R and t, or orthographic with pixels_per_metre "
-              "and origin");
+              "a.sketch.json: views[1] needs the camera's K, R and t, or colmap, photograph or orthographic");
     EXPECT_EQ(said_of("\"pixels_per_metre\": 100", "\"pixels_per_metre\": 0"),
               "a.sketch.json: views[1].pixels_per_metre must be above 0");
     EXPECT_EQ(said_of("\"distortion\": [0.1, 0, 0, 0]", "\"distortion\": [0.1]"),
@@ -86,6 +85,20 @@ TEST(SketchFile, WhatIsWrongIsNamed) {
     EXPECT_EQ(error_of<Unsupported>(
                   [&] { parse_sketch(file_with("\"version\": 1", "\"version\": 2"), "a.sketch.json"); }),
               "a.sketch.json: version 2 of coppice-sketch is newer than this program");
+}
+
+TEST(SketchFile, RotationsMayBeVectors) {
+    const std::string text =
+        file_with("\"R\": [[1, 0, 0], [0, 0, -1], [0, 1, 0]]", "\"rvec\": [1.5707963267948966, 0, 0]");
+    EXPECT_NEAR(length(parse_sketch(text, "a").views[0].r * Vec3d{0, 1, 0} - Vec3d{0, 0, 1}), 0, 1e-12);
+}
+
+TEST(SketchFile, AHeightIsEnoughForTwoPictures) {
+    // The stem is 200 pixels high in both.
+    std::string text = file_with(R"(, "pixels_per_metre": 100, "origin": [200, 300])", "");
+    EXPECT_EQ(error_of([&] { parse_sketch(text, "a.sketch.json"); }), "a.sketch.json: height is missing");
+    text.replace(text.find("\"views\""), 0, "\"height\": 4, ");
+    EXPECT_EQ(project(parse_sketch(text, "a").views[1], {0, 0, 4}), (PicturePoint{200, 100}));
 }
 
 TEST(SketchFile, IsToldByItsName) {

@@ -12,13 +12,15 @@ namespace coppice {
 /// Whether a file of this name holds a sketch: it ends with .sketch.json.
 bool is_sketch_name(const std::filesystem::path& path);
 
-/// Reads a sketch: JSON as docs/user/sketch.schema.json describes it. Throws IoError when it cannot be read,
-/// Unsupported for a newer version, InvalidInput naming line or field: no JSON, fields that are missing,
-/// unknown or of the wrong kind, and what `validate` finds. O(points).
+/// Reads a sketch: JSON as docs/user/sketch.schema.json describes it. Cameras that nobody measured follow
+/// from the height of the tree, those of COLMAP are read from its files. Throws IoError when it cannot be
+/// read, Unsupported for a newer version, InvalidInput naming line or field: no JSON, fields that are
+/// missing, unknown or of the wrong kind, and what `validate` finds. O(points).
 Sketch read_sketch(const std::filesystem::path& path, const Context& ctx = {});
 
-/// The same of a text; `source` names it in messages.
-Sketch parse_sketch(std::string_view text, const std::string& source);
+/// The same of a text; `source` names it in messages, cameras of COLMAP are looked for beside `folder`.
+Sketch parse_sketch(std::string_view text, const std::string& source,
+                    const std::filesystem::path& folder = {});
 
 /// The text that `parse_sketch` reads, with the fewest digits that give the same numbers.
 std::string encode_sketch(const Sketch& sketch);

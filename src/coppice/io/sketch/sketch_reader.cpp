@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
+#include "coppice/io/sketch/colmap_internal.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/sketch/snapshot.h"
 
 namespace coppice {
 namespace {
@@ -105,22 +110,48 @@ class Value {
     std::string where_;
 };
 
-SketchView drawing_of(const Value& value) {
+/// A view as the file has it; of a snapshot the camera follows from the strokes.
+struct ReadView {
+    SketchView view;
+    std::optional<Snapshot> snapshot;
+};
+
+DrawingSide side_of(const Value& value) {
+    return value.choice<DrawingSide>({{"front", DrawingSide::front},
+                                      {"back", DrawingSide::back},
+                                      {"side", DrawingSide::side},
+                                      {"left", DrawingSide::left},
+                                      {"top", DrawingSide::top}});
+}
+
+ReadView drawing_of(const Value& value) {
     value.expect_members({"name", "image", "width", "height", "orthographic", "pixels_per_metre", "origin"});
-    const auto side = value.member("orthographic")
-                          .choice<DrawingSide>({{"front", DrawingSide::front},
-                                                {"back", DrawingSide::back},
-                                                {"side", DrawingSide::side},
-                                                {"left", DrawingSide::left},
-                                                {"top", DrawingSide::top}});
+    const DrawingSide side = side_of(value.member("orthographic"));
+    if (!value.has("pixels_per_metre") && !value.has("origin"))
+        return {.view = {}, .snapshot = Snapshot{.side = side}};
     const auto [x, y] = value.member("origin").numbers_of<2>();
     const Value scale = value.member("pixels_per_metre");
     if (!(scale.number() > 0)) scale.fail("must be above 0");
-    return drawing_view(side, scale.number(), {x, y});
+    return {.view = drawing_view(side, scale.number(), {x, y}), .snapshot = {}};
+}
+
+ReadView photograph_of(const Value& value) {
+    value.expect_members({"name", "image", "width", "height", "photograph", "field_of_view"});
+    const Value angle = value.member("field_of_view");
+    if (!(angle.number() > 0 && angle.number() < 180)) angle.fail("must lie between 0 and 180 degrees");
+    return {.view = {},
+            .snapshot = Snapshot{.side = side_of(value.member("photograph")),
+                                 .field_of_view = angle.number() * std::numbers::pi / 180}};
+}
+
+SketchView colmap_of(const Value& value, const std::filesystem::path& folder) {
+    value.expect_members({"name", "image", "colmap"});
+    return read_colmap_view(folder / value.member("colmap").text(), value.member("image").text());
 }
 
 SketchView camera_of(const Value& value) {
-    value.expect_members({"name", "image", "width", "height", "projection", "K", "R", "t", "distortion"});
+    value.expect_members(
+        {"name", "image", "width", "height", "projection", "K", "R", "rvec", "t", "distortion"});
     SketchView view;
     if (value.has("projection")) {
         view.projection = value.member("projection")
@@ -128,7 +159,12 @@ SketchView camera_of(const Value& value) {
                                                    {"orthographic", Projection::orthographic}});
     }
     view.k = value.member("K").matrix();
-    view.r = value.member("R").matrix();
+    if (value.has("rvec") && !value.has("R")) {
+        const auto [a, b, c] = value.member("rvec").numbers_of<3>();
+        view.r = rotation_about({a, b, c});
+    } else {
+        view.r = value.member("R").matrix();
+    }
     const auto [x, y, z] = value.member("t").numbers_of<3>();
     view.t = {x, y, z};
     if (value.has("distortion")) {
@@ -142,15 +178,58 @@ SketchView camera_of(const Value& value) {
     return view;
 }
 
-SketchView view_of(const Value& value) {
-    if (!value.has("orthographic") && !value.has("K"))
-        value.fail("needs the camera's K, R and t, or orthographic with pixels_per_metre and origin");
-    SketchView view = value.has("orthographic") ? drawing_of(value) : camera_of(value);
-    view.name = value.member("name").text();
-    if (value.has("image")) view.image = value.member("image").text();
-    if (value.has("width")) view.width = value.member("width").pixels();
-    if (value.has("height")) view.height = value.member("height").pixels();
-    return view;
+ReadView view_of(const Value& value, const std::filesystem::path& folder) {
+    ReadView out;
+    if (value.has("orthographic")) {
+        out = drawing_of(value);
+    } else if (value.has("photograph")) {
+        out = photograph_of(value);
+    } else if (value.has("colmap")) {
+        out.view = colmap_of(value, folder);
+    } else if (value.has("K")) {
+        out.view = camera_of(value);
+    } else {
+        value.fail("needs the camera's K, R and t, or colmap, photograph or orthographic");
+    }
+    out.view.name = value.member("name").text();
+    if (value.has("image")) out.view.image = value.member("image").text();
+    if (value.has("width")) out.view.width = value.member("width").pixels();
+    if (value.has("height")) out.view.height = value.member("height").pixels();
+    return out;
+}
+
+/// The world that cameras were calibrated in, and ours: Z up, in metres.
+struct World {
+    Matrix3 turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< from ours to theirs
+    double metres_per_unit = 1;
+};
+
+World world_of(const Value& value) {
+    value.expect_members({"up", "metres_per_unit"});
+    World world;
+    if (value.has("up")) {
+        const auto [x, y, z] = value.member("up").numbers_of<3>();
+        const Vec3d up = normalized(Vec3d{x, y, z}, {0, 0, 0});
+        if (up == Vec3d{}) value.member("up").fail("must have a direction");
+        // The shortest turn that brings z to up; where that points down, half a turn about x.
+        world.turn = up.z > -1 + 1e-9 ? rotation_of(1 + up.z, {-up.y, up.x, 0})
+                                      : Matrix3{{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+    }
+    if (value.has("metres_per_unit")) {
+        const Value scale = value.member("metres_per_unit");
+        if (!(scale.number() > 0)) scale.fail("must be above 0");
+        world.metres_per_unit = scale.number();
+    }
+    return world;
+}
+
+void bring_home(SketchView& view, const World& world) {
+    Matrix3 r{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            for (std::size_t k = 0; k < 3; ++k) r[i][j] += view.r[i][k] * world.turn[k][j];
+    view.r = r;
+    view.t = view.t * world.metres_per_unit;
 }
 
 using Names = std::map<std::string, std::uint32_t, std::less<>>;
@@ -215,27 +294,39 @@ bool is_sketch_name(const std::filesystem::path& path) {
     return path.filename().string().ends_with(".sketch.json");
 }
 
-Sketch parse_sketch(std::string_view text, const std::string& source) {
+Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     if (!json.is_object() || json.value("format", Json()) != "coppice-sketch")
         throw InvalidInput(source + ": this JSON is no sketch: it needs \"format\": \"coppice-sketch\"");
-    file.expect_members({"format", "version", "views", "branches"});
+    file.expect_members({"format", "version", "height", "world", "views", "branches"});
     if (const double version = file.member("version").number(); version > 1)
         throw Unsupported(
             fmt::format("{}: version {} of coppice-sketch is newer than this program", source, version));
     Sketch sketch;
+    const World world = file.has("world") ? world_of(file.member("world")) : World();
     const std::vector<Value> views = file.member("views").items(), branches = file.member("branches").items();
-    for (const Value& view : views) sketch.views.push_back(view_of(view));
+    std::vector<std::optional<Snapshot>> snapshots;
+    for (const Value& value : views) {
+        ReadView read = view_of(value, folder);
+        if (value.has("K") || value.has("colmap")) bring_home(read.view, world);
+        sketch.views.push_back(std::move(read.view));
+        snapshots.push_back(read.snapshot);
+    }
     const Names view_names = names_of(views), branch_names = names_of(branches);
     for (const Value& branch : branches)
         sketch.branches.push_back(branch_of(branch, view_names, branch_names));
+    for (std::uint32_t v = 0; v < snapshots.size(); ++v) {
+        if (!snapshots[v]) continue;
+        sketch.views[v] = snapshot_view(sketch, v, *snapshots[v], file.member("height").number(),
+                                        fmt::format("{}: views[{}]", source, v));
+    }
     validate(sketch, source);
     return sketch;
 }
 
 Sketch read_sketch(const std::filesystem::path& path, const Context& ctx) {
-    return parse_sketch(read_file(path, kLargestSketch, ctx), path.string());
+    return parse_sketch(read_file(path, kLargestSketch, ctx), path.string(), path.parent_path());
 }
 
 }  // namespace coppice
