@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <vector>
 
 #include "coppice/base/parallel.h"
@@ -41,6 +42,8 @@ class Limiter {
         moved_.first = start_.first;
         apply_offsets(surface_, offsets_, moved_.positions, ctx_);
         changed_.assign(start_.face_count(), 1);
+        moved_last_.resize(start_.face_count());
+        std::iota(moved_last_.begin(), moved_last_.end(), 0u);
     }
 
     LimitResult run() {
@@ -63,17 +66,20 @@ class Limiter {
     }
 
   private:
+    /// Of the faces that moved last: no others can have folded since.
     Faces new_folds() const {
-        std::vector<std::uint8_t> folded(start_.face_count(), 0);
+        std::vector<std::uint8_t> folded(moved_last_.size(), 0);
         parallel_for(ctx_, folded.size(), kGrain, [&](std::size_t i) {
-            const auto face = start_.face(static_cast<std::uint32_t>(i));
-            if (!changed_[i] || std::ranges::all_of(face, [&](auto v) { return offsets_[v] == 0; })) return;
+            const auto face = start_.face(moved_last_[i]);
+            if (std::ranges::all_of(face, [&](auto v) { return offsets_[v] == 0; })) return;
             const bool turned =
                 dot(area_vector(face, start_.positions), area_vector(face, moved_.positions)) <= 0;
             folded[i] = turned || (scaled_jacobian(face, moved_.positions) < kFlatCorner &&
                                    scaled_jacobian(face, start_.positions) >= kFlatCorner);
         });
-        return where_set(folded);
+        Faces faces;
+        for (const std::uint32_t i : where_set(folded)) faces.push_back(moved_last_[i]);
+        return faces;
     }
 
     /// Of faces that changed with any: first time all, later those whose boxes meet a changed one's.
@@ -131,7 +137,8 @@ class Limiter {
             offsets_[v] *= wholly ? 0.0f : 0.5f;
             moved_.positions[v] = start_.positions[v] + offsets_[v] * surface_.direction[v];
         }
-        for (const std::uint32_t f : faces_at(at)) changed_[f] = 1;
+        moved_last_ = faces_at(at);
+        for (const std::uint32_t f : moved_last_) changed_[f] = 1;
     }
 
     const MovingSurface& surface_;
@@ -140,6 +147,7 @@ class Limiter {
     std::uint32_t halvings_;
     const Context& ctx_;
     PolygonMesh moved_;
+    Faces moved_last_;
     std::vector<std::uint8_t> changed_;  // per face, since crossings were last looked for
     bool looked_ = false;
 };
