@@ -11,13 +11,14 @@
 #include "coppice/base/progress.h"
 #include "coppice/measure/union_volume.h"
 #include "coppice/mesh/shape.h"
-#include "coppice/pipeline/limit_offsets_internal.h"
+#include "coppice/pipeline/fit_volume_internal.h"
 #include "coppice/pipeline/nearest_segment_internal.h"
 
 namespace coppice {
 namespace {
 
 using pipeline_internal::area_vector;
+using pipeline_internal::CrossingSearch;
 
 constexpr std::size_t kGrain = 2048;
 constexpr double kMostGap = 0.35;       // [radii] what is farther inside is no matter of fit
@@ -48,6 +49,7 @@ struct Fit {
     CompressedRows<std::uint32_t> faces_of;
     const Skeleton& skeleton;
     const ConeUnion& solid;
+    const CrossingSearch& search;
     const Context& ctx;
 
     std::vector<std::uint32_t> capsule;  // per vertex: whose bark it is; kNone: it stays
@@ -62,7 +64,7 @@ struct Fit {
 
     std::size_t vertex_count() const { return start.positions.size(); }
     std::uint32_t face_count() const { return start.face_count(); }
-    pipeline_internal::MovingSurface moving() const { return {start, faces_of, direction}; }
+    pipeline_internal::MovingSurface moving() const { return {start, faces_of, direction, search}; }
 };
 
 void find_capsules(Fit& fit) {
@@ -381,7 +383,7 @@ void report_offsets(const Fit& fit, FitVolumeReport& report) {
 }
 
 FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const Skeleton& skeleton,
-                             const ConeUnion& solid, const Context& ctx) {
+                             const ConeUnion& solid, const CrossingSearch& search, const Context& ctx) {
     FitVolumeReport report;
     const UnionVolume cones = union_volume(solid, {}, {}, part_of(ctx, 0, 0.3f));
     report.cones = cones.total;
@@ -391,6 +393,7 @@ FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const S
             .faces_of = std::move(faces_of),
             .skeleton = skeleton,
             .solid = solid,
+            .search = search,
             .ctx = ctx};
     fit.positions = fit.start.positions;
     fit.offset.assign(fit.vertex_count(), 0);
@@ -423,14 +426,21 @@ FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const S
 
 FitVolumeReport fit_volume(QuadMesh& mesh, const Skeleton& skeleton, EndShape base, EndShape tips,
                            const Context& ctx) {
+    return pipeline_internal::fit_volume(mesh, skeleton, base, tips, pipeline_internal::all_crossings, ctx);
+}
+
+FitVolumeReport pipeline_internal::fit_volume(QuadMesh& mesh, const Skeleton& skeleton, EndShape base,
+                                              EndShape tips, const CrossingSearch& search,
+                                              const Context& ctx) {
     const ConeUnion solid(skeleton, mesh.origin, base, tips, ctx);
-    return fit_polygons(to_polygons(mesh), mesh.positions, skeleton, solid, ctx);
+    return fit_polygons(to_polygons(mesh), mesh.positions, skeleton, solid, search, ctx);
 }
 
 FitVolumeReport fit_volume(TriMesh& mesh, const Skeleton& skeleton, EndShape base, EndShape tips,
                            const Context& ctx) {
     const ConeUnion solid(skeleton, mesh.origin, base, tips, ctx);
-    return fit_polygons(to_polygons(mesh), mesh.positions, skeleton, solid, ctx);
+    return fit_polygons(to_polygons(mesh), mesh.positions, skeleton, solid, pipeline_internal::all_crossings,
+                        ctx);
 }
 
 }  // namespace coppice

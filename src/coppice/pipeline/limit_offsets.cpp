@@ -86,7 +86,7 @@ class Limiter {
     FacePairs crossings_of_changed() {
         if (!looked_) {
             looked_ = true;
-            return crossing_faces(SurfaceTree(moved_, ctx_), kMostCrossings, ctx_);
+            return surface_.search(moved_, kMostCrossings, ctx_);
         }
         const FaceView moved(moved_);
         std::vector<Box3> boxes;
@@ -153,6 +153,10 @@ class Limiter {
 };
 
 }  // namespace
+
+FacePairs all_crossings(const PolygonMesh& moved, std::uint32_t limit, const Context& ctx) {
+    return crossing_faces(SurfaceTree(moved, ctx), limit, ctx);
+}
 
 CompressedRows<std::uint32_t> faces_by_vertex(const PolygonMesh& mesh) {
     return compress_rows<std::uint32_t>(mesh.positions.size(), [&](const auto& put) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
+#include "coppice/measure/intersections.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice::pipeline_internal {
@@ -15,11 +17,19 @@ CompressedRows<std::uint32_t> faces_by_vertex(const PolygonMesh& mesh);
 /// Normal of a face times its area: exact for triangles, the mean of all triangulations otherwise.
 Vec3d area_vector(std::span<const std::uint32_t> face, std::span<const Vec3> positions);
 
+/// Finds the pairs of faces that cross in a surface whose vertices have been moved, up to a limit.
+using CrossingSearch =
+    std::function<FacePairs(const PolygonMesh& moved, std::uint32_t limit, const Context& ctx)>;
+
+/// Searches all faces.
+FacePairs all_crossings(const PolygonMesh& moved, std::uint32_t limit, const Context& ctx);
+
 /// A surface whose vertices are about to move, each along a direction of its own.
 struct MovingSurface {
     const PolygonMesh& start;                       ///< before
     const CompressedRows<std::uint32_t>& faces_of;  ///< of start
     std::span<const Vec3> direction;                ///< per vertex, unit or 0
+    CrossingSearch search = all_crossings;          ///< for who knows where to look
 };
 
 struct LimitResult {

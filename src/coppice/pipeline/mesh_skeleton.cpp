@@ -5,14 +5,17 @@
 #include "coppice/base/progress.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
+#include "coppice/pipeline/fit_volume_internal.h"
+#include "coppice/pipeline/kept_quads_internal.h"
 #include "coppice/pipeline/knots/remesh_knots_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
 
 namespace coppice {
-
 namespace {
+
+using pipeline_internal::KeptQuads;
 
 // The field of a region is asked about the points of its quads, and a little beyond.
 std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
@@ -43,8 +46,10 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
+// `kept` is made for those who move vertices later on.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                          std::optional<GlobalWeights>& weights, const Context& ctx, Stages& stages) {
+                          std::optional<GlobalWeights>& weights, std::optional<KeptQuads>& kept,
+                          const Context& ctx, Stages& stages) {
     QuadSurface out;
     const float graft = options.overlaps == Overlaps::graft ? options.graft : 0;
     const GraftResult grafted =
@@ -82,6 +87,7 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
                             ctx);
         });
     }
+    if (options.fit == Fit::volume) kept.emplace(out.mesh, parted.skeleton, options.levels);
     const pipeline_internal::TubeMap map{parted.skeleton, grafted.skeleton, source, tube};
     out.knots =
         stages.run("remesh", 1.0f, [&] { return pipeline_internal::remesh_knots(out, map, options, ctx); });
@@ -98,17 +104,35 @@ CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& opti
     return stages.run("cylinders", 1.0f, [&] { return cylinders(prepared, tubes, ctx); });
 }
 
-template <class Mesh>
-FitVolumeReport fit_to_ends(Mesh& mesh, const Skeleton& skeleton, const ControlOptions& ends,
-                            const Context& ctx) {
-    const EndShape base = ends.base == BaseShape::round ? EndShape::round : EndShape::flat;
-    const EndShape tips = ends.tips == TipShape::round ? EndShape::round : EndShape::flat;
-    return fit_volume(mesh, skeleton, base, tips, ctx);
+EndShape base_end(const ControlOptions& o) {
+    return o.base == BaseShape::round ? EndShape::round : EndShape::flat;
+}
+EndShape tip_end(const ControlOptions& o) {
+    return o.tips == TipShape::round ? EndShape::round : EndShape::flat;
 }
 
-FitVolumeReport fit_to_ends(PolygonMesh&, const Skeleton&, const ControlOptions&, const Context&) {
-    throw InvalidInput("mesh: fit must be surface for cylinders, which run through each other at forks");
-}
+// Fits what was made; `kept` goes with quads.
+struct Fitting {
+    const Skeleton& skeleton;
+    const ControlOptions& ends;
+    std::optional<KeptQuads>& kept;
+    const Context& ctx;
+
+    FitVolumeReport operator()(QuadSurface& surface) const {
+        kept->find_in(surface.mesh);
+        const auto search = [&](const PolygonMesh& moved, std::uint32_t limit, const Context& c) {
+            return kept->crossings(moved, surface.cage, limit, c);
+        };
+        return pipeline_internal::fit_volume(surface.mesh, skeleton, base_end(ends), tip_end(ends), search,
+                                             ctx);
+    }
+    FitVolumeReport operator()(TetraSurface& surface) const {
+        return fit_volume(surface.mesh, skeleton, base_end(ends), tip_end(ends), ctx);
+    }
+    FitVolumeReport operator()(CylinderMesh&) const {
+        throw InvalidInput("mesh: fit must be surface for cylinders, which run through each other at forks");
+    }
+};
 
 MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                      bool with_solid, const Context& ctx) {
@@ -120,8 +144,10 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
+    std::optional<KeptQuads> kept;
     if (options.method == MeshMethod::quads) {
-        out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, meshing, stages);
+        out.surface =
+            mesh_by_quads(prepared.skeleton, constraints, options, out.weights, kept, meshing, stages);
     } else if (options.method == MeshMethod::cylinders) {
         out.surface = mesh_by_cylinders(prepared.skeleton, options, meshing, stages);
     } else {
@@ -131,9 +157,7 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     if (fits) {
         const Context fitting = part_of(ctx, 0.5f, 1);
         out.fitted = Stages(fitting, out.stages).run("fit", 1.0f, [&] {
-            return std::visit(
-                [&](auto& surface) { return fit_to_ends(surface.mesh, skeleton, options.control, fitting); },
-                out.surface);
+            return std::visit(Fitting{skeleton, options.control, kept, fitting}, out.surface);
         });
     }
     return out;

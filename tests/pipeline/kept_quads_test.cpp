@@ -1,0 +1,56 @@
+#include "coppice/pipeline/kept_quads_internal.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/skeleton/random_tree.h"
+#include "slice_search.h"
+
+namespace coppice {
+namespace {
+
+using namespace test;
+
+constexpr std::uint32_t kMany = 1'000'000;
+
+/// What is found in a surface with some of its vertices astray, and in what remeshing made of it.
+std::size_t expect_all_found(const Skeleton& skeleton, float astray) {
+    const Quads before = quads_of(skeleton, {});
+    const QuadMesh after = std::move(mesh_skeleton(skeleton).quads().mesh);
+    pipeline_internal::KeptQuads kept(before.surface.mesh, before.tubes, before.options.levels);
+    kept.find_in(after);
+    std::size_t found = 0;
+    for (const std::size_t step : {std::size_t{97}, std::size_t{1009}}) {
+        PolygonMesh moved = to_polygons(after);
+        for (std::size_t v = step / 2; v < moved.positions.size(); v += step) {
+            const std::size_t other = (v + 1 + v % 50) % moved.positions.size();
+            moved.positions[v] = lerp(moved.positions[v], moved.positions[other], astray);
+        }
+        const FacePairs all = crossing_faces(SurfaceTree(moved), kMany);
+        EXPECT_EQ(kept.crossings(moved, before.surface.cage, kMany, {}).pairs, all.pairs);
+        EXPECT_TRUE(all.complete);
+        found += all.pairs.size();
+    }
+    return found;
+}
+
+TEST(KeptQuads, FindTheCrossingsOfTheWholeMesh) {
+    // Nothing is remeshed in the first; hardly anything, and much, in the others.
+    EXPECT_GT(expect_all_found(random_tree(300, 1), 0.5f), 100u);
+    EXPECT_GT(expect_all_found(random_tree(150, 2, true), 0.5f), 100u);
+    EXPECT_GT(expect_all_found(random_tree(150, 3, true), 1.5f), 1000u);
+}
+
+TEST(KeptQuads, StopAtTheLimit) {
+    const Quads quads = quads_of(random_tree(100, 1), {});
+    pipeline_internal::KeptQuads kept(quads.surface.mesh, quads.tubes, quads.options.levels);
+    kept.find_in(quads.surface.mesh);
+    PolygonMesh moved = to_polygons(quads.surface.mesh);
+    EXPECT_TRUE(kept.crossings(moved, quads.surface.cage, 1, {}).pairs.empty());
+    for (Vec3& p : moved.positions) p.z = 0;
+    const FacePairs found = kept.crossings(moved, quads.surface.cage, 1000, {});
+    EXPECT_EQ(found.pairs.size(), 1000u);
+    EXPECT_FALSE(found.complete);
+}
+
+}  // namespace
+}  // namespace coppice
