@@ -5,6 +5,7 @@
 #include "command.h"
 #include "coppice/base/fields.h"
 #include "coppice/io/file.h"
+#include "coppice/io/sketch/sketch_file.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/surface_tree.h"
@@ -12,6 +13,7 @@
 #include "coppice/pipeline/option_fields.h"
 #include "coppice/points/spacing.h"
 #include "coppice/render/cloud_mesh.h"
+#include "coppice/render/picture.h"
 #include "coppice/render/png.h"
 #include "files.h"
 #include "options.h"
@@ -36,7 +38,9 @@ namespace coppice::cli {
 namespace {
 
 struct RenderFlags {
-    std::filesystem::path input, second, output, distance_to;
+    std::filesystem::path input, second, output, distance_to, over;
+    std::filesystem::path camera;  ///< SKETCH:VIEW
+    float opacity = 0.7f;          ///< of what is drawn over a photograph
     Marked mark = Marked::none;
     float point_size = 0;  ///< [m] width of points; 0 = from their spacing
     RenderOptions render;
@@ -130,10 +134,62 @@ Crossings find_crossings(Run& run, const Inputs& in) {
     });
 }
 
+/// The view that --camera SKETCH:VIEW names.
+SketchView load_view(Run& run, const std::string& named) {
+    const std::size_t colon = named.rfind(':');
+    if (colon == std::string::npos || !is_sketch_name(named.substr(0, colon))) {
+        throw UsageError(fmt::format(
+            "'{}' names no camera; write the sketch and its view, as in tree.sketch.json:front", named));
+    }
+    const std::string file = named.substr(0, colon), name = named.substr(colon + 1);
+    const Sketch sketch = run.stage("read", [&](const Context& ctx) { return read_sketch(file, ctx); });
+    std::vector<std::string> names;
+    for (const SketchView& view : sketch.views) {
+        if (view.name == name) return view;
+        names.push_back(view.name);
+    }
+    throw UsageError(fmt::format("'{}' has no view '{}'; there are {}", file, name, fmt::join(names, ", ")));
+}
+
+/// A picture that a camera took, if any, and what follows from it for the drawing.
+struct Backdrop {
+    std::optional<SketchView> view;
+    std::optional<Image> photograph;
+};
+
+Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& options) {
+    Backdrop out;
+    if (flags.camera.empty()) {
+        if (flags.over.empty()) return out;
+        throw UsageError("--over needs the camera that took the picture: --camera tree.sketch.json:front");
+    }
+    out.view = load_view(run, flags.camera.string());
+    if (out.view->width > 0 && out.view->height > 0) {
+        options.width = out.view->width;
+        options.height = out.view->height;
+    }
+    if (flags.over.empty()) return out;
+    out.photograph = run.stage("read", [&](const Context& ctx) {
+        return decode_picture(read_file(flags.over, kLargestFile, ctx), flags.over.string());
+    });
+    const Image& picture = *out.photograph;
+    if (out.view->width > 0 && (picture.width != out.view->width || picture.height != out.view->height)) {
+        throw InvalidInput(fmt::format(
+            "{}: the picture has {} x {} pixels, but that of the view '{}' {} x {}", flags.over.string(),
+            picture.width, picture.height, out.view->name, out.view->width, out.view->height));
+    }
+    options.width = picture.width;
+    options.height = picture.height;
+    options.ground = false;
+    options.transparent = true;
+    return out;
+}
+
 ExitCode render_file(Run& run, const RenderFlags& flags) {
     check_flags(flags);
-    Inputs in = load(run, flags);
     RenderOptions options = flags.render;
+    const Backdrop backdrop = load_backdrop(run, flags, options);
+    Inputs in = load(run, flags);
     if (!flags.distance_to.empty()) {
         load_other(run, flags, in);
         options.color = RenderColor::distance;
@@ -155,8 +211,10 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
                             .deviation = deviation,
                             .marked_faces = crossings.faces,
                             .marks = crossings.places,
-                            .distance_to = in.surface ? &*in.surface : nullptr};
-    const Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
+                            .distance_to = in.surface ? &*in.surface : nullptr,
+                            .view = backdrop.view ? &*backdrop.view : nullptr};
+    Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
+    if (backdrop.photograph) image = overlay(*backdrop.photograph, image, flags.opacity);
     run.stage("write", [&](const Context&) {
         AtomicFile file(flags.output);
         file.write(encode_png(image));
@@ -177,6 +235,12 @@ Command render_command() {
     options.file("-o,--output", "PNG", flags->output, "picture to write");
     options.file("--distance-to", "MESH", flags->distance_to,
                  "colour by the distance from this mesh: inside blue, outside red");
+    options.file("--camera", "SKETCH:VIEW", flags->camera,
+                 "the camera of a view of a sketch, as tree.sketch.json:front; else the object is framed");
+    options.file("--over", "PHOTO", flags->over,
+                 "draws over this picture (.png, .jpg), which the camera took");
+    options.value({{"opacity", "of what is drawn over a picture", Unit::none, 0, 1}, &flags->opacity},
+                  "Picture");
     options.value(
         {{"mark", "what stands out: crossings are faces of the mesh that cross, with rings around them"},
          choice_of(flags->mark)},

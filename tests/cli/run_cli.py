@@ -88,6 +88,9 @@ def make_inputs():
     write("tree.txt", TREE)
     write("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
           "end_header\n" % len(rows) + "\n".join(rows) + "\n")
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    write("photo.png", b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 400, 320, 8, 2, 0, 0, 0)) +
+          chunk(b"IDAT", zlib.compress((b"\0" + b"\x80\xc0\xff" * 400) * 320)) + chunk(b"IEND", b""))  # 400 x 320 pixels of sky
     write("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF\0\1\1\0\0\1\0\1\0\0\xff\xd9")
     write("notes.md", "# Notes\n\nThe oak was scanned in May.\n")
     write("named.txt", '"id" "X" "Y" "Z"\n1001 0 0 0\n1002 1 0 0\n1003 1 2 3\n')

@@ -367,6 +367,34 @@ TEST(Render, DegenerateSkeletonsAreDrawn) {
     EXPECT_GT(opaque_pixels(render({.skeleton = &dot}, small())), 1000);
 }
 
+TEST(Render, AViewIsTheCameraWhateverTheOrigin) {
+    // A ball and, so that the scene has another size and middle, one far behind that the first hides nothing
+    // of.
+    for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+        const Skeleton balls({NodeId{}, NodeId{}}, {{1, 2, 3}, {1, 9, 4}}, {0.1f, 0.2f}, {1000, 0, 0});
+        SketchView view =
+            drawing_view(DrawingSide::front, projection == Projection::perspective ? 200 : 20, {32, 32});
+        view.projection = projection;
+        view.t = {-1001, 3, 8};  // 10 m before the first
+        RenderOptions o = small();
+        o.width = o.height = 64;
+        o.ground = false;
+        o.transparent = true;
+        const Image image = render({.skeleton = &balls, .view = &view}, o);
+        for (const Vec3d ball : {Vec3d{1001, 2, 3}, Vec3d{1001, 9, 4}}) {
+            const PicturePoint at = project(view, ball);
+            EXPECT_EQ(image.at(static_cast<int>(at.x), static_cast<int>(at.y))[3], 255);
+        }
+        // Discs of 2 and 200 * 0.2 / 17 = 2.4 pixels, or 2 and 4.
+        const double area = std::numbers::pi * (projection == Projection::perspective ? 4 + 5.5 : 4 + 16);
+        EXPECT_NEAR(opaque_pixels(image), area, 0.6 * area);
+    }
+    SketchView mirror = drawing_view(DrawingSide::front, 1, {});
+    mirror.r[0] = {-1, 0, 0};
+    const Skeleton dot({NodeId{}}, {{0, 0, 0}}, {1});
+    EXPECT_THROW(render({.skeleton = &dot, .view = &mirror}, small()), InvalidInput);
+}
+
 TEST(Render, AMeshWithoutSizeIsNoCrash) {
     PolygonMesh mesh;
     mesh.positions.assign(3, Vec3{1, 2, 3});

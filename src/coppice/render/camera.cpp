@@ -7,6 +7,9 @@
 namespace coppice {
 namespace {
 
+/// Where an orthographic picture begins, before the scene, whose diagonal is 1.
+constexpr float kBehind = 2;
+
 /// The camera sees x in [c - t d, c + t d] at depth d. For points at (x, z), z towards the camera, the least
 /// camera height and the centre follow from the two extreme lines alone.
 struct Slab {
@@ -47,13 +50,32 @@ Camera::Camera(std::span<const FramePoint> points, const RenderOptions& options)
     position_ = right_ * across.center() + up_ * along.center() - forward_ * z;
 }
 
-Vec3 Camera::direction(float x, float y) const {
+Camera::Camera(const SketchView& view) : view_(view) {
+    const auto axis = [&](std::size_t i) { return Vec3(Vec3d{view.r[i][0], view.r[i][1], view.r[i][2]}); };
+    right_ = axis(0);
+    up_ = -axis(1);
+    forward_ = axis(2);
+    const bool perspective = view.projection == Projection::perspective;
+    position_ = perspective ? Vec3(transposed(view.r) * -view.t) : forward_ * -kBehind;
+}
+
+Camera::Ray Camera::ray(float x, float y) const {
+    if (view_) {
+        const ViewRay r = coppice::ray(*view_, {double{x}, double{y}});
+        if (view_->projection == Projection::perspective) return {position_, Vec3(r.direction)};
+        return {Vec3(r.origin - r.direction * (dot(r.origin, r.direction) + double{kBehind})),
+                Vec3(r.direction)};
+    }
     const float a = (2 * x / width_ - 1) * tan_x_, b = (1 - 2 * y / height_) * tan_y_;
-    return normalized(forward_ + right_ * a + up_ * b);
+    return {position_, normalized(forward_ + right_ * a + up_ * b)};
 }
 
 Camera::Projected Camera::project(Vec3 p) const {
     const Vec3 d = p - position_;
+    if (view_) {
+        const PicturePoint at = coppice::project(*view_, Vec3d(p));
+        return {static_cast<float>(at.x), static_cast<float>(at.y), dot(d, forward_)};
+    }
     const float depth = dot(d, forward_), scale = 1 / std::max(depth, 1e-12f);
     return {0.5f * width_ * (1 + dot(d, right_) * scale / tan_x_),
             0.5f * height_ * (1 - dot(d, up_) * scale / tan_y_), depth};

@@ -30,6 +30,7 @@ void check(const RenderScene& scene, const RenderOptions& options) {
             fmt::format("render: {} x {} pixels are more than {} million; choose a smaller picture",
                         options.width, options.height, kMostPixels / 1'000'000));
     }
+    if (scene.view != nullptr) validate(*scene.view, "render: view");
     if (scene.mesh == nullptr && scene.skeleton == nullptr)
         throw InvalidInput("render: there is nothing to draw");
     if (scene.mesh != nullptr) {
@@ -121,7 +122,8 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     const TracedScene traced(shown, options, ctx);
     ctx.throw_if_cancelled();
     ctx.report(kBuildShare);
-    const Camera camera(traced.frame_points(), options);
+    const Camera camera =
+        scene.view != nullptr ? Camera(traced.local(*scene.view)) : Camera(traced.frame_points(), options);
     const Shading shading(traced, camera, chosen);
     Image image(options.width, options.height);
     const int columns = (options.width + kTile - 1) / kTile;

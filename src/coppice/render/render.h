@@ -10,6 +10,7 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/render/image.h"
 #include "coppice/skeleton/skeleton.h"
+#include "coppice/sketch/view.h"
 
 namespace coppice {
 
@@ -40,6 +41,7 @@ struct RenderScene {
     std::span<const std::uint32_t> marked_faces;  ///< of the mesh
     std::span<const RenderMark> marks;            ///< places to draw rings around, large enough to be seen
     const SurfaceTree* distance_to = nullptr;     ///< another surface, from which the drawn one is measured
+    const SketchView* view = nullptr;             ///< the camera, if it does not frame the object by itself
 };
 
 /// How to draw it. The camera stands where the whole object just fills the picture.

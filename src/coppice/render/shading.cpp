@@ -126,28 +126,28 @@ Light Shading::pixel(int x, int y) const {
 }
 
 Light Shading::sample(float x, float y, const Draws& draws) const {
-    const Vec3 direction = camera_.direction(x, y);
+    const auto [origin, direction] = camera_.ray(x, y);
     Light light;
-    const auto hit = scene_.trace(camera_.position(), direction);
+    const auto hit = scene_.trace(origin, direction);
     if (hit) {
         light = solid(*hit, x, y, draws);
     } else {
         const Light back = options_.transparent ? Light{} : Light{kBackground, 1};
-        light = ground_visible_ ? over(ground(direction, draws), back) : back;
+        light = ground_visible_ ? over(ground(origin, direction, draws), back) : back;
     }
     if (scene_.has_axis()) {
-        if (const auto axis = scene_.trace_axis(camera_.position(), direction)) {
+        if (const auto axis = scene_.trace_axis(origin, direction)) {
             const float bright = 0.35f + 0.65f * dot(axis->normal, -direction);
             light = over({kAxis * (bright * kAxisCover), kAxisCover}, light);
         }
     }
-    if (scene_.has_marked()) light = over(marked(direction, hit), light);
+    if (scene_.has_marked()) light = over(marked(origin, direction, hit), light);
     return light;
 }
 
 /// Marked faces, less of them behind others.
-Light Shading::marked(Vec3 direction, const std::optional<Hit>& front) const {
-    const auto hit = scene_.trace_marked(camera_.position(), direction);
+Light Shading::marked(Vec3 origin, Vec3 direction, const std::optional<Hit>& front) const {
+    const auto hit = scene_.trace_marked(origin, direction);
     if (!hit) return {};
     const bool is_hidden = front && front->distance < hit->distance * (1 - kSame);
     const float cover = is_hidden ? kHiddenMarkCover : kMarkCover;
@@ -208,10 +208,10 @@ float Shading::wire(const Hit& hit, float x, float y) const {
 }
 
 /// A shadow without a ground of its own: black that covers as much as light is missing.
-Light Shading::ground(Vec3 direction, const Draws& draws) const {
+Light Shading::ground(Vec3 origin, Vec3 direction, const Draws& draws) const {
     if (direction.z >= -1e-6f) return {};
-    const float t = (ground_height_ - camera_.position().z) / direction.z;
-    const Vec3 p = camera_.position() + direction * t;
+    const float t = (ground_height_ - origin.z) / direction.z;
+    const Vec3 p = origin + direction * t;
     const float strength = 1 - smooth_step(kGroundFull, kGroundEnd, std::hypot(p.x, p.y));
     if (strength <= 0) return {};
     const Vec3 from = p + Vec3{0, 0, kOffset * 4};

@@ -33,9 +33,9 @@ class Shading {
     struct Draws;  // the random numbers of one sample
 
     Light sample(float x, float y, const Draws& draws) const;
-    Light marked(Vec3 direction, const std::optional<Hit>& front) const;
+    Light marked(Vec3 origin, Vec3 direction, const std::optional<Hit>& front) const;
     Light solid(const Hit& hit, float x, float y, const Draws& draws) const;
-    Light ground(Vec3 direction, const Draws& draws) const;
+    Light ground(Vec3 origin, Vec3 direction, const Draws& draws) const;
     Vec3 albedo(const Hit& hit) const;
     float wire(const Hit& hit, float x, float y) const;
     Vec3 sun_direction(const Draws& draws) const;

@@ -248,4 +248,14 @@ double TracedScene::distance_to_other(const Hit& hit) const {
     return distance_to_->signed_distance(p / scale_ + (center_ - distance_to_->mesh().origin));
 }
 
+SketchView TracedScene::local(SketchView view) const {
+    // scale (R X + t) = R (scale (X - center)) + scale (R center + t), and a perspective camera does not mind
+    // the scale.
+    view.t = (view.r * center_ + view.t) * scale_;
+    if (view.projection == Projection::orthographic)
+        for (const std::size_t row : {std::size_t{0}, std::size_t{1}})
+            for (const std::size_t column : {std::size_t{0}, std::size_t{1}}) view.k[row][column] /= scale_;
+    return view;
+}
+
 }  // namespace coppice

@@ -38,6 +38,7 @@ class TracedScene {
     bool has_axis() const { return axis_ != nullptr; }
     bool has_marked() const { return marked_ != nullptr; }
     Vec3 local(Vec3d world) const { return Vec3((world - center_) * scale_); }
+    SketchView local(SketchView view) const;  ///< that shows the scene as the view shows the world
     float local_length(double length) const { return static_cast<float>(length * scale_); }
 
     const Quad& quad(std::uint32_t face) const { return quads_[face]; }
