@@ -1,7 +1,6 @@
 #include "surfaces.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <string_view>
 #include <vector>
