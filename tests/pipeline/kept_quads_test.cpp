@@ -16,8 +16,8 @@ constexpr std::uint32_t kMany = 1'000'000;
 std::size_t expect_all_found(const Skeleton& skeleton, float astray) {
     const Quads before = quads_of(skeleton, {});
     const QuadMesh after = std::move(mesh_skeleton(skeleton).quads().mesh);
-    pipeline_internal::KeptQuads kept(before.surface.mesh, before.tubes, before.options.levels);
-    kept.find_in(after);
+    pipeline_internal::KeptQuads kept({before.surface.mesh, before.tubes, before.options.levels},
+                                      before.surface.cage, after);
     std::size_t found = 0;
     for (const std::size_t step : {std::size_t{97}, std::size_t{1009}}) {
         PolygonMesh moved = to_polygons(after);
@@ -26,7 +26,7 @@ std::size_t expect_all_found(const Skeleton& skeleton, float astray) {
             moved.positions[v] = lerp(moved.positions[v], moved.positions[other], astray);
         }
         const FacePairs all = crossing_faces(SurfaceTree(moved), kMany);
-        EXPECT_EQ(kept.crossings(moved, before.surface.cage, kMany, {}).pairs, all.pairs);
+        EXPECT_EQ(kept.crossings(moved, kMany, {}).pairs, all.pairs);
         EXPECT_TRUE(all.complete);
         found += all.pairs.size();
     }
@@ -42,12 +42,12 @@ TEST(KeptQuads, FindTheCrossingsOfTheWholeMesh) {
 
 TEST(KeptQuads, StopAtTheLimit) {
     const Quads quads = quads_of(random_tree(100, 1), {});
-    pipeline_internal::KeptQuads kept(quads.surface.mesh, quads.tubes, quads.options.levels);
-    kept.find_in(quads.surface.mesh);
+    pipeline_internal::KeptQuads kept({quads.surface.mesh, quads.tubes, quads.options.levels},
+                                      quads.surface.cage, quads.surface.mesh);
     PolygonMesh moved = to_polygons(quads.surface.mesh);
-    EXPECT_TRUE(kept.crossings(moved, quads.surface.cage, 1, {}).pairs.empty());
+    EXPECT_TRUE(kept.crossings(moved, 1, {}).pairs.empty());
     for (Vec3& p : moved.positions) p.z = 0;
-    const FacePairs found = kept.crossings(moved, quads.surface.cage, 1000, {});
+    const FacePairs found = kept.crossings(moved, 1000, {});
     EXPECT_EQ(found.pairs.size(), 1000u);
     EXPECT_FALSE(found.complete);
 }

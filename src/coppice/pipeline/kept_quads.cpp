@@ -1,47 +1,52 @@
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "coppice/pipeline/kept_quads_internal.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
 
 namespace coppice::pipeline_internal {
 
+KeptQuads::KeptQuads(QuadRows before, const ControlMesh& cage, const QuadMesh& after)
+    : rows_(std::move(before)),
+      cage_(&cage),
+      old_vertex_(after.positions.size(), kNone),
+      new_vertex_(rows_.mesh.positions.size(), kNone) {
+    find_in(after);
+}
+
 bool KeptQuads::is_same(const Quad& old, const Quad& now, std::span<const Vec3> positions) const {
     for (std::size_t k = 0; k < now.size(); ++k) {
         if (old_vertex_[now[k]] == old[k]) continue;
         if (old_vertex_[now[k]] != kNone || new_vertex_[old[k]] != kNone ||
-            !(positions[now[k]] == rows_.positions[old[k]]))
+            !(positions[now[k]] == rows_.mesh.positions[old[k]]))
             return false;
     }
     return true;
 }
 
 void KeptQuads::find_in(const QuadMesh& after) {
-    old_vertex_.assign(after.positions.size(), kNone);
-    new_vertex_.assign(rows_.positions.size(), kNone);
-    old_quad_.clear();
     std::uint32_t q = 0;
     for (const Quad& now : after.quads) {
-        while (q < rows_.quads.size() && !is_same(rows_.quads[q], now, after.positions)) ++q;
-        if (q == rows_.quads.size()) break;
+        while (q < rows_.mesh.quads.size() && !is_same(rows_.mesh.quads[q], now, after.positions)) ++q;
+        if (q == rows_.mesh.quads.size()) break;
         for (std::size_t k = 0; k < now.size(); ++k) {
-            old_vertex_[now[k]] = rows_.quads[q][k];
-            new_vertex_[rows_.quads[q][k]] = now[k];
+            old_vertex_[now[k]] = rows_.mesh.quads[q][k];
+            new_vertex_[rows_.mesh.quads[q][k]] = now[k];
         }
         old_quad_.push_back(q++);
     }
 }
 
-FacePairs KeptQuads::crossings(const PolygonMesh& moved, const ControlMesh& cage, std::uint32_t limit,
-                               const Context& ctx) {
+FacePairs KeptQuads::crossings(const PolygonMesh& moved, std::uint32_t limit, const Context& ctx) {
     for (std::size_t v = 0; v < new_vertex_.size(); ++v) {
-        if (new_vertex_[v] != kNone) rows_.positions[v] = moved.positions[new_vertex_[v]];
+        if (new_vertex_[v] != kNone) rows_.mesh.positions[v] = moved.positions[new_vertex_[v]];
     }
     // Rows that are gone stay where they were: they hold up no proof that the others do not need.
-    const Slices slices(cage, tubes_, levels_);
+    const Slices slices(*cage_, rows_.tubes, rows_.levels);
     std::vector<std::uint32_t> kept;
     auto at = old_quad_.begin();
-    for (const std::uint32_t q : unproved_quads(rows_, slices, ctx)) {
+    for (const std::uint32_t q : unproved_quads(rows_.mesh, slices, ctx)) {
         at = std::lower_bound(at, old_quad_.end(), q);
         if (at == old_quad_.end()) break;
         if (*at == q) kept.push_back(static_cast<std::uint32_t>(at - old_quad_.begin()));

@@ -16,6 +16,7 @@ namespace coppice {
 namespace {
 
 using pipeline_internal::KeptQuads;
+using pipeline_internal::QuadRows;
 
 // The field of a region is asked about the points of its quads, and a little beyond.
 std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
@@ -46,9 +47,9 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-// `kept` is made for those who move vertices later on.
+// `rows` are made for those who move vertices later on.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                          std::optional<GlobalWeights>& weights, std::optional<KeptQuads>& kept,
+                          std::optional<GlobalWeights>& weights, std::optional<QuadRows>& rows,
                           const Context& ctx, Stages& stages) {
     QuadSurface out;
     const float graft = options.overlaps == Overlaps::graft ? options.graft : 0;
@@ -87,7 +88,7 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
                             ctx);
         });
     }
-    if (options.fit == Fit::volume) kept.emplace(out.mesh, parted.skeleton, options.levels);
+    if (options.fit == Fit::volume) rows = QuadRows{out.mesh, parted.skeleton, options.levels};
     const pipeline_internal::TubeMap map{parted.skeleton, grafted.skeleton, source, tube};
     out.knots =
         stages.run("remesh", 1.0f, [&] { return pipeline_internal::remesh_knots(out, map, options, ctx); });
@@ -111,17 +112,17 @@ EndShape tip_end(const ControlOptions& o) {
     return o.tips == TipShape::round ? EndShape::round : EndShape::flat;
 }
 
-// Fits what was made; `kept` goes with quads.
+// Fits what was made; `rows` go with quads.
 struct Fitting {
     const Skeleton& skeleton;
     const ControlOptions& ends;
-    std::optional<KeptQuads>& kept;
+    std::optional<QuadRows>& rows;
     const Context& ctx;
 
     FitVolumeReport operator()(QuadSurface& surface) const {
-        kept->find_in(surface.mesh);
+        KeptQuads kept(std::move(*rows), surface.cage, surface.mesh);
         const auto search = [&](const PolygonMesh& moved, std::uint32_t limit, const Context& c) {
-            return kept->crossings(moved, surface.cage, limit, c);
+            return kept.crossings(moved, limit, c);
         };
         return pipeline_internal::fit_volume(surface.mesh, skeleton, base_end(ends), tip_end(ends), search,
                                              ctx);
@@ -144,10 +145,10 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
-    std::optional<KeptQuads> kept;
+    std::optional<QuadRows> rows;
     if (options.method == MeshMethod::quads) {
         out.surface =
-            mesh_by_quads(prepared.skeleton, constraints, options, out.weights, kept, meshing, stages);
+            mesh_by_quads(prepared.skeleton, constraints, options, out.weights, rows, meshing, stages);
     } else if (options.method == MeshMethod::cylinders) {
         out.surface = mesh_by_cylinders(prepared.skeleton, options, meshing, stages);
     } else {
@@ -157,7 +158,7 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     if (fits) {
         const Context fitting = part_of(ctx, 0.5f, 1);
         out.fitted = Stages(fitting, out.stages).run("fit", 1.0f, [&] {
-            return std::visit(Fitting{skeleton, options.control, kept, fitting}, out.surface);
+            return std::visit(Fitting{skeleton, options.control, rows, fitting}, out.surface);
         });
     }
     return out;
