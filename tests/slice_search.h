@@ -35,7 +35,7 @@ inline std::vector<FacePair> search(const QuadMesh& mesh) {
 
 inline std::vector<FacePair> slice_search(const Quads& quads, const QuadMesh& mesh, const Context& ctx = {}) {
     const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.options.levels);
-    return slice_crossings(mesh, slices, ctx);
+    return slice_crossings(mesh, slices, ctx).pairs;
 }
 
 /// Returns how many pairs there are.

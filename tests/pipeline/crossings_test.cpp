@@ -92,17 +92,5 @@ TEST(SliceCrossings, AreProvedToBeNoneNearlyEverywhere) {
     EXPECT_LT(left, quads.surface.mesh.quads.size() / 50);
 }
 
-TEST(NewCrossings, AreThoseThatALaterQuadHasAPartIn) {
-    const Quads quads = quads_of(random_tree(1000, 2, true), with(1, 4));
-    const QuadMesh& mesh = quads.surface.mesh;
-    std::vector<FacePair> all = search(mesh);
-    ASSERT_FALSE(all.empty());
-    const auto count = static_cast<std::uint32_t>(mesh.quads.size());
-    for (const std::uint32_t first : {0u, count / 3, count - 100, count}) {
-        std::erase_if(all, [&](const FacePair& p) { return p.second < first; });
-        EXPECT_EQ(pipeline_internal::new_crossings(mesh, first, {}), all) << first;
-    }
-}
-
 }  // namespace
 }  // namespace coppice

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 
@@ -22,20 +24,51 @@ QuadMesh mesh_of(const Buffer<Vec3>& positions, const QuadPatch& patch) {
 TEST(Quadrangulate, ATriangleAloneBecomesThreeQuadsInItsPlane) {
     Buffer<Vec3> x = kOctahedron;
     const std::vector<std::uint8_t> alone(kFaces.size(), 1);
-    const QuadPatch patch = quadrangulate(kFaces, alone, {}, x);
+    QuadPatch patch = quadrangulate(kFaces, {}, x);
+    split_pairs(patch, alone, x);
     ASSERT_EQ(patch.quads.size(), 3 * kFaces.size());
     const TopologyReport t = topology(mesh_of(x, patch));
     EXPECT_TRUE(t.sound());
     EXPECT_EQ(t.euler, 2);
     EXPECT_NEAR(shape(mesh_of(x, patch)).signed_volume, 4.0 / 3, 1e-6);
-    for (std::size_t q = 0; q < patch.quads.size(); ++q) EXPECT_EQ(patch.triangle[q], q / 3);
+    std::vector<int> count(kFaces.size(), 0);
+    for (std::size_t q = 0; q < patch.quads.size(); ++q) {
+        const Triangle& own = kFaces[patch.triangle[q]];
+        EXPECT_NE(std::find(own.begin(), own.end(), patch.quads[q][0]), own.end());
+        ++count[patch.triangle[q]];
+    }
+    EXPECT_EQ(count, std::vector<int>(kFaces.size(), 3));
+}
+
+// A strip of three squares.
+TEST(Quadrangulate, OnlyPairsWithAMarkedTriangleAreCutAgain) {
+    Buffer<Vec3> x;
+    for (int i = 0; i < 4; ++i) {
+        x.push_back({static_cast<float>(i), 0, 0});
+        x.push_back({static_cast<float>(i), 1, 0});
+    }
+    std::vector<Triangle> strip;
+    for (std::uint32_t i = 0; i < 6; i += 2) {
+        strip.push_back({i, i + 2, i + 3});
+        strip.push_back({i, i + 3, i + 1});
+    }
+    QuadPatch patch = quadrangulate(strip, {}, x);
+    ASSERT_EQ(patch.quads.size(), 12u);
+    std::vector<std::uint8_t> alone(strip.size(), 0);
+    alone[3] = 1;
+    const QuadPatch before = patch;
+    split_pairs(patch, alone, x);
+    ASSERT_EQ(patch.quads.size(), 14u);
+    EXPECT_TRUE(std::equal(before.quads.begin(), before.quads.begin() + 4, patch.quads.begin()));
+    EXPECT_TRUE(std::equal(before.quads.end() - 4, before.quads.end(), patch.quads.end() - 4));
+    EXPECT_NEAR(shape(mesh_of(x, patch)).area, 3, 1e-6);
+    EXPECT_EQ(shape(mesh_of(x, patch)).inverted_faces, 0u);
 }
 
 TEST(Quadrangulate, FlatNeighboursBecomeFourQuads) {
     Buffer<Vec3> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     const std::vector<Triangle> square{{0, 1, 2}, {0, 2, 3}};
-    const std::vector<std::uint8_t> alone(2, 0);
-    const QuadPatch patch = quadrangulate(square, alone, {}, x);
+    const QuadPatch patch = quadrangulate(square, {}, x);
     ASSERT_EQ(patch.quads.size(), 4u);
     EXPECT_EQ(x.size(), 9u);
     for (const Quad& q : patch.quads) EXPECT_NEAR(scaled_jacobian(q, x), 1, 1e-6);
@@ -44,9 +77,8 @@ TEST(Quadrangulate, FlatNeighboursBecomeFourQuads) {
 TEST(Quadrangulate, TakesTheMiddlesThatAreGiven) {
     Buffer<Vec3> x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, -0.1f, 0}};
     const std::vector<Triangle> one{{0, 1, 2}};
-    const std::vector<std::uint8_t> alone(1, 0);
     const std::vector<EdgeMiddle> given{{1, 0, 3}};
-    const QuadPatch patch = quadrangulate(one, alone, given, x);
+    const QuadPatch patch = quadrangulate(one, given, x);
     ASSERT_EQ(patch.quads.size(), 3u);
     EXPECT_EQ(x.size(), 7u);  // two middles and one within
     EXPECT_EQ(patch.quads[0][1], 3u);
@@ -55,8 +87,7 @@ TEST(Quadrangulate, TakesTheMiddlesThatAreGiven) {
 TEST(Quadrangulate, DoesNotJoinTrianglesAcrossAnEdge) {
     Buffer<Vec3> x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0.1f, 1}};  // a right angle and more between them
     const std::vector<Triangle> roof{{0, 1, 2}, {1, 0, 3}};
-    const std::vector<std::uint8_t> alone(2, 0);
-    EXPECT_EQ(quadrangulate(roof, alone, {}, x).quads.size(), 6u);
+    EXPECT_EQ(quadrangulate(roof, {}, x).quads.size(), 6u);
 }
 
 }  // namespace

@@ -16,6 +16,11 @@ class NumberSet {
     /// Puts i in, which must be below the bound. O(1).
     void add(std::uint32_t i) { word_[i / 64] |= std::uint64_t{1} << (i % 64); }
 
+    /// Takes i out, which must be below the bound. O(1).
+    void remove(std::uint32_t i) { word_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
+    /// Whether i is in, which must be below the bound. O(1).
+    bool contains(std::uint32_t i) const { return (word_[i / 64] >> (i % 64) & 1) != 0; }
+
     /// Lets rank() be asked, for what is in now. O(bound / 64).
     void count() {
         before_.resize(word_.size());

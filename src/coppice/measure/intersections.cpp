@@ -260,14 +260,6 @@ FacePairs crossings_among(const FaceView& mesh, std::span<const std::uint32_t> f
 std::vector<std::uint32_t> faces_near(const FaceView& mesh, std::span<const Box3> boxes, const Context& ctx) {
     if (boxes.empty()) return {};
     const BoxTree tree(boxes, ctx);
-    const auto is_near = [&](const Box3& box) {
-        bool near = false;
-        tree.visit_overlapping(box, [&](std::uint32_t) {
-            near = true;
-            return false;
-        });
-        return near;
-    };
     std::vector<std::vector<std::uint32_t>> found((mesh.size() + kFaceGrain - 1) / kFaceGrain);
     parallel_for_ranges(ctx, mesh.size(), kFaceGrain, [&](IndexRange range) {
         auto& own = found[range.begin / kFaceGrain];
@@ -276,9 +268,9 @@ std::vector<std::uint32_t> faces_near(const FaceView& mesh, std::span<const Box3
             const auto end = static_cast<std::uint32_t>(std::min(begin + kPatch, range.end));
             Box3 patch;
             for (std::uint32_t f = first; f < end; ++f) patch.extend(mesh.box(f));
-            if (!is_near(patch)) continue;
+            if (!tree.meets(patch)) continue;
             for (std::uint32_t f = first; f < end; ++f) {
-                if (is_near(mesh.box(f))) own.push_back(f);
+                if (tree.meets(mesh.box(f))) own.push_back(f);
             }
         }
     });

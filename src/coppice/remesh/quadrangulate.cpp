@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "coppice/base/error.h"
+#include "coppice/base/compressed_rows.h"
 #include "coppice/mesh/shape.h"
 
 namespace coppice {
@@ -14,135 +14,201 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kWorstPair = 0.3;  // scaled Jacobian below which two triangles are better left alone
 constexpr float kFlattest = 0.5f;   // cosine between the normals of two triangles that make a quad
 
-// An undirected edge, and one of its triangles with the corner from which that runs through it.
-struct HalfEdge {
-    std::uint32_t low, high, triangle, corner;
-    friend auto operator<=>(const HalfEdge&, const HalfEdge&) = default;
-};
-
-struct Pair {
-    double quality;
-    std::uint32_t first, second;  // triangles
-    Quad quad;
-    std::uint32_t edge;
-};
-
-std::vector<HalfEdge> half_edges(std::span<const Triangle> triangles) {
-    std::vector<HalfEdge> out;
-    out.reserve(3 * triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-            out.push_back({std::min(a, b), std::max(a, b), t, k});
+// Triangles by their edges. Half-edge 3 t + k runs from corner k of triangle t to the next one.
+class Edges {
+  public:
+    Edges(std::span<const Triangle> triangles, std::size_t vertices)
+        : rows_(compress_rows<Half>(vertices,
+                                    [&](const auto& put) {
+                                        for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
+                                            const auto [a, b] = ends(triangles, h);
+                                            put(std::min(a, b), Half{std::max(a, b), h});
+                                        }
+                                    })),
+          edge_(3 * triangles.size()),
+          twin_(3 * triangles.size(), kNone) {
+        for (std::uint32_t v = 0; v < rows_.size(); ++v) {
+            for (const Half& here : rows_[v]) {
+                edge_[here.half] = find(v, here.high);
+                for (const Half& other : rows_[v]) {
+                    if (other.high == here.high && other.half != here.half) twin_[here.half] = other.half;
+                }
+            }
         }
     }
-    std::sort(out.begin(), out.end());
-    return out;
+
+    static std::array<std::uint32_t, 2> ends(std::span<const Triangle> triangles, std::uint32_t half) {
+        const Triangle& t = triangles[half / 3];
+        return {t[half % 3], t[(half + 1) % 3]};
+    }
+    // The next half-edge of the same triangle.
+    static std::uint32_t next(std::uint32_t half) { return half - half % 3 + (half + 1) % 3; }
+
+    std::size_t size() const { return rows_.items.size(); }  // numbers of edges are below
+    std::uint32_t edge(std::uint32_t half) const { return edge_[half]; }
+    std::uint32_t twin(std::uint32_t half) const { return twin_[half]; }  // kNone at the boundary
+    // The edge between two vertices, or kNone.
+    std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
+        const std::uint32_t low = std::min(a, b), high = std::max(a, b);
+        for (std::uint32_t i = rows_.first[low]; i < rows_.first[low + 1]; ++i) {
+            if (rows_.items[i].high == high) return i;
+        }
+        return kNone;
+    }
+
+  private:
+    struct Half {
+        std::uint32_t high, half;
+    };
+    CompressedRows<Half> rows_;        // by the lesser end
+    std::vector<std::uint32_t> edge_;  // per half-edge
+    std::vector<std::uint32_t> twin_;
+};
+
+// The corners of two triangles that share an edge, from where the half-edge of the first begins.
+Quad joined(std::span<const Triangle> triangles, std::uint32_t half, std::uint32_t twin) {
+    const auto [a, b] = Edges::ends(triangles, half);
+    return {a, triangles[twin / 3][(twin + 2) % 3], b, triangles[half / 3][(half + 2) % 3]};
 }
 
 Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
     return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
 
-std::vector<Pair> good_pairs(std::span<const Triangle> triangles, std::span<const HalfEdge> edges,
-                             std::span<const Vec3> x) {
-    std::vector<Pair> pairs;
-    for (std::uint32_t e = 0; e + 1 < edges.size(); ++e) {
-        const HalfEdge &p = edges[e], &q = edges[e + 1];
-        if (p.low != q.low || p.high != q.high) continue;
-        const Triangle &s = triangles[p.triangle], &t = triangles[q.triangle];
-        const Quad quad{s[p.corner], t[(q.corner + 2) % 3], s[(p.corner + 1) % 3], s[(p.corner + 2) % 3]};
-        const double quality = scaled_jacobian(quad, x);
-        if (quality < kWorstPair || dot(normal(s, x), normal(t, x)) < kFlattest) continue;
-        pairs.push_back({quality, p.triangle, q.triangle, quad, e});
+// Per triangle, its half-edge across which it joins another, or kNone.
+std::vector<std::uint32_t> pairs_of(std::span<const Triangle> triangles, const Edges& edges,
+                                    std::span<const Vec3> x) {
+    struct Pair {
+        double quality;
+        std::uint32_t half;
+    };
+    std::vector<Pair> good;
+    for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
+        const std::uint32_t g = edges.twin(h);
+        if (g == kNone || g < h) continue;
+        const double quality = scaled_jacobian(joined(triangles, h, g), x);
+        if (quality < kWorstPair || dot(normal(triangles[h / 3], x), normal(triangles[g / 3], x)) < kFlattest)
+            continue;
+        good.push_back({quality, h});
     }
-    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-        return a.quality != b.quality ? a.quality > b.quality : a.edge < b.edge;
+    std::sort(good.begin(), good.end(), [](const Pair& a, const Pair& b) {
+        return a.quality != b.quality ? a.quality > b.quality : a.half < b.half;
     });
-    return pairs;
+    std::vector<std::uint32_t> out(triangles.size(), kNone);
+    for (const Pair& p : good) {
+        const std::uint32_t twin = edges.twin(p.half);
+        if (out[p.half / 3] != kNone || out[twin / 3] != kNone) continue;
+        out[p.half / 3] = p.half;
+        out[twin / 3] = twin;
+    }
+    return out;
 }
 
-// Faces of three or four corners, cut into quads around a vertex in their middle.
+std::uint32_t append(Buffer<Vec3>& positions, Vec3 p) {
+    positions.push_back(p);
+    return static_cast<std::uint32_t>(positions.size() - 1);
+}
+
+// Cuts faces of three or four corners into quads around a vertex in their middle.
 class Cutter {
   public:
-    Cutter(std::span<const EdgeMiddle> given, Buffer<Vec3>& positions) : positions_(positions) {
-        for (const EdgeMiddle& g : given)
-            middles_.push_back({std::min(g.a, g.b), std::max(g.a, g.b), g.middle});
-        sort();
-    }
-
-    void prepare(std::span<const HalfEdge> edges) {
-        const std::size_t known = middles_.size();
-        for (std::size_t e = 0; e < edges.size(); ++e) {
-            const HalfEdge& h = edges[e];
-            if (e > 0 && edges[e - 1].low == h.low && edges[e - 1].high == h.high) continue;
-            if (find(h.low, h.high, known) == kNone) middles_.push_back({h.low, h.high, kNone});
+    Cutter(const Edges& edges, std::span<const EdgeMiddle> given, Buffer<Vec3>& positions)
+        : edges_(edges), positions_(positions), middle_(edges.size(), kNone) {
+        for (const EdgeMiddle& g : given) {
+            const std::uint32_t edge = edges.find(g.a, g.b);
+            if (edge != kNone) middle_[edge] = g.middle;
         }
-        sort();
     }
 
-    void cut(std::span<const std::uint32_t> face, std::uint32_t triangle) {
-        const std::size_t n = face.size();
+    // A face by its half-edges.
+    void cut(std::span<const Triangle> triangles, std::span<const std::uint32_t> halves) {
+        const std::size_t n = halves.size();
+        std::array<std::uint32_t, 4> corner{}, middle{};
         Vec3 sum;
-        for (const std::uint32_t v : face) sum += positions_[v];
-        const std::uint32_t center = append(sum / static_cast<float>(n));
-        std::array<std::uint32_t, 4> middle{};
-        for (std::size_t k = 0; k < n; ++k) middle[k] = middle_of(face[k], face[(k + 1) % n]);
-        for (std::size_t k = 0; k < n; ++k)
-            patch_.quads.push_back({face[k], middle[k], center, middle[(k + n - 1) % n]});
-        patch_.triangle.resize(patch_.quads.size(), triangle);
+        for (std::size_t k = 0; k < n; ++k) {
+            const auto [a, b] = Edges::ends(triangles, halves[k]);
+            corner[k] = a;
+            sum += positions_[a];
+            middle[k] = middle_of(edges_.edge(halves[k]), a, b);
+        }
+        const std::uint32_t center = append(positions_, sum / static_cast<float>(n));
+        for (std::size_t k = 0; k < n; ++k) {
+            patch_.quads.push_back({corner[k], middle[k], center, middle[(k + n - 1) % n]});
+            patch_.triangle.push_back(halves[k] / 3);
+        }
     }
 
     QuadPatch take() && { return std::move(patch_); }
 
   private:
-    struct Middle {
-        std::uint32_t low, high, vertex;
-    };
-    static bool before(const Middle& a, const Middle& b) {
-        return a.low != b.low ? a.low < b.low : a.high < b.high;
-    }
-    void sort() { std::sort(middles_.begin(), middles_.end(), before); }
-    std::uint32_t find(std::uint32_t low, std::uint32_t high, std::size_t among) const {
-        const auto end = middles_.begin() + static_cast<std::ptrdiff_t>(among);
-        const auto at = std::lower_bound(middles_.begin(), end, Middle{low, high, 0}, before);
-        return at != end && at->low == low && at->high == high
-                   ? static_cast<std::uint32_t>(at - middles_.begin())
-                   : kNone;
-    }
-    std::uint32_t append(Vec3 p) {
-        positions_.push_back(p);
-        return static_cast<std::uint32_t>(positions_.size() - 1);
-    }
-    std::uint32_t middle_of(std::uint32_t a, std::uint32_t b) {
-        const std::uint32_t i = find(std::min(a, b), std::max(a, b), middles_.size());
-        COPPICE_ASSERT(i != kNone);
-        if (middles_[i].vertex == kNone) middles_[i].vertex = append((positions_[a] + positions_[b]) * 0.5f);
-        return middles_[i].vertex;
+    std::uint32_t middle_of(std::uint32_t edge, std::uint32_t a, std::uint32_t b) {
+        if (middle_[edge] == kNone) middle_[edge] = append(positions_, (positions_[a] + positions_[b]) * 0.5f);
+        return middle_[edge];
     }
 
+    const Edges& edges_;
     Buffer<Vec3>& positions_;
-    std::vector<Middle> middles_;
+    std::vector<std::uint32_t> middle_;  // per edge
     QuadPatch patch_;
 };
 
 }  // namespace
 
-QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const std::uint8_t> alone,
-                        std::span<const EdgeMiddle> given, Buffer<Vec3>& positions) {
-    const std::vector<HalfEdge> edges = half_edges(triangles);
-    Cutter cutter(given, positions);
-    cutter.prepare(edges);
-    std::vector<bool> used(alone.begin(), alone.end());
-    for (const Pair& pair : good_pairs(triangles, edges, positions)) {
-        if (used[pair.first] || used[pair.second]) continue;
-        used[pair.first] = used[pair.second] = true;
-        cutter.cut(pair.quad, pair.first);
-    }
+QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const EdgeMiddle> given,
+                        Buffer<Vec3>& positions) {
+    const Edges edges(triangles, positions.size());
+    const std::vector<std::uint32_t> pair = pairs_of(triangles, edges, positions);
+    Cutter cutter(edges, given, positions);
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-        if (!used[t] || alone[t] != 0) cutter.cut(triangles[t], t);
+        if (pair[t] == kNone) {
+            cutter.cut(triangles, std::array{3 * t, 3 * t + 1, 3 * t + 2});
+            continue;
+        }
+        const std::uint32_t h = pair[t], g = edges.twin(h);
+        if (g / 3 < t) continue;
+        cutter.cut(triangles, std::array{Edges::next(g), Edges::next(Edges::next(g)), Edges::next(h),
+                                         Edges::next(Edges::next(h))});
     }
     return std::move(cutter).take();
+}
+
+void split_pairs(QuadPatch& patch, std::span<const std::uint8_t> alone, Buffer<Vec3>& positions) {
+    QuadPatch out;
+    const auto add = [&](Quad quad, std::uint32_t triangle) {
+        out.quads.push_back(quad);
+        out.triangle.push_back(triangle);
+    };
+    for (std::size_t q = 0; q < patch.quads.size();) {
+        std::size_t end = q + 1;
+        while (end < patch.quads.size() && patch.quads[end][2] == patch.quads[q][2]) ++end;
+        const bool is_pair = end - q == 4;
+        if (is_pair && (alone[patch.triangle[q]] != 0 || alone[patch.triangle[q + 2]] != 0)) {
+            std::array<std::uint32_t, 4> corner{}, middle{};
+            for (std::size_t k = 0; k < 4; ++k) {
+                corner[k] = patch.quads[q + k][0];
+                middle[k] = patch.quads[q + k][1];
+            }
+            // Corners 0 and 2 are those of the edge that both triangles share.
+            const auto [a, b, c, d] = corner;
+            const std::uint32_t first = patch.triangle[q], second = patch.triangle[q + 2];
+            const auto mean = [&](std::uint32_t other) {
+                return (positions[a] + positions[c] + positions[other]) / 3.0f;
+            };
+            const std::uint32_t across = append(positions, (positions[a] + positions[c]) * 0.5f);
+            const std::uint32_t center = patch.quads[q][2], other = append(positions, mean(d));
+            positions[center] = mean(b);
+            add({a, middle[0], center, across}, first);
+            add({b, middle[1], center, middle[0]}, first);
+            add({c, across, center, middle[1]}, first);
+            add({c, middle[2], other, across}, second);
+            add({d, middle[3], other, middle[2]}, second);
+            add({a, across, other, middle[3]}, second);
+        } else {
+            for (std::size_t k = q; k < end; ++k) add(patch.quads[k], patch.triangle[k]);
+        }
+        q = end;
+    }
+    patch = std::move(out);
 }
 
 }  // namespace coppice

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/parallel.h"
@@ -27,13 +26,14 @@ Vec3 towards_level(FieldSample here, float level, float longest) {
 
 // Per moving vertex, its neighbours along the edges of the quads.
 CompressedRows<std::uint32_t> neighbours(std::span<const Quad> quads, std::span<const PatchVertex> moving) {
-    std::unordered_map<std::uint32_t, std::uint32_t> row;
-    for (std::uint32_t i = 0; i < moving.size(); ++i) row.emplace(moving[i].vertex, i);
+    std::uint32_t last = 0;
+    for (const PatchVertex& m : moving) last = std::max(last, m.vertex);
+    std::vector<std::uint32_t> row(last + 1, kNoRow);
+    for (std::uint32_t i = 0; i < moving.size(); ++i) row[moving[i].vertex] = i;
     return compress_rows<std::uint32_t>(moving.size(), [&](const auto& put) {
         for (const Quad& q : quads) {
             for (std::size_t k = 0; k < 4; ++k) {
-                const auto at = row.find(q[k]);
-                if (at != row.end()) put(at->second, q[(k + 1) % 4]);
+                if (q[k] <= last && row[q[k]] != kNoRow) put(row[q[k]], q[(k + 1) % 4]);
             }
         }
     });

@@ -57,6 +57,16 @@ class BoxTree {
         if (size() > 0) visit_below(level_count() - 1, 0, box, visit);
     }
 
+    /// Whether the box of any item overlaps the given one; touching counts.
+    bool meets(const Box3& box) const {
+        bool found = false;
+        visit_overlapping(box, [&](std::uint32_t) {
+            found = true;
+            return false;
+        });
+        return found;
+    }
+
   private:
     /// Boxes of level l that belong to box `parent` of the level above.
     std::array<std::uint32_t, 2> children(std::uint32_t l, std::uint32_t parent) const {

@@ -78,10 +78,19 @@ class Search {
           turns_(slices.cage().cage.positions.size(), 0) {}
 
     // Quads of which some may cross each other, ascending; no others do.
-    std::vector<std::uint32_t> suspects() && {
+    std::vector<std::uint32_t> suspects() {
         look_at_tubes();
         look_at_nodes();
         return compare_tubes();
+    }
+
+    // Per tube.
+    std::vector<Box3> boxes() const {
+        std::vector<Box3> out(tubes_.size());
+        for (std::uint32_t t = 0; t < out.size(); ++t) {
+            if (exists(t)) out[t] = {Vec3(proof_[t].bounds.low), Vec3(proof_[t].bounds.high)};
+        }
+        return out;
     }
 
   private:
@@ -352,19 +361,12 @@ std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& sl
     return Search(mesh, slices, faces, ctx).suspects();
 }
 
-std::vector<FacePair> slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx) {
-    return crossings_among(mesh, unproved_quads(mesh, slices, ctx), kMostPairs, ctx).pairs;
-}
-
-std::vector<FacePair> new_crossings(const QuadMesh& mesh, std::uint32_t first_new, const Context& ctx) {
-    const FaceView all(mesh), old = all.first(first_new);
-    std::vector<Box3> boxes;
-    for (std::uint32_t q = first_new; q < all.size(); ++q) boxes.push_back(all.box(q));
-    std::vector<std::uint32_t> quads = faces_near(old, boxes, ctx);
-    for (std::uint32_t q = first_new; q < all.size(); ++q) quads.push_back(q);
-    std::vector<FacePair> pairs = crossings_among(all, quads, kMostPairs, ctx).pairs;
-    std::erase_if(pairs, [&](const FacePair& p) { return p.second < first_new; });
-    return pairs;
+SliceCrossings slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx) {
+    TubeQuads tubes{mesh, slices, faces_of_tubes(slices.cage(), slices.tubes().size()), {}};
+    Search search(mesh, slices, tubes.faces, ctx);
+    std::vector<FacePair> pairs = crossings_among(mesh, search.suspects(), kMostPairs, ctx).pairs;
+    tubes.boxes = search.boxes();
+    return {std::move(pairs), std::move(tubes)};
 }
 
 }  // namespace coppice::pipeline_internal

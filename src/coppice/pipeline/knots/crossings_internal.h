@@ -6,7 +6,7 @@
 #include "coppice/base/context.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/mesh/mesh.h"
-#include "coppice/pipeline/knots/slices_internal.h"
+#include "coppice/pipeline/knots/tube_quads_internal.h"
 
 namespace coppice::pipeline_internal {
 
@@ -16,13 +16,15 @@ inline constexpr std::uint32_t kMostPairs = 1u << 20;  ///< that are looked for
 /// other: see crossings.cpp. Of a clean mesh about one in a hundred. O(n log n).
 std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
 
+/// What a first look at a mesh tells.
+struct SliceCrossings {
+    std::vector<FacePair> pairs;  ///< of quads that cross or touch
+    TubeQuads tubes;              ///< where the quads of each tube lie
+};
+
 /// The pairs of quads that cross or touch: all that crossing_faces() finds in the whole mesh, in the same
 /// order, up to kMostPairs. Only unproved_quads() are searched, so that a clean mesh takes about a
-/// twentieth of the time.
-std::vector<FacePair> slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
-
-/// The pairs that a quad of number `first_new` or later has a part in, in order, up to kMostPairs. The
-/// search itself costs in proportion to those quads and what lies near them.
-std::vector<FacePair> new_crossings(const QuadMesh& mesh, std::uint32_t first_new, const Context& ctx);
+/// twentieth of the time. Mesh and slices must outlive what it returns.
+SliceCrossings slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx);
 
 }  // namespace coppice::pipeline_internal

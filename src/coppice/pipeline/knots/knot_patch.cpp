@@ -6,15 +6,20 @@
 #include <numeric>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/parallel.h"
+#include "coppice/measure/capsule_tree.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/remesh/zip.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice::pipeline_internal {
 namespace {
 
 constexpr double kMostTriangles = 1e6;  // besides as many as the mesh has quads
+constexpr std::size_t kVertexGrain = 1024;
 constexpr float kGap = 0.35f;           // [radii] between the quads that stay and the triangles that come
+constexpr float kDeepest = 2.5f, kHighest = 0.3f, kWidest = 2.5f;  // [radii] within which loops run
 constexpr float kSeamReach = 2.2f;      // [radii] how far from a seam's centre its loops lie
 
 // Triangles as large as two quads, within what tetrahedra resolve.
@@ -49,20 +54,22 @@ Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
 std::vector<std::uint8_t> beyond_seams(const KnotSurface& surface, std::span<const Vec3> positions,
                                        const BoxTree& reaches, const Context& ctx) {
     std::vector<std::uint8_t> beyond(positions.size(), 0);
-    const auto point = [&](std::size_t v) { return Vec3d(positions[v]); };
-    for_each_nearest(
-        surface.capsules, ctx, beyond.size(), point, [&](std::size_t v, CapsuleTree::Nearest near) {
-            if (near.capsule == CapsuleTree::kNone) return;
-            const Vec3 p = positions[v];
-            bool is_beyond = surface.knot.margin[surface.capsules.node(near.capsule).index()] != 0;
-            reaches.visit_overlapping(Box3{p, p}, [&](std::uint32_t i) {
-                const Seam& s = surface.group.seams[i];
-                const float reach = kSeamReach * s.radius;
-                const Vec3 way = p - s.center;
-                is_beyond |= length_squared(way) < reach * reach && dot(way, s.outward) > -kGap * s.radius;
-            });
-            beyond[v] = is_beyond ? 1 : 0;
+    parallel_for(ctx, beyond.size(), kVertexGrain, [&](std::size_t v) {
+        const NodeId near = surface.near[surface.ring_vertices + v];
+        if (!near) {
+            beyond[v] = surface.marched->foot[v].segment ? 1 : 0;
+            return;
+        }
+        const Vec3 p = positions[v];
+        bool is_beyond = surface.knot.margin[near.index()] != 0;
+        reaches.visit_overlapping(Box3{p, p}, [&](std::uint32_t i) {
+            const Seam& s = surface.group.seams[i];
+            const float reach = kSeamReach * s.radius;
+            const Vec3 way = p - s.center;
+            is_beyond |= length_squared(way) < reach * reach && dot(way, s.outward) > -kGap * s.radius;
         });
+        beyond[v] = is_beyond ? 1 : 0;
+    });
     return beyond;
 }
 
@@ -109,6 +116,16 @@ Cut cut_off(const TriMesh& mesh, std::vector<std::uint8_t> beyond, std::uint32_t
     return out;
 }
 
+// Whether a loop runs far from where its seam wants it: another branch is in the way.
+bool strays(const Loop& loop, std::span<const Vec3> x, const Seam& seam) {
+    return std::any_of(loop.begin(), loop.end(), [&](std::uint32_t v) {
+        const Vec3 way = x[v] - seam.center;
+        const float height = dot(way, seam.outward);
+        return height < -kDeepest * seam.radius || height > kHighest * seam.radius ||
+               length(way - seam.outward * height) > kWidest * seam.radius;
+    });
+}
+
 // Joins the loops at which a surface ends to the seams that they go around.
 class Joining {
   public:
@@ -151,6 +168,7 @@ class Joining {
             best = l;
         }
         if (best == kNoSeam) return false;
+        if (strays(ends_.loops[best], surface_.positions, seam)) return false;
         const auto band = zip(ring, ends_.loops[best], surface_.positions, axis);
         if (!band) return false;
         taken_[best] = 1;
@@ -190,14 +208,16 @@ class Joining {
 
     // That of the nearest segment beyond the seams.
     Slice slice_beyond(Vec3 p) const {
-        double limit = std::numeric_limits<double>::infinity();
+        const Skeleton& s = surface_.knot.skeleton;
+        double least = std::numeric_limits<double>::infinity();
         Slice nearest = Slices::kNone;
-        surface_.capsules.visit_near(Vec3d(p), limit, [&](std::uint32_t i, double d2) {
-            const std::uint32_t n = surface_.capsules.node(i).index();
-            if (surface_.knot.margin[n] == 0 || d2 >= limit) return;
-            limit = d2;
-            nearest = surface_.knot.slice[n];
-        });
+        for (const NodeId n : nodes(s)) {
+            if (surface_.knot.margin[n.index()] == 0 || s.is_root(n)) continue;
+            const double d = round_cone<double>(s.segment(n)).foot(Vec3d(p)).signed_distance();
+            if (d >= least) continue;
+            least = d;
+            nearest = surface_.knot.slice[n.index()];
+        }
         return nearest;
     }
 
@@ -209,58 +229,101 @@ class Joining {
     std::vector<std::uint32_t> seam_;  // per triangle of the bands
 };
 
-void find_slices(KnotSurface& surface, const Context& ctx) {
+// Each triangle is where one of its vertices is.
+void find_slices(KnotSurface& surface) {
     surface.slice.assign(surface.triangles.size(), Slices::kNone);
-    const auto middle = [&](std::size_t i) {
-        const auto& x = surface.positions;
-        const Triangle& t = surface.triangles[i];
-        return Vec3d((x[t[0]] + x[t[1]] + x[t[2]]) / 3.0f);
-    };
-    for_each_nearest(surface.capsules, ctx, surface.slice.size(), middle,
-                     [&](std::size_t i, CapsuleTree::Nearest near) {
-                         if (near.capsule == CapsuleTree::kNone) return;
-                         surface.slice[i] = surface.knot.slice[surface.capsules.node(near.capsule).index()];
-                     });
+    for (std::size_t t = 0; t < surface.slice.size(); ++t) {
+        for (const std::uint32_t v : surface.triangles[t]) {
+            if (surface.near[v]) surface.slice[t] = surface.knot.slice[surface.near[v].index()];
+        }
+    }
+}
+
+std::vector<AxisPoint> feet(const KnotSkeleton& knot, std::span<const Vec3> positions, const Context& ctx) {
+    std::vector<NodeId> segment(knot.skeleton.size());
+    for (const KnotSkeleton::Cut& cut : knot.cuts)
+        std::fill_n(segment.begin() + cut.first, cut.count, cut.segment);
+    const CapsuleTree capsules(knot.skeleton, knot.skeleton.origin(), ctx);
+    std::vector<AxisPoint> out(positions.size());
+    const auto point = [&](std::size_t v) { return Vec3d(positions[v]); };
+    for_each_nearest(capsules, ctx, out.size(), point, [&](std::size_t v, CapsuleTree::Nearest near) {
+        if (near.capsule == CapsuleTree::kNone) return;
+        const std::uint32_t n = capsules.node(near.capsule).index();
+        // A part begins where the one before it ends.
+        const bool is_first = n == 0 || segment[n - 1] != segment[n];
+        const float begin = is_first ? 0 : knot.until[n - 1];
+        const auto t = static_cast<float>(capsules.cone(near.capsule).foot(point(v)).t);
+        out[v] = {segment[n], begin + t * (knot.until[n] - begin)};
+    });
+    return out;
+}
+
+std::shared_ptr<const Marched> march(const KnotSkeleton& knot, double most_triangles,
+                                     const MeshOptions& options, const Context& ctx) {
+    Marched out;
+    for (const KnotSkeleton::Cut& cut : knot.cuts) out.segments.push_back(cut.segment);
+    const MeshOptions by_tetrahedra = patch_options(options);
+    out.is_impossible = expected_triangles(knot.skeleton, by_tetrahedra.tetra.edge) > most_triangles;
+    if (!out.is_impossible) {
+        try {
+            std::optional<GlobalWeights> weights;
+            std::vector<std::pair<std::string, double>> seconds;
+            Stages stages(ctx, seconds);
+            out.mesh = mesh_by_tetrahedra(knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
+            out.foot = feet(knot, out.mesh.positions, ctx);
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const Error&) {
+            // Nothing is left of a surface that is thinner than the tetrahedra: the quads are better than
+            // that.
+            out.is_impossible = true;
+        }
+    }
+    return std::make_shared<const Marched>(std::move(out));
+}
+
+bool holds(std::span<const NodeId> all, std::span<const NodeId> some) {
+    return std::includes(all.begin(), all.end(), some.begin(), some.end());
+}
+
+// Per vertex of the rings none, and then per vertex of what was marched.
+std::vector<NodeId> nodes_near(const KnotSurface& surface) {
+    std::vector<NodeId> out(surface.ring_vertices);
+    for (const AxisPoint& p : surface.marched->foot)
+        out.push_back(p.segment ? surface.knot.node_at(p.segment, p.t) : NodeId::none());
+    return out;
 }
 
 }  // namespace
 
-KnotSurface knot_surface(KnotGroup group, const KnotSkeletons& skeletons, const QuadMesh& mesh,
-                         const MeshOptions& options, const Context& ctx) {
-    KnotSkeleton knot = skeletons.of(group);
-    CapsuleTree capsules(knot.skeleton, knot.skeleton.origin(), ctx);
-    KnotSurface out{std::move(group), std::move(knot), std::move(capsules)};
-    std::vector<Box3> boxes;
-    for (const Seam& s : out.group.seams) {
-        boxes.push_back(Box3{s.center, s.center}.inflated(kSeamReach * s.radius));
-        for (const std::uint32_t v : s.ring) out.positions.push_back(mesh.positions[v]);
+KnotSurface knot_surface(KnotGroup group, std::shared_ptr<const Marched> marched,
+                         const KnotSkeletons& skeletons, const QuadMesh& mesh, const MeshOptions& options,
+                         const Context& ctx) {
+    const bool is_first = marched == nullptr;
+    const bool is_enough = !is_first && holds(marched->segments, skeletons.needed(group));
+    KnotSkeleton knot = skeletons.of(group, !is_first);
+    KnotSurface surface{std::move(group), std::move(knot), std::move(marched)};
+    if (!is_enough) {
+        surface.marched = march(surface.knot, kMostTriangles + static_cast<double>(mesh.quads.size()),
+                                options, ctx);
     }
-    out.ring_vertices = static_cast<std::uint32_t>(out.positions.size());
-    const BoxTree reaches(boxes, ctx);
+    surface.is_impossible = surface.marched->is_impossible;
+    if (surface.is_impossible) return surface;
 
-    TriMesh found;
-    const MeshOptions by_tetrahedra = patch_options(options);
-    out.is_impossible = expected_triangles(out.knot.skeleton, by_tetrahedra.tetra.edge) >
-                        kMostTriangles + static_cast<double>(mesh.quads.size());
-    if (out.is_impossible) return out;
-    try {
-        std::optional<GlobalWeights> weights;
-        std::vector<std::pair<std::string, double>> seconds;
-        Stages stages(ctx, seconds);
-        found = mesh_by_tetrahedra(out.knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const Error&) {
-        // Nothing is left of a surface that is thinner than the tetrahedra: the quads are better than that.
-        out.is_impossible = true;
-        return out;
-    }
-    Cut cut = cut_off(found, beyond_seams(out, found.positions, reaches, ctx), out.ring_vertices);
-    out.triangles = std::move(cut.triangles);
-    out.positions.insert(out.positions.end(), found.positions.begin(), found.positions.end());
-    Joining(out, std::move(cut.ends), reaches).run();
-    if (out.is_whole()) find_slices(out, ctx);
-    return out;
+    std::vector<Box3> boxes;
+    for (const Seam& s : surface.group.seams)
+        boxes.push_back(Box3{s.center, s.center}.inflated(kSeamReach * s.radius));
+    for (const std::uint32_t v : ring_vertices(surface.group)) surface.positions.push_back(mesh.positions[v]);
+    surface.ring_vertices = static_cast<std::uint32_t>(surface.positions.size());
+    const BoxTree reaches(boxes, ctx);
+    const TriMesh& found = surface.marched->mesh;
+    surface.near = nodes_near(surface);
+    Cut cut = cut_off(found, beyond_seams(surface, found.positions, reaches, ctx), surface.ring_vertices);
+    surface.triangles = std::move(cut.triangles);
+    surface.positions.insert(surface.positions.end(), found.positions.begin(), found.positions.end());
+    Joining(surface, std::move(cut.ends), reaches).run();
+    if (surface.is_whole()) find_slices(surface);
+    return surface;
 }
 
 }  // namespace coppice::pipeline_internal

@@ -1,11 +1,12 @@
 #include <algorithm>
 
+#include "coppice/base/parallel.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/knots/knot_patch_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
-#include "coppice/remesh/quadrangulate.h"
 #include "coppice/remesh/smooth_patch.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -25,85 +26,124 @@ std::vector<EdgeMiddle> ring_middles(std::span<const Seam> seams) {
     return out;
 }
 
-// The vertices that may move, each in the region of its nearest capsule.
-std::vector<PatchVertex> moving_vertices(const KnotSurface& surface, const KnotQuads& made,
-                                         std::span<const Care> care, const Context& ctx) {
-    std::vector<std::uint8_t> is_used(made.positions.size(), 0);
-    for (const Quad& q : made.quads) {
-        for (const std::uint32_t v : q) is_used[v] = 1;
-    }
+// The care that is asked for at a place of the surface.
+Care care_at(std::span<const Care> care, Slice s) { return care[std::min<std::size_t>(s, care.size() - 1)]; }
+
+float radius_at(const Segment& s, Vec3 p) { return round_cone<float>(s).foot(p).radius; }
+
+// The vertices that may move, each in the region of a segment that is near.
+std::vector<PatchVertex> moving_vertices(const KnotSurface& surface, const KnotQuads& made) {
+    std::vector<std::uint8_t> is_done(made.positions.size(), 0);
     std::vector<PatchVertex> out;
-    for (std::uint32_t v = surface.ring_vertices; v < is_used.size(); ++v) {
-        if (is_used[v] != 0) out.push_back({v, 0, 0});
+    const auto near = [&](std::uint32_t v, std::uint32_t triangle) {
+        if (v < surface.near.size()) return surface.near[v];
+        NodeId found;
+        for (const std::uint32_t corner : surface.triangles[triangle]) {
+            if (surface.near[corner]) found = surface.near[corner];
+        }
+        return found;
+    };
+    for (std::size_t q = 0; q < made.patch.quads.size(); ++q) {
+        for (const std::uint32_t v : made.patch.quads[q]) {
+            if (v < surface.ring_vertices || is_done[v] != 0) continue;
+            is_done[v] = 1;
+            const NodeId n = near(v, made.patch.triangle[q]);
+            if (n) out.push_back({v, n.index(), radius_at(surface.knot.skeleton.segment(n), made.positions[v])});
+        }
     }
-    const auto point = [&](std::size_t i) { return Vec3d(made.positions[out[i].vertex]); };
-    for_each_nearest(surface.capsules, ctx, out.size(), point, [&](std::size_t i, CapsuleTree::Nearest near) {
-        out[i].region = near.capsule;
-        if (near.capsule == CapsuleTree::kNone) return;
-        out[i].radius = static_cast<float>(surface.capsules.cone(near.capsule).foot(point(i)).radius);
-    });
-    std::erase_if(out, [&](const PatchVertex& m) {
-        if (m.region == CapsuleTree::kNone) return true;
-        const Slice s = surface.knot.slice[surface.capsules.node(m.region).index()];
-        return care[std::min<std::size_t>(s, care.size() - 1)] != Care::none;
-    });
     std::sort(out.begin(), out.end(), [](const PatchVertex& a, const PatchVertex& b) {
         return a.region != b.region ? a.region < b.region : a.vertex < b.vertex;
     });
     return out;
 }
 
-// One region per capsule: about its vertices, and a little beyond.
-std::vector<Box3> region_boxes(const CapsuleTree& capsules, std::span<const PatchVertex> moving,
+// One region per node: about the vertices of its segment, and a little beyond.
+std::vector<Box3> region_boxes(const Skeleton& s, std::span<const PatchVertex> moving,
                                std::span<const Vec3> positions) {
-    std::vector<Box3> boxes(capsules.size());
+    std::vector<Box3> boxes(s.size());
     for (const PatchVertex& m : moving) boxes[m.region].extend(positions[m.vertex]);
-    for (std::uint32_t b = 0; b < boxes.size(); ++b) {
-        const RoundCone& cone = capsules.cone(b);
-        if (boxes[b].empty()) boxes[b].extend(Vec3(cone.a));
-        boxes[b] =
-            boxes[b].inflated(kBoxMargin * static_cast<float>(std::max(cone.radius_a, cone.radius_b())));
+    for (const NodeId n : nodes(s)) {
+        Box3& box = boxes[n.index()];
+        if (box.empty()) box.extend(s.position(n));
+        const float radius = s.is_root(n) ? s.radius(n) : std::max(s.segment(n).radius_a, s.radius(n));
+        box = box.inflated(kBoxMargin * radius);
     }
     return boxes;
 }
 
+void smooth(KnotQuads& made, const KnotSurface& surface, const MeshOptions& options, const Context& ctx) {
+    const std::vector<PatchVertex> moving = moving_vertices(surface, made);
+    if (moving.empty()) return;
+    std::optional<GlobalWeights> weights;
+    ConvolutionField field = surface_field(surface.knot.skeleton, options, PointSet{}, weights, ctx);
+    field.set_regions(region_boxes(surface.knot.skeleton, moving, made.positions), ctx);
+    smooth_patch(made.positions, made.patch.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
+}
+
+bool put_back(KnotQuads& made, const Quad& quad) {
+    bool moved = false;
+    for (const std::uint32_t v : quad) {
+        moved |= made.positions[v] != made.unsmoothed[v];
+        made.positions[v] = made.unsmoothed[v];
+    }
+    return moved;
+}
+
+// Takes back what smoothing and joining did where care is asked for.
+void take_care(KnotQuads& made, const KnotSurface& surface, std::span<const Care> care) {
+    std::vector<std::uint8_t> alone(surface.triangles.size());
+    for (std::size_t t = 0; t < alone.size(); ++t)
+        alone[t] = care_at(care, surface.slice[t]) == Care::flat ? 1 : 0;
+    const std::size_t count = made.positions.size();
+    split_pairs(made.patch, alone, made.unsmoothed);
+    for (std::size_t v = count; v < made.unsmoothed.size(); ++v)
+        made.positions.push_back(made.unsmoothed[v]);
+    for (std::size_t q = 0; q < made.patch.quads.size(); ++q) {
+        const Quad& quad = made.patch.quads[q];
+        const bool is_split =
+            std::any_of(quad.begin(), quad.end(), [&](std::uint32_t v) { return v >= count; });
+        if (is_split || care_at(care, surface.slice[made.patch.triangle[q]]) != Care::none)
+            put_back(made, quad);
+    }
+}
+
 // Puts vertices of folded quads back where they were before smoothing, until none is folded that was not.
-void put_back_folded(KnotQuads& made, std::span<const Vec3> before) {
+void put_back_folded(KnotQuads& made, const Context& ctx) {
+    const std::vector<Quad>& quads = made.patch.quads;
+    std::vector<std::uint8_t> is_folded(quads.size());
     for (bool moved = true; moved;) {
+        parallel_for(ctx, quads.size(), 1024, [&](std::size_t q) {
+            is_folded[q] = scaled_jacobian(quads[q], made.positions) > 0 ? 0 : 1;
+        });
         moved = false;
-        for (const Quad& q : made.quads) {
-            if (scaled_jacobian(q, made.positions) > 0) continue;
-            for (const std::uint32_t v : q) {
-                moved |= made.positions[v] != before[v];
-                made.positions[v] = before[v];
-            }
+        for (std::size_t q = 0; q < quads.size(); ++q) {
+            if (is_folded[q] != 0) moved |= put_back(made, quads[q]);
         }
     }
 }
 
 }  // namespace
 
-KnotQuads knot_quads(const KnotSurface& surface, std::span<const Care> care, const MeshOptions& options,
-                     const Context& ctx) {
-    std::vector<std::uint8_t> alone(surface.triangles.size());
-    for (std::size_t t = 0; t < alone.size(); ++t) {
-        alone[t] = care[std::min<std::size_t>(surface.slice[t], care.size() - 1)] == Care::flat ? 1 : 0;
+void make_quads(KnotQuads& made, const KnotSurface& surface, std::span<const Care> care,
+                const MeshOptions& options, const Context& ctx) {
+    Buffer<Vec3> before;
+    if (made.patch.quads.empty()) {
+        made.positions = surface.positions;
+        made.patch = quadrangulate(surface.triangles, ring_middles(surface.group.seams), made.positions);
+        made.unsmoothed = made.positions;
+        smooth(made, surface, options, ctx);
+    } else {
+        before = made.positions;
     }
-    KnotQuads out;
-    out.positions = surface.positions;
-    QuadPatch patch =
-        quadrangulate(surface.triangles, alone, ring_middles(surface.group.seams), out.positions);
-    out.quads = std::move(patch.quads);
-    out.triangle = std::move(patch.triangle);
-    const std::vector<PatchVertex> moving = moving_vertices(surface, out, care, ctx);
-    if (moving.empty()) return out;
-    std::optional<GlobalWeights> weights;
-    ConvolutionField field = surface_field(surface.knot.skeleton, options, PointSet{}, weights, ctx);
-    field.set_regions(region_boxes(surface.capsules, moving, out.positions), ctx);
-    const Buffer<Vec3> before = out.positions;
-    smooth_patch(out.positions, out.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
-    put_back_folded(out, before);
-    return out;
+    take_care(made, surface, care);
+    put_back_folded(made, ctx);
+    // A quad that has neither moved nor been cut anew has been looked at.
+    made.is_new.resize(made.patch.quads.size());
+    for (std::size_t q = 0; q < made.is_new.size(); ++q) {
+        const Quad& quad = made.patch.quads[q];
+        const auto stayed = [&](std::uint32_t v) { return v < before.size() && before[v] == made.positions[v]; };
+        made.is_new[q] = std::all_of(quad.begin(), quad.end(), stayed) ? 0 : 1;
+    }
 }
 
 }  // namespace coppice::pipeline_internal

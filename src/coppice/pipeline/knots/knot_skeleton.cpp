@@ -7,8 +7,10 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-// How far the field's skeleton is taken beyond a seam, in radii.
+// How far the field's skeleton is taken beyond a seam, and how far it has to reach, in radii.
 constexpr float kMargin = 3.5f;
+constexpr float kWideMargin = 8.0f;
+constexpr float kLeastMargin = 2.0f;
 
 // The columns of a skeleton with nodes put where seams cross its segments.
 struct CutSkeleton {
@@ -16,12 +18,14 @@ struct CutSkeleton {
     std::vector<Vec3> position;
     std::vector<float> radius;
     std::vector<Slice> slice;  // per node: one that wraps its segment, or none
+    std::vector<float> until;
 
-    NodeId append(NodeId from, Vec3 p, float r, Slice s) {
+    NodeId append(NodeId from, Vec3 p, float r, Slice s, float f = 1) {
         parent.push_back(from);
         position.push_back(p);
         radius.push_back(r);
         slice.push_back(s);
+        until.push_back(f);
         return NodeId(static_cast<std::uint32_t>(parent.size() - 1));
     }
 };
@@ -52,12 +56,12 @@ class Neighbourhood {
 
     void add(NodeId segment) { inside_.push_back(segment); }
 
-    // The segments, parents first.
-    std::vector<NodeId> with_margin() && {
+    // The segments, parents first, with so many radii beyond.
+    std::vector<NodeId> with_margin(float margin) && {
         std::sort(inside_.begin(), inside_.end());
         for (const NodeId n : inside_) {
-            reach(n, kMargin * s_.radius(n));
-            if (!s_.is_root(n)) reach(s_.parent(n), kMargin * s_.segment(n).radius_a);
+            reach(n, margin * s_.radius(n));
+            if (!s_.is_root(n)) reach(s_.parent(n), margin * s_.segment(n).radius_a);
         }
         while (!queue_.empty()) {
             const NodeId n = queue_.back();
@@ -131,19 +135,37 @@ KnotSkeletons::KnotSkeletons(const TubeMap& map, const Slices& slices) : map_(ma
     wrapped_ = group_by(tube, map.tubes.size());
 }
 
-KnotSkeleton KnotSkeletons::of(const KnotGroup& group) const {
-    const Skeleton& s = map_.skeleton;
-    Neighbourhood near(s);
+std::vector<NodeId> KnotSkeletons::segments_near(const KnotGroup& group, float margin) const {
+    Neighbourhood near(map_.skeleton);
     for (std::size_t i = 0; i < group.slices.size(); ++i) {
         const NodeId tube = slices_.tube(group.slices[i]);
         if (i > 0 && slices_.tube(group.slices[i - 1]) == tube) continue;
         near.add(map_.source[tube.index()]);  // should it wrap none
         for (const std::uint32_t n : wrapped_[tube.index()]) near.add(NodeId(n));
     }
-    const std::vector<NodeId> segments = std::move(near).with_margin();
+    return std::move(near).with_margin(margin);
+}
+
+std::vector<NodeId> KnotSkeletons::needed(const KnotGroup& group) const {
+    return segments_near(group, kLeastMargin);
+}
+
+NodeId KnotSkeleton::node_at(NodeId segment, float t) const {
+    const auto at = std::lower_bound(cuts.begin(), cuts.end(), segment,
+                                     [](const Cut& c, NodeId n) { return c.segment < n; });
+    if (at == cuts.end() || at->segment != segment) return NodeId::none();
+    std::uint32_t node = at->first;
+    while (node + 1 < at->first + at->count && until[node] < t) ++node;
+    return NodeId(node);
+}
+
+KnotSkeleton KnotSkeletons::of(const KnotGroup& group, bool wide) const {
+    const Skeleton& s = map_.skeleton;
+    const std::vector<NodeId> segments = segments_near(group, wide ? kWideMargin : kMargin);
     const std::vector<SeamPlace> places = seam_places(group.seams, slices_);
 
     CutSkeleton cut;
+    std::vector<KnotSkeleton::Cut> cuts;
     std::unordered_map<std::uint32_t, NodeId> place;
     const auto root_of = [&](NodeId n) {
         const auto at = place.find(n.index());
@@ -164,14 +186,16 @@ KnotSkeleton KnotSkeletons::of(const KnotGroup& group) const {
             continue;
         }
         NodeId from = root_of(s.parent(n));
+        const auto first = static_cast<std::uint32_t>(cut.parent.size());
         const auto segment = round_cone<float>(s.segment(n));
         float begin = 0;
         for (const float f : cuts_of(segment, tube, slices_.tubes(), places)) {
             const Slice slice = tube ? slices_.near(tube, segment.point((begin + f) / 2)) : Slices::kNone;
             from = f == 1 ? cut.append(from, s.position(n), s.radius(n), slice)
-                          : cut.append(from, segment.point(f), segment.radius(f), slice);
+                          : cut.append(from, segment.point(f), segment.radius(f), slice, f);
             begin = f;
         }
+        cuts.push_back({n, first, from.index() + 1 - first});
         place[n.index()] = from;
     }
     Skeleton skeleton(std::move(cut.parent), std::move(cut.position), std::move(cut.radius), s.origin());
@@ -183,7 +207,7 @@ KnotSkeleton KnotSkeletons::of(const KnotGroup& group) const {
     spread_to_bare(skeleton, cut.slice, gone);
     std::vector<std::uint8_t> margin(gone.size());
     for (std::size_t i = 0; i < gone.size(); ++i) margin[i] = gone[i] == 0 && cut.slice[i] != Slices::kNone;
-    return {std::move(skeleton), std::move(cut.slice), std::move(margin)};
+    return {std::move(cuts), std::move(cut.until), std::move(skeleton), std::move(cut.slice), std::move(margin)};
 }
 
 }  // namespace coppice::pipeline_internal

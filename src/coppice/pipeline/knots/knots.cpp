@@ -41,6 +41,12 @@ bool is_clear_of(const Seam& seam, const RoundCone& branch) {
 
 }  // namespace
 
+std::vector<std::uint32_t> ring_vertices(const KnotGroup& group) {
+    std::vector<std::uint32_t> out;
+    for (const Seam& seam : group.seams) out.insert(out.end(), seam.ring.begin(), seam.ring.end());
+    return out;
+}
+
 Knots::Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, const Context& ctx)
     : map_(map),
       slices_(slices),
@@ -53,7 +59,7 @@ Knots::Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, con
 void Knots::take(Slice s) {
     if (gone_[s] != 0 || spared_[s] != 0) return;
     gone_[s] = 1;
-    ++count_;
+    taken_.push_back(s);
 }
 
 // Takes slices from one on, one after the other.
@@ -86,7 +92,8 @@ void Knots::spare(const KnotGroup& group) {
         gone_[s] = 0;
         spared_[s] = 1;
     }
-    count_ -= static_cast<std::uint32_t>(group.slices.size());
+    std::erase_if(taken_, [&](Slice s) { return gone_[s] == 0; });
+    closed_ = taken_.size();
     spares_any_ = true;
 }
 
@@ -102,17 +109,10 @@ void Knots::take_trees(std::span<const NodeId> trees, std::span<const NodeId> ro
     }
 }
 
-// False when there was nothing to take.
-bool Knots::close_branch_nodes() {
-    const std::uint32_t before = count_;
-    const Skeleton& s = map_.tubes;
-    for (const NodeId n : nodes(s)) {
-        if (degree(s, n) < 3) continue;
-        bool any = false;
-        for_each_segment_at(s, n, [&](NodeId t) { any |= contains(slices_.at(t, n)); });
-        if (any) for_each_segment_at(s, n, [&](NodeId t) { take(slices_.at(t, n)); });
-    }
-    return count_ != before;
+// All slices at a branch node, once one of them goes.
+void Knots::close_branch_node(NodeId n) {
+    if (degree(map_.tubes, n) < 3) return;
+    for_each_segment_at(map_.tubes, n, [&](NodeId t) { take(slices_.at(t, n)); });
 }
 
 // The seam where the upper slice begins.
@@ -141,22 +141,16 @@ Seam Knots::seam_between(Slice lower, Slice upper) const {
     return seam;
 }
 
-std::vector<Seam> Knots::seams() const {
-    std::vector<Seam> out;
+// The slice before and after a seam on one side of a slice that goes; none where no slice that stays follows.
+std::optional<std::array<Slice, 2>> Knots::seam_beside(Slice gone, bool to_tip) const {
+    const Slice kept = slices_.next(gone, to_tip);
+    if (kept == Slices::kNone || contains(kept)) return {};
+    if (to_tip) return {{gone, kept}};
+    // At a root in the middle of a chain both tubes begin: the second of them looks back to the first.
     const Skeleton& s = map_.tubes;
-    for (const NodeId t : nodes(s)) {
-        if (s.is_root(t)) continue;
-        for (Slice upper = slices_.first(t); upper <= slices_.last(t); ++upper) {
-            // At a root in the middle of a chain both tubes begin: the second of them looks back to the
-            // first.
-            const Slice lower = slices_.next(upper, false);
-            if (lower == Slices::kNone || contains(lower) == contains(upper)) continue;
-            const bool both_begin = s.parent(slices_.tube(lower)) == s.parent(t) && slices_.tube(lower) != t;
-            if (both_begin && slices_.tube(lower) > t) continue;
-            out.push_back(seam_between(lower, upper));
-        }
-    }
-    return out;
+    const NodeId a = slices_.tube(gone), b = slices_.tube(kept);
+    if (a != b && s.parent(a) == s.parent(b)) return {{std::min(gone, kept), std::max(gone, kept)}};
+    return {{kept, gone}};
 }
 
 // A seam lies well when the tubes within the window about it run on straight and in equal width, without a
@@ -206,29 +200,43 @@ bool Knots::lies_well(const Seam& seam) const {
     return clear;
 }
 
+// What was closed stays so: whether a seam lies well does not depend on what goes elsewhere.
 void Knots::close() {
-    for (bool grown = true; grown;) {
-        grown = close_branch_nodes();
-        for (const Seam& seam : seams()) {
-            if (spared_[seam.kept] != 0 || lies_well(seam)) continue;
-            take(seam.kept);
-            grown = true;
+    for (; closed_ < taken_.size(); ++closed_) {
+        const Slice gone = taken_[closed_];
+        const NodeId t = slices_.tube(gone);
+        if (!map_.tubes.is_root(t)) {
+            if (gone == slices_.first(t)) close_branch_node(map_.tubes.parent(t));
+            if (gone == slices_.last(t)) close_branch_node(t);
+        }
+        for (const bool to_tip : {false, true}) {
+            const auto seam = seam_beside(gone, to_tip);
+            if (!seam) continue;
+            const Slice kept = (*seam)[0] == gone ? (*seam)[1] : (*seam)[0];
+            if (spared_[kept] == 0 && !lies_well(seam_between((*seam)[0], (*seam)[1]))) take(kept);
         }
     }
 }
 
 std::vector<KnotGroup> Knots::groups() {
     const Skeleton& s = map_.tubes;
-    for (const NodeId t : nodes(s)) {
-        for (Slice i = slices_.first(t); i <= slices_.last(t); ++i) {
-            const Slice lower = contains(i) ? slices_.next(i, false) : Slices::kNone;
-            if (lower != Slices::kNone && contains(lower)) join(lower, i);
+    std::vector<Slice> gone = taken_;
+    std::sort(gone.begin(), gone.end());
+    std::vector<std::array<Slice, 2>> seams;  // the second begins there
+    for (const Slice i : gone) {
+        const Slice lower = slices_.next(i, false);
+        if (lower != Slices::kNone && contains(lower)) join(lower, i);
+        for (const bool to_tip : {false, true}) {
+            if (const auto seam = seam_beside(i, to_tip)) seams.emplace_back(*seam);
         }
-        if (degree(s, t) < 3) continue;
-        const Slice first = slices_.at(s.children(t)[0], t);
-        if (!contains(first)) continue;
-        for_each_segment_at(s, t, [&](NodeId other) { join(first, slices_.at(other, t)); });
+        const NodeId t = slices_.tube(i);
+        if (s.is_root(t)) continue;
+        for (const NodeId n : {s.parent(t), t}) {
+            if (slices_.at(t, n) != i || degree(s, n) < 3) continue;
+            for_each_segment_at(s, n, [&](NodeId other) { join(i, slices_.at(other, n)); });
+        }
     }
+    std::sort(seams.begin(), seams.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
     std::vector<std::uint32_t> place(slices_.count(), kNoRow);
     std::vector<KnotGroup> out;
     const auto group_of = [&](Slice i) -> KnotGroup& {
@@ -239,13 +247,9 @@ std::vector<KnotGroup> Knots::groups() {
         }
         return out[at];
     };
-    for (Slice i = 0; i < slices_.count(); ++i) {
-        if (contains(i)) group_of(i).slices.push_back(i);
-    }
-    for (Seam& seam : seams()) {
-        KnotGroup& group = group_of(seam.gone);
-        group.seams.push_back(std::move(seam));
-    }
+    for (const Slice i : gone) group_of(i).slices.push_back(i);
+    for (const auto [lower, upper] : seams)
+        group_of(contains(upper) ? upper : lower).seams.push_back(seam_between(lower, upper));
     return out;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +32,9 @@ struct KnotGroup {
     std::vector<Seam> seams;    ///< where they end
 };
 
+/// The vertices of the rings of all its seams, one ring after the other.
+std::vector<std::uint32_t> ring_vertices(const KnotGroup& group);
+
 /// Slices that are to be replaced, together with all that is needed to do so cleanly. They only become more.
 class Knots {
   public:
@@ -55,16 +60,17 @@ class Knots {
 
     bool spares_any() const { return spares_any_; }         ///< whether some slices are spared
     bool contains(Slice s) const { return gone_[s] != 0; }  ///< whether it goes
-    std::uint32_t count() const { return count_; }          ///< slices that go
+    std::size_t count() const { return taken_.size(); }     ///< slices that go
+    std::span<const Slice> taken() const { return taken_; }  ///< those that go, in no order
     /// What goes, in pieces: slices that are connected or were joined, by their least.
     std::vector<KnotGroup> groups();
 
   private:
     void take_along(Slice at, bool to_tip, float way);
-    bool close_branch_nodes();
+    void close_branch_node(NodeId n);
     bool lies_well(const Seam& seam) const;
+    std::optional<std::array<Slice, 2>> seam_beside(Slice gone, bool to_tip) const;
     Seam seam_between(Slice lower, Slice upper) const;
-    std::vector<Seam> seams() const;
 
     TubeMap map_;
     const Slices& slices_;
@@ -72,15 +78,27 @@ class Knots {
     CapsuleTree capsules_;
     std::vector<std::uint8_t> gone_, spared_;  // per slice
     DisjointSets together_;
-    std::uint32_t count_ = 0;
+    std::vector<Slice> taken_;  // those that are gone
+    std::size_t closed_ = 0;    // of them, the first so many have nothing beside them that has to go too
     bool spares_any_ = false;
 };
 
 /// The part of the field's skeleton that a group of slices had to wrap, and a margin beyond its seams.
 struct KnotSkeleton {
+    /// A segment of the field's skeleton, cut where seams lie.
+    struct Cut {
+        NodeId segment;
+        std::uint32_t first;  ///< node of its first part
+        std::uint32_t count;  ///< of parts, whose nodes follow each other
+    };
+    std::vector<Cut> cuts;             ///< by segment
+    std::vector<float> until;          ///< per node: parameter of the segment where its part ends
     Skeleton skeleton;                 ///< a forest
     std::vector<Slice> slice;          ///< per node: one that wraps its segment, or none
     std::vector<std::uint8_t> margin;  ///< per node: whether its segment lies beyond the seams
+
+    /// The node of the part that holds the point with parameter t of a segment; none where it is not cut.
+    NodeId node_at(NodeId segment, float t) const;
 };
 
 /// Finds the segments that groups of slices had to wrap.
@@ -89,10 +107,15 @@ class KnotSkeletons {
     /// All must outlive this. O(n).
     KnotSkeletons(const TubeMap& map, const Slices& slices);
 
-    /// With segments cut at the seams. O(size of the group).
-    KnotSkeleton of(const KnotGroup& group) const;
+    /// With segments cut at the seams; `wide`: for a group that has grown, and may again. O(size of the group).
+    KnotSkeleton of(const KnotGroup& group, bool wide) const;
+    /// The segments that a group needs, ascending: less of a margin than of() takes, so that what was made of
+    /// that serves it when it has grown a little. O(size of the group).
+    std::vector<NodeId> needed(const KnotGroup& group) const;
 
   private:
+    std::vector<NodeId> segments_near(const KnotGroup& group, float margin) const;
+
     const TubeMap& map_;
     const Slices& slices_;
     CompressedRows<std::uint32_t> wrapped_;  // per tube: the nodes whose segments it wraps

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
@@ -73,14 +74,28 @@ std::vector<NodeId> doubtful_nodes(const TubeMap& map) {
     return out;
 }
 
-// The faces of the mesh around the nodes: nearest faces of points in their balls.
-PolygonMesh faces_about(const QuadMesh& mesh, const Skeleton& s, std::span<const NodeId> around,
-                        const Context& ctx) {
+// The balls about the nodes, in which faces are looked at.
+BoxTree balls_about(std::span<const NodeId> around, const Skeleton& s, const Context& ctx) {
     std::vector<Box3> balls;
-    for (const NodeId n : around) {
+    for (const NodeId n : around)
         balls.push_back(Box3{s.position(n), s.position(n)}.inflated(kReach * s.radius(n)));
+    return BoxTree(balls, ctx);
+}
+
+// The segments that reach into the balls: no other holds a point there.
+CapsuleTree cones_within(const BoxTree& balls, const Skeleton& s, const Context& ctx) {
+    std::vector<NodeId> segments;
+    std::vector<RoundCone> cones;
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const auto cone = round_cone<double>(s.segment(n));
+        Box3 box = Box3{Vec3(cone.a), Vec3(cone.a)}.inflated(static_cast<float>(cone.radius_a));
+        box.extend(Box3{Vec3(cone.b()), Vec3(cone.b())}.inflated(static_cast<float>(cone.radius_b())));
+        if (!balls.meets(box)) continue;
+        segments.push_back(n);
+        cones.push_back(cone);
     }
-    return some_faces(mesh, faces_near(mesh, balls, ctx));
+    return CapsuleTree(std::move(segments), std::move(cones), ctx);
 }
 
 // The slice that is nearest to a point.
@@ -91,28 +106,34 @@ Slice nearest_slice(const CapsuleTree& tubes, const Slices& slices, Vec3 p) {
 
 }  // namespace
 
-std::vector<Slice> lossy_slices(const TubeMap& map, const Slices& slices, const QuadMesh& mesh,
-                                const Context& ctx) {
+std::vector<Slice> lossy_slices(const TubeMap& map, const TubeQuads& quads, const Context& ctx) {
     const std::vector<NodeId> doubtful = doubtful_nodes(map);
     if (doubtful.empty()) return {};
     const Skeleton& s = map.skeleton;
-    const CapsuleTree cones(s, s.origin(), ctx), tubes(map.tubes, s.origin(), ctx);
-    const PolygonMesh polygons = faces_about(mesh, s, doubtful, ctx);
+    const BoxTree balls = balls_about(doubtful, s, ctx);
+    const CapsuleTree cones = cones_within(balls, s, ctx);
+    const PolygonMesh polygons = some_faces(quads.mesh, quads_near(quads, balls, ctx));
     if (polygons.face_count() == 0) return {};
     const SurfaceTree surface(polygons, ctx);
     const auto around = directions();
-    std::vector<Slice> found(doubtful.size(), Slices::kNone);
-    parallel_for(ctx, doubtful.size(), 16, [&](std::size_t i) {
-        const NodeId n = doubtful[i];
+    std::vector<std::optional<Vec3>> lost(doubtful.size());  // a point of each node
+    parallel_for(ctx, lost.size(), 16, [&](std::size_t i) {
+        const Vec3 c = s.position(doubtful[i]);
+        const float r = s.radius(doubtful[i]);
         for (const Vec3 d : around) {
-            const Vec3 p = s.position(n) + d * (kDepth * s.radius(n));
+            const Vec3 p = c + d * (kDepth * r);
             if (cones.nearest(Vec3d(p)).rho > kInside ||
-                surface.signed_distance(Vec3d(p)) <= kMissing * static_cast<double>(s.radius(n)))
+                surface.signed_distance(Vec3d(p)) <= kMissing * static_cast<double>(r))
                 continue;
-            found[i] = nearest_slice(tubes, slices, p);
+            lost[i] = p;
             break;
         }
     });
+    std::erase(lost, std::nullopt);
+    if (lost.empty()) return {};
+    const CapsuleTree tubes(map.tubes, s.origin(), ctx);
+    std::vector<Slice> found;
+    for (const auto& p : lost) found.push_back(nearest_slice(tubes, quads.slices, *p));
     std::erase(found, Slices::kNone);
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());

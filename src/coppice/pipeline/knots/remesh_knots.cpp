@@ -1,65 +1,35 @@
 #include "coppice/pipeline/knots/remesh_knots_internal.h"
 
 #include <algorithm>
-#include <cmath>
-#include <memory>
-#include <unordered_map>
+#include <iterator>
 
-#include "coppice/base/parallel.h"
 #include "coppice/mesh/shape.h"
-#include "coppice/mesh/topology.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
-#include "coppice/pipeline/knots/knot_patch_internal.h"
+#include "coppice/pipeline/knots/draft_internal.h"
 #include "coppice/pipeline/knots/losses_internal.h"
 #include "coppice/skeleton/measure.h"
 
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr int kMostAttempts = 10;
-constexpr float kLongestStep = 6;   // [radii]
-constexpr float kHaste = 1.5f;      // growth of the steps by which groups grow, from one radius on
 constexpr int kRoundsForFolds = 3;  // in which seams are moved for the sake of folded quads alone
-
-// What stands in the place of one group.
-struct Piece {
-    KnotSurface surface;
-    KnotQuads quads;
-    bool is_current = false;  // whether `quads` are as careful as asked
-};
-
-// Quads of the whole mesh, those that stay first.
-struct Remeshed {
-    QuadMesh mesh;
-    std::vector<Slice> slice;          // per quad: where it is, or none
-    std::vector<std::uint32_t> piece;  // per quad: the piece it is of, or none
-    std::vector<std::uint32_t> seam;   // per quad: of whose band it is, or kNoSeam
-    std::uint32_t kept = 0;            // quads that stay
-};
-
-// A piece of the skeleton has no points of its own to fit global weights to.
-MeshOptions with_local_weights(MeshOptions options) {
-    options.field.weights = Weights::local;
-    return options;
-}
 
 class Remeshing {
   public:
-    Remeshing(const QuadSurface& surface, const TubeMap& map, const Slices& slices,
-              const MeshOptions& options, const Context& ctx)
-        : quads_(surface.mesh),
-          options_(with_local_weights(options)),
+    Remeshing(const TubeQuads& before, const TubeMap& map, const MeshOptions& options, const Context& ctx)
+        : before_(before),
+          slices_(before.slices),
+          rounds_(options.remesh_rounds),
           ctx_(ctx),
-          slices_(slices),
-          knots_(map, slices, surface.mesh, ctx),
-          skeletons_(map, slices),
-          care_(slices.count() + 1, Care::none) {}
+          knots_(map, slices_, before.mesh, ctx),
+          pieces_(map, slices_, before.mesh, options, ctx),
+          care_(slices_.count() + 1, Care::none) {}
 
     // From the pairs that cross at first, and slices that leave something out.
-    KnotReport run(std::vector<FacePair> pairs, std::span<const Slice> lossy, QuadSurface& surface) {
+    KnotReport run(const std::vector<FacePair>& first, std::span<const Slice> lossy) {
         KnotReport report;
-        report.pairs_before = pairs.size();
-        for (const FacePair& p : pairs) {
+        report.pairs_before = first.size();
+        for (const FacePair& p : first) {
             const Slice a = slices_.of_quad(p.first), b = slices_.of_quad(p.second);
             knots_.take(a);
             knots_.take(b);
@@ -67,55 +37,71 @@ class Remeshing {
         }
         for (const Slice s : lossy) knots_.take(s);
         report.lossy = static_cast<std::uint32_t>(lossy.size());
-        const int rounds = options_.remesh_rounds;
-        Remeshed now;
         bool has_taken_trees = false;
-        for (int round = 0; round < rounds; ++round) {
-            make_pieces();
-            now = assembled();
-            // Quads that stay do not cross each other, unless they were spared: those that did are gone.
-            pairs = new_crossings(now.mesh, knots_.spares_any() ? 0 : now.kept, ctx_);
+        for (int round = 0; round < rounds_; ++round) {
+            pieces_.make(knots_, care_);
+            const Draft now = draft(before_, knots_, pieces_, ctx_);
+            const std::vector<FacePair> pairs = new_crossings(now, ctx_);
+            // Quads that stay do not cross each other, unless they were spared.
+            const std::vector<FacePair> spared = still_there(first);
             report.rounds = static_cast<std::uint32_t>(round) + 1;
-            const bool moved = round < kRoundsForFolds && move_folded_bands(now);
-            if (pairs.empty() && !moved) break;
+            report.pairs_after = pairs.size() + spared.size();
+            const bool moved = round < kRoundsForFolds && move_folded_bands();
+            if (report.pairs_after == 0 && !moved) break;
+            for (std::size_t i = 0; i < pieces_.size(); ++i)
+                std::ranges::fill(pieces_[i].quads.is_new, std::uint8_t{0});
             const bool is_answered = answer(now, pairs) || moved;
             if (!is_answered && has_taken_trees) break;
-            if (!is_answered || round + 2 >= rounds) {
-                take_trees(now, pairs);
+            if (!is_answered || round + 2 >= rounds_) {
+                take_trees(now, pairs, spared);
                 has_taken_trees = true;
             }
-            if (round + 2 >= rounds) ask_all_care();
+            if (round + 2 >= rounds_) ask_all_care();
         }
-        report.pairs_after = pairs.size();
-        report.slices = knots_.count();
-        const TopologyReport found = topology(now.mesh, ctx_);
-        report.parts = found.components;
-        report.handles = static_cast<std::int64_t>(found.components) - found.euler / 2;
-        surface.mesh = std::move(now.mesh);
+        report.slices = static_cast<std::uint32_t>(knots_.count());
         return report;
     }
 
+    // Puts the pieces into the mesh.
+    void finish(QuadMesh& mesh, KnotReport& report) const {
+        put_into(mesh, slices_, knots_, pieces_, ctx_);
+        report.parts = count_bodies(slices_, knots_, pieces_);
+        // A closed mesh of quads has twice as many edges as quads.
+        const auto euler =
+            static_cast<std::int64_t>(mesh.positions.size()) - static_cast<std::int64_t>(mesh.quads.size());
+        report.handles = static_cast<std::int64_t>(report.parts) - euler / 2;
+    }
+
   private:
+    // Those pairs of which both quads stay.
+    std::vector<FacePair> still_there(std::span<const FacePair> pairs) const {
+        std::vector<FacePair> out;
+        const auto stays = [&](std::uint32_t q) { return !knots_.contains(slices_.of_quad(q)); };
+        std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(out),
+                     [&](const FacePair& p) { return stays(p.first) && stays(p.second); });
+        return out;
+    }
+
     std::size_t care_place(Slice s) const { return std::min(s, slices_.count()); }
 
     // Asks for more care where a new quad is.
-    void take_care(const Remeshed& now, std::uint32_t face, std::span<const Care> before) {
+    void take_care(const Draft& now, std::uint32_t face, std::span<const Care> before) {
         const std::size_t at = care_place(now.slice[face]);
         if (before[at] == Care::flat) return;
         care_[at] = before[at] == Care::none ? Care::still : Care::flat;
-        pieces_[now.piece[face]]->is_current = false;
+        pieces_[now.piece[face]].is_current = false;
     }
 
     // What is done about quads that cross; false when nothing is left to do.
-    bool answer(const Remeshed& now, std::span<const FacePair> pairs) {
+    bool answer(const Draft& now, std::span<const FacePair> pairs) {
         const std::vector<Care> before = care_;
-        const std::uint32_t count = knots_.count();
+        const std::size_t count = knots_.count();
         bool joined = false;
         for (const FacePair& p : pairs) {
             for (const std::uint32_t face : {p.first, p.second}) {
                 if (now.seam[face] != kNoSeam) {
-                    knots_.move_on(pieces_[now.piece[face]]->surface.group.seams[now.seam[face]], 1);
-                } else if (face < now.kept) {
+                    knots_.move_on(pieces_[now.piece[face]].surface.group.seams[now.seam[face]], 1);
+                } else if (now.piece[face] == Draft::kNoPiece) {
                     knots_.take(now.slice[face]);
                 } else if (now.piece[p.first] == now.piece[p.second]) {
                     take_care(now, face, before);
@@ -128,26 +114,35 @@ class Remeshing {
     }
 
     // Moves seams on whose bands are folded; false when none is.
-    bool move_folded_bands(const Remeshed& now) {
+    bool move_folded_bands() {
         bool found = false;
-        for (auto face = now.kept; face < now.mesh.quads.size(); ++face) {
-            if (now.seam[face] == kNoSeam || scaled_jacobian(now.mesh.quads[face], now.mesh.positions) > 0)
-                continue;
-            knots_.move_on(pieces_[now.piece[face]]->surface.group.seams[now.seam[face]], 1);
-            found = true;
+        for (std::size_t i = 0; i < pieces_.size(); ++i) {
+            const KnotSurface& surface = pieces_[i].surface;
+            const KnotQuads& made = pieces_[i].quads;
+            for (std::size_t q = 0; q < made.patch.quads.size(); ++q) {
+                const std::uint32_t seam = surface.seam[made.patch.triangle[q]];
+                if (made.is_new[q] == 0 || seam == kNoSeam ||
+                    scaled_jacobian(made.patch.quads[q], made.positions) > 0)
+                    continue;
+                knots_.move_on(surface.group.seams[seam], 1);
+                found = true;
+            }
         }
         return found;
     }
 
     // The last resort: whole trees.
-    void take_trees(const Remeshed& now, std::span<const FacePair> pairs) {
+    void take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
         const std::vector<NodeId> root = tree_roots(slices_.tubes());
         std::vector<NodeId> bad;
+        const auto add = [&](Slice at) {
+            if (at != Slices::kNone) bad.push_back(root[slices_.tube(at).index()]);
+        };
         for (const FacePair& p : pairs) {
-            for (const std::uint32_t face : {p.first, p.second}) {
-                const Slice at = now.slice[face];
-                if (at != Slices::kNone) bad.push_back(root[slices_.tube(at).index()]);
-            }
+            for (const std::uint32_t face : {p.first, p.second}) add(now.slice[face]);
+        }
+        for (const FacePair& p : spared) {
+            for (const std::uint32_t quad : {p.first, p.second}) add(slices_.of_quad(quad));
         }
         std::sort(bad.begin(), bad.end());
         bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
@@ -156,110 +151,16 @@ class Remeshing {
 
     void ask_all_care() {
         std::fill(care_.begin(), care_.end(), Care::flat);
-        for (const auto& piece : pieces_) piece->is_current = false;
+        for (std::size_t i = 0; i < pieces_.size(); ++i) pieces_[i].is_current = false;
     }
 
-    // Pieces for all groups; groups grow until each has one that fits.
-    void make_pieces() {
-        for (int attempt = 0;; ++attempt) {
-            ctx_.throw_if_cancelled();
-            knots_.close();
-            std::vector<KnotGroup> groups = knots_.groups();
-            std::vector<std::unique_ptr<Piece>> pieces(groups.size());
-            for (std::size_t g = 0; g < groups.size(); ++g) {
-                const auto same = made_.find(groups[g].slices[0]);
-                if (same != made_.end() && pieces_[same->second]->surface.group.slices == groups[g].slices)
-                    pieces[g] = std::move(pieces_[same->second]);
-            }
-            parallel_for(ctx_, groups.size(), 1, [&](std::size_t g) {
-                if (pieces[g]) return;
-                pieces[g] = std::make_unique<Piece>(Piece{
-                    knot_surface(std::move(groups[g]), skeletons_, quads_, options_, inner_context()), {}});
-            });
-            pieces_ = std::move(pieces);
-            made_.clear();
-            for (std::uint32_t i = 0; i < pieces_.size(); ++i) made_[pieces_[i]->surface.group.slices[0]] = i;
-            bool is_whole = true;
-            const float radii = std::min(std::pow(kHaste, static_cast<float>(attempt)), kLongestStep);
-            for (const auto& piece : pieces_) {
-                const KnotSurface& s = piece->surface;
-                is_whole &= s.is_whole();
-                if (s.is_impossible || (attempt >= kMostAttempts && !s.is_whole())) {
-                    knots_.spare(s.group);
-                    continue;
-                }
-                for (const std::uint32_t seam : s.failed) knots_.move_on(s.group.seams[seam], radii);
-                for (const Slice beyond : s.beyond) {
-                    if (beyond == Slices::kNone) continue;
-                    knots_.take_around(beyond, radii);
-                    knots_.join(beyond, s.group.slices[0]);
-                }
-            }
-            if (is_whole) break;
-        }
-        parallel_for(ctx_, pieces_.size(), 1, [&](std::size_t i) {
-            Piece& p = *pieces_[i];
-            if (p.is_current) return;
-            p.quads = knot_quads(p.surface, care_, options_, inner_context());
-            p.is_current = true;
-        });
-    }
-
-    // Pieces are made side by side, each by one thread.
-    Context inner_context() const { return {.threads = 1, .stop = ctx_.stop}; }
-
-    Remeshed assembled() const {
-        Remeshed out;
-        out.mesh.origin = quads_.origin;
-        constexpr std::uint32_t kUnused = 0xffffffffu;
-        std::vector<std::uint32_t> place(quads_.positions.size(), kUnused);
-        const auto put = [&](std::uint32_t& at, Vec3 p) {
-            if (at == kUnused) {
-                at = static_cast<std::uint32_t>(out.mesh.positions.size());
-                out.mesh.positions.push_back(p);
-            }
-            return at;
-        };
-        for (std::uint32_t q = 0; q < quads_.quads.size(); ++q) {
-            const Slice s = slices_.of_quad(q);
-            if (knots_.contains(s)) continue;
-            Quad quad = quads_.quads[q];
-            for (std::uint32_t& v : quad) v = put(place[v], quads_.positions[v]);
-            out.mesh.quads.push_back(quad);
-            out.slice.push_back(s);
-        }
-        out.kept = static_cast<std::uint32_t>(out.mesh.quads.size());
-        out.piece.assign(out.kept, kUnused);
-        out.seam.assign(out.kept, kNoSeam);
-        for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-            const auto& [surface, made, _] = *pieces_[i];
-            std::vector<std::uint32_t> own(made.positions.size(), kUnused);
-            std::uint32_t k = 0;
-            for (const Seam& seam : surface.group.seams) {
-                for (const std::uint32_t v : seam.ring) own[k++] = place[v];
-            }
-            for (std::size_t q = 0; q < made.quads.size(); ++q) {
-                Quad quad = made.quads[q];
-                for (std::uint32_t& v : quad) v = put(own[v], made.positions[v]);
-                out.mesh.quads.push_back(quad);
-                const std::uint32_t t = made.triangle[q];
-                out.slice.push_back(surface.slice[t]);
-                out.piece.push_back(i);
-                out.seam.push_back(surface.seam[t]);
-            }
-        }
-        return out;
-    }
-
-    const QuadMesh& quads_;
-    const MeshOptions options_;
-    const Context& ctx_;
+    const TubeQuads& before_;
     const Slices& slices_;
+    const int rounds_;
+    const Context& ctx_;
     Knots knots_;
-    KnotSkeletons skeletons_;
+    Pieces pieces_;
     std::vector<Care> care_;  // per slice, and one more for what is near none
-    std::vector<std::unique_ptr<Piece>> pieces_;
-    std::unordered_map<Slice, std::uint32_t> made_;  // by the least slice of each
 };
 
 // The tubes by node of the field's skeleton, less those that are only a branch node at a root.
@@ -282,11 +183,15 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOpti
     const std::vector<NodeId> wrapping = real_tubes(map);
     const TubeMap real{map.tubes, map.skeleton, map.source, wrapping};
     const Slices slices(surface.cage, map.tubes, options.levels);
-    std::vector<FacePair> pairs = slice_crossings(surface.mesh, slices, ctx);
-    if (pairs.size() >= kMostPairs) return {.pairs_before = pairs.size(), .pairs_after = pairs.size()};
-    const std::vector<Slice> lossy = lossy_slices(real, slices, surface.mesh, ctx);
-    if (pairs.empty() && lossy.empty()) return {};
-    return Remeshing(surface, real, slices, options, ctx).run(std::move(pairs), lossy, surface);
+    const SliceCrossings found = slice_crossings(surface.mesh, slices, ctx);
+    const std::size_t count = found.pairs.size();
+    if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
+    const std::vector<Slice> lossy = lossy_slices(real, found.tubes, ctx);
+    if (found.pairs.empty() && lossy.empty()) return {};
+    Remeshing remeshing(found.tubes, real, options, ctx);
+    KnotReport report = remeshing.run(found.pairs, lossy);
+    remeshing.finish(surface.mesh, report);
+    return report;
 }
 
 }  // namespace coppice::pipeline_internal

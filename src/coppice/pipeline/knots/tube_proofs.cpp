@@ -2,8 +2,6 @@
 #include <cmath>
 #include <limits>
 
-#include "coppice/base/error.h"
-
 #include "coppice/pipeline/knots/tube_proofs_internal.h"
 
 namespace coppice::pipeline_internal {
@@ -15,12 +13,6 @@ constexpr double kRounding = 1e-13;
 
 // Of the opening of a cone, which is nowhere near as exact as it has to be.
 constexpr double kLess = 1 - 1e-6;
-
-void extend(CageRun& run, std::uint32_t face) {
-    if (run.count == 0) run.first = face;
-    COPPICE_ASSERT(face == run.first + run.count);
-    ++run.count;
-}
 
 // Calls visit(k) for the quads of a row that reach into another reach.
 template <class Visit>
@@ -46,18 +38,6 @@ void visit_meeting(const RowPoints& points, std::size_t row, const Directions& d
 }
 
 }  // namespace
-
-std::vector<TubeFaces> faces_of_tubes(const ControlMesh& cage, std::uint32_t tube_count) {
-    std::vector<TubeFaces> out(tube_count);
-    for (std::uint32_t f = 0; f < cage.region.size(); ++f) {
-        TubeFaces& tube = out[cage.region[f]];
-        extend(cage.part[f] == TubePart::side    ? tube.side
-               : cage.part[f] == TubePart::start ? tube.cap[0]
-                                                 : tube.cap[1],
-               f);
-    }
-    return out;
-}
 
 // All but the last column.
 void TubePoints::load_patch(RowPoints& out, std::uint32_t cage_quad, std::size_t column) const {

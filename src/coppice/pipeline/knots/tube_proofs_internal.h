@@ -8,27 +8,12 @@
 
 #include "coppice/base/box.h"
 #include "coppice/pipeline/knots/row_kernels_internal.h"
-#include "coppice/pipeline/knots/slices_internal.h"
+#include "coppice/pipeline/knots/tube_quads_internal.h"
 
 namespace coppice::pipeline_internal {
 
 /// Above the rounding of an area of points at most 1 away, in double precision.
 inline constexpr double kTurnRounding = 1e-13;
-
-/// Cage quads first .. first + count.
-struct CageRun {
-    std::uint32_t first = 0;
-    std::uint32_t count = 0;
-};
-
-/// The cage quads of a tube.
-struct TubeFaces {
-    CageRun side;                ///< around it
-    std::array<CageRun, 2> cap;  ///< that close its beginning and its end
-};
-
-/// The cage quads of all tubes. O(cage).
-std::vector<TubeFaces> faces_of_tubes(const ControlMesh& cage, std::uint32_t tube_count);
 
 /// What of a tube faces away from a point at one of its ends.
 struct View {
