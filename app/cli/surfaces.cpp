@@ -34,6 +34,7 @@ Figures counts_of(const KnotReport& r) {
     out["pairs_before"] = r.pairs_before;
     out["pairs_after"] = r.pairs_after;
     out["lossy"] = r.lossy;
+    out["folded"] = r.folded;
     out["rounds"] = r.rounds;
     out["slices"] = r.slices;
     out["parts"] = r.parts;
@@ -45,13 +46,14 @@ std::string counted(std::uint64_t number, std::string_view thing) {
     return fmt::format("{} {}{}", grouped(number), thing, number == 1 ? "" : "s");
 }
 
-bool had_knots(const KnotReport& r) { return r.pairs_before > 0 || r.lossy > 0; }
+bool had_knots(const KnotReport& r) { return r.pairs_before > 0 || r.lossy > 0 || r.folded > 0; }
 
 // What to say of quads that crossed or left something out: nothing where none did.
 std::string told(const KnotReport& r) {
     std::vector<std::string> remeshed;
     if (r.pairs_before > 0) remeshed.push_back(counted(r.pairs_before, "crossing"));
     if (r.lossy > 0) remeshed.push_back(counted(r.lossy, "lost bulge"));
+    if (r.folded > 0) remeshed.push_back(counted(r.folded, "fold"));
     std::string out;
     if (r.rounds > 0) out += fmt::format(", {} remeshed", fmt::join(remeshed, " and "));
     if (r.pairs_after > 0) out += fmt::format(", {} left", counted(r.pairs_after, "crossing"));

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "coppice/measure/surface_report.h"
+#include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/random_tree.h"
@@ -91,7 +92,9 @@ TEST(Knots, NoQuadsCrossInTheZoo) {
         const TopologyReport t = topology(made.mesh);
         EXPECT_TRUE(t.sound());
         EXPECT_EQ(t.quads, t.faces);
+        EXPECT_EQ(shape(made.mesh).inverted_faces, 0u);
         if (made.knots.rounds == 0) continue;
+        EXPECT_EQ(t.components, made.knots.parts);
         EXPECT_EQ(t.euler, 2 * (static_cast<std::int64_t>(t.components) - made.knots.handles));
     }
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "errors.h"
 
 namespace coppice {
@@ -29,6 +31,26 @@ TEST(MeshSkeleton, HoldsTheSurfaceOfItsMethodAndNoOther) {
     EXPECT_FALSE(triangles.tetrahedra().mesh.triangles.empty());
     EXPECT_GT(triangles.tetrahedra().march.crossed, 0u);
     EXPECT_THROW(static_cast<void>(triangles.quads()), std::bad_variant_access);
+}
+
+// Hundreds of spokes from one node; those of a brush, each from a node of its own, are fine.
+TEST(MeshSkeleton, RefusesHundredsOfBranchesAtOneNode) {
+    constexpr std::uint32_t kSpokes = 300;
+    std::vector<NodeId> parent{NodeId::none()};
+    std::vector<Vec3> position{{0, 0, 1}};
+    for (std::uint32_t i = 0; i < kSpokes; ++i) {
+        const float a = 0.5f * static_cast<float>(i);
+        parent.emplace_back(0u);
+        position.push_back({3 * std::cos(a), 3 * std::sin(a), 0.01f * static_cast<float>(i)});
+    }
+    const Skeleton star(parent, position, std::vector<float>(kSpokes + 1, 0.1f));
+    for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra}) {
+        EXPECT_EQ(
+            test::error_of([&] { static_cast<void>(mesh_skeleton(star, by(method))); }),
+            "mesh: 300 branches begin at the node at 0 0 1, of which a surface can join 256: let them begin "
+            "at nodes of their own along what they leave, or use the method cylinders");
+    }
+    EXPECT_FALSE(mesh_skeleton(star, by(MeshMethod::cylinders)).cylinders().mesh.positions.empty());
 }
 
 // Cut flat at its base, the cone is a hundred times as wide as high: less than the cells of the lattice.

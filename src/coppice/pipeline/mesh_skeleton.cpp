@@ -1,5 +1,7 @@
 #include "coppice/pipeline/mesh_skeleton.h"
 
+#include <fmt/format.h>
+
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
@@ -135,6 +137,22 @@ struct Fitting {
     }
 };
 
+// Hundreds of branches that all begin at one point overlap for most of their length: a surface of them takes
+// minutes and looks like none of them.
+void check_branches(const Skeleton& s) {
+    constexpr std::size_t kMost = 256;
+    for (const NodeId n : nodes(s)) {
+        const std::size_t count = s.children(n).size();
+        if (count <= kMost) continue;
+        const Vec3d at = Vec3d(s.position(n)) + s.origin();
+        throw InvalidInput(
+            fmt::format("mesh: {} branches begin at the node at {:.6g} {:.6g} {:.6g}, of which a surface can "
+                        "join {}: let "
+                        "them begin at nodes of their own along what they leave, or use the method cylinders",
+                        count, at.x, at.y, at.z, kMost));
+    }
+}
+
 MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                      bool with_solid, const Context& ctx) {
     check_fields(options, "mesh");
@@ -145,6 +163,7 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;
+    if (options.method != MeshMethod::cylinders) check_branches(prepared.skeleton);
     std::optional<QuadRows> rows;
     if (options.method == MeshMethod::quads) {
         out.surface =

@@ -139,6 +139,7 @@ struct KnotReport {
     std::uint64_t pairs_before = 0;  ///< of quads that crossed
     std::uint64_t pairs_after = 0;   ///< of quads that still do
     std::uint32_t lossy = 0;         ///< rows of quads that left out something thick
+    std::uint32_t folded = 0;        ///< quads that stayed folded
     std::uint32_t rounds = 0;        ///< of remeshing
     std::uint32_t slices = 0;        ///< rows of quads around tubes that were replaced
     std::uint64_t parts = 0;         ///< of the surface, after remeshing
@@ -207,9 +208,9 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// With `fit` volume, either of the closed surfaces is moved at the end so that it encloses the volume of the
 /// skeleton's rounded cones (see fit_volume).
 ///
-/// Throws InvalidInput naming an option out of range, or `levels` when the mesh would be too large to index,
-/// and when tetrahedra find no surface because it is thinner than they are, and `fit` when it is not surface
-/// for cylinders.
+/// Throws InvalidInput naming an option out of range, a node at which more than 256 branches begin (but for
+/// cylinders), or `levels` when the mesh would be too large to index, and when tetrahedra find no surface
+/// because it is thinner than they are, and `fit` when it is not surface for cylinders.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
 
 /// The same with global weights that are fitted to these points of the surface; chosen ones where there are

@@ -142,7 +142,8 @@ class Cutter {
 
   private:
     std::uint32_t middle_of(std::uint32_t edge, std::uint32_t a, std::uint32_t b) {
-        if (middle_[edge] == kNone) middle_[edge] = append(positions_, (positions_[a] + positions_[b]) * 0.5f);
+        if (middle_[edge] == kNone)
+            middle_[edge] = append(positions_, (positions_[a] + positions_[b]) * 0.5f);
         return middle_[edge];
     }
 
@@ -189,20 +190,18 @@ void split_pairs(QuadPatch& patch, std::span<const std::uint8_t> alone, Buffer<V
                 middle[k] = patch.quads[q + k][1];
             }
             // Corners 0 and 2 are those of the edge that both triangles share.
-            const auto [a, b, c, d] = corner;
             const std::uint32_t first = patch.triangle[q], second = patch.triangle[q + 2];
-            const auto mean = [&](std::uint32_t other) {
-                return (positions[a] + positions[c] + positions[other]) / 3.0f;
-            };
-            const std::uint32_t across = append(positions, (positions[a] + positions[c]) * 0.5f);
-            const std::uint32_t center = patch.quads[q][2], other = append(positions, mean(d));
-            positions[center] = mean(b);
-            add({a, middle[0], center, across}, first);
-            add({b, middle[1], center, middle[0]}, first);
-            add({c, across, center, middle[1]}, first);
-            add({c, middle[2], other, across}, second);
-            add({d, middle[3], other, middle[2]}, second);
-            add({a, across, other, middle[3]}, second);
+            const Vec3 ends = positions[corner[0]] + positions[corner[2]];
+            const std::uint32_t across = append(positions, ends * 0.5f);
+            const std::uint32_t center = patch.quads[q][2];
+            const std::uint32_t other = append(positions, (ends + positions[corner[3]]) / 3.0f);
+            positions[center] = (ends + positions[corner[1]]) / 3.0f;
+            add({corner[0], middle[0], center, across}, first);
+            add({corner[1], middle[1], center, middle[0]}, first);
+            add({corner[2], across, center, middle[1]}, first);
+            add({corner[2], middle[2], other, across}, second);
+            add({corner[3], middle[3], other, middle[2]}, second);
+            add({corner[0], across, other, middle[3]}, second);
         } else {
             for (std::size_t k = q; k < end; ++k) add(patch.quads[k], patch.triangle[k]);
         }

@@ -157,7 +157,7 @@ class Untangling {
           vertex_set_(task.positions.size()),
           touched_set_(task.positions.size()),
           face_set_(task.quads.size()),
-          least_bad_(bad_.size()) {}
+          least_bad_(bad_) {}
 
     UntangleReport run(const UntangleOptions& options, const Context& ctx) {
         UntangleReport report{.bad_before = bad_.size()};
@@ -172,8 +172,8 @@ class Untangling {
             move_active(report.passes <= static_cast<std::uint32_t>(options.projected_passes) ? kSteps : 0,
                         ctx);
             find_bad(ctx);
-            if (bad_.size() < least_bad_) {
-                least_bad_ = bad_.size();
+            if (bad_.size() < least_bad_.size()) {
+                least_bad_ = bad_;
                 best_pass = report.passes;
                 for (Touched& t : touched_) t.best = task_.positions[t.vertex];
             }
@@ -182,7 +182,9 @@ class Untangling {
             task_.positions[t.vertex] = t.best;
             report.moved += t.best != t.first;
         }
-        report.bad_after = least_bad_;
+        report.bad_after = least_bad_.size();
+        report.still_bad = std::move(least_bad_);
+        std::sort(report.still_bad.begin(), report.still_bad.end());
         return report;
     }
 
@@ -293,7 +295,7 @@ class Untangling {
     std::vector<Vec3> moved_;
     std::vector<Touched> touched_;
     IndexSet vertex_set_, touched_set_, face_set_;
-    std::size_t least_bad_;
+    std::vector<std::uint32_t> least_bad_;
 };
 
 }  // namespace

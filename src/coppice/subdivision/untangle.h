@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
@@ -41,10 +42,11 @@ struct RefinedQuads {
 
 /// What unfolding found and did, counted.
 struct UntangleReport {
-    std::uint64_t bad_before = 0;  ///< faces
-    std::uint64_t bad_after = 0;   ///< faces that stayed bad
-    std::uint32_t passes = 0;      ///< made, those taken back included
-    std::uint64_t moved = 0;       ///< vertices that lie elsewhere than before
+    std::uint64_t bad_before = 0;          ///< faces
+    std::uint64_t bad_after = 0;           ///< faces that stayed bad
+    std::uint32_t passes = 0;              ///< made, those taken back included
+    std::uint64_t moved = 0;               ///< vertices that lie elsewhere than before
+    std::vector<std::uint32_t> still_bad;  ///< faces that stayed bad, ascending
     friend bool operator==(const UntangleReport&, const UntangleReport&) = default;  ///< member by member
 };
 

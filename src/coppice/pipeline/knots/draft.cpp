@@ -53,8 +53,8 @@ class CommonNumbers {
     }
     Vec3 position(std::uint32_t number) const {
         if (number < kept_.size()) return kept_[number];
-        const auto piece = static_cast<std::size_t>(
-            std::upper_bound(first_.begin(), first_.end(), number) - first_.begin() - 1);
+        const auto piece = static_cast<std::size_t>(std::upper_bound(first_.begin(), first_.end(), number) -
+                                                    first_.begin() - 1);
         return pieces_[piece].quads.positions[number - first_[piece] + ring_[piece].size()];
     }
 

@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kMostTriangles = 1e6;  // besides as many as the mesh has quads
 constexpr std::size_t kVertexGrain = 1024;
-constexpr float kGap = 0.35f;           // [radii] between the quads that stay and the triangles that come
+constexpr float kGap = 0.35f;  // [radii] between the quads that stay and the triangles that come
 constexpr float kDeepest = 2.5f, kHighest = 0.3f, kWidest = 2.5f;  // [radii] within which loops run
-constexpr float kSeamReach = 2.2f;      // [radii] how far from a seam's centre its loops lie
+constexpr float kSeamReach = 2.2f;  // [radii] how far from a seam's centre its loops lie
 
 // Triangles as large as two quads, within what tetrahedra resolve.
 MeshOptions patch_options(const MeshOptions& options) {
@@ -269,7 +269,8 @@ std::shared_ptr<const Marched> march(const KnotSkeleton& knot, double most_trian
             std::optional<GlobalWeights> weights;
             std::vector<std::pair<std::string, double>> seconds;
             Stages stages(ctx, seconds);
-            out.mesh = mesh_by_tetrahedra(knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
+            out.mesh =
+                mesh_by_tetrahedra(knot.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages).mesh;
             out.foot = feet(knot, out.mesh.positions, ctx);
         } catch (const Cancelled&) {
             throw;
@@ -304,8 +305,8 @@ KnotSurface knot_surface(KnotGroup group, std::shared_ptr<const Marched> marched
     KnotSkeleton knot = skeletons.of(group, !is_first);
     KnotSurface surface{std::move(group), std::move(knot), std::move(marched)};
     if (!is_enough) {
-        surface.marched = march(surface.knot, kMostTriangles + static_cast<double>(mesh.quads.size()),
-                                options, ctx);
+        surface.marched =
+            march(surface.knot, kMostTriangles + static_cast<double>(mesh.quads.size()), options, ctx);
     }
     surface.is_impossible = surface.marched->is_impossible;
     if (surface.is_impossible) return surface;

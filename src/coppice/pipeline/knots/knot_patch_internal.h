@@ -38,25 +38,25 @@ struct Marched {
 /// The surface that fills the place of a group, joined to the rings at its seams by bands of triangles.
 /// Vertices are those of the rings, seam by seam, and then others.
 struct KnotSurface {
-    KnotGroup group;                    ///< what it replaces
-    KnotSkeleton knot;                  ///< what it wraps
+    KnotGroup group;                         ///< what it replaces
+    KnotSkeleton knot;                       ///< what it wraps
     std::shared_ptr<const Marched> marched;  ///< what it is cut from
-    Buffer<Vec3> positions;             ///< [m]
-    std::vector<NodeId> near;           ///< per vertex: a node of knot.skeleton, whose segment is near; or none
-    std::uint32_t ring_vertices = 0;    ///< number of vertices of the rings
-    std::vector<Triangle> triangles;    ///< all around what goes
-    std::vector<std::uint32_t> seam;    ///< per triangle: the seam whose band it is of, or kNoSeam
-    std::vector<Slice> slice;           ///< per triangle: the one it is near, or none
+    Buffer<Vec3> positions;                  ///< [m]
+    std::vector<NodeId> near;         ///< per vertex: a node of knot.skeleton, whose segment is near; or none
+    std::uint32_t ring_vertices = 0;  ///< number of vertices of the rings
+    std::vector<Triangle> triangles;  ///< all around what goes
+    std::vector<std::uint32_t> seam;  ///< per triangle: the seam whose band it is of, or kNoSeam
+    std::vector<Slice> slice;         ///< per triangle: the one it is near, or none
     std::vector<std::uint32_t> failed;  ///< seams that could not be joined: the surface is no use
     std::vector<Slice> beyond;          ///< slices beyond the seams that it runs into: likewise
-    bool is_impossible = false;  ///< however much is taken
+    bool is_impossible = false;         ///< however much is taken
     /// Whether it can be used.
     bool is_whole() const { return failed.empty() && beyond.empty() && !is_impossible; }
 };
 
 /// The surface for a group: cuts it from what was marched through tetrahedra before, if anything, or anew
-/// where that does not reach far enough beyond the group, and joins it to `mesh`. Does not try what would take
-/// much more quads than that has, and a million.
+/// where that does not reach far enough beyond the group, and joins it to `mesh`. Does not try what would
+/// take much more quads than that has, and a million.
 KnotSurface knot_surface(KnotGroup group, std::shared_ptr<const Marched> marched,
                          const KnotSkeletons& skeletons, const QuadMesh& mesh, const MeshOptions& options,
                          const Context& ctx);

@@ -48,7 +48,8 @@ std::vector<PatchVertex> moving_vertices(const KnotSurface& surface, const KnotQ
             if (v < surface.ring_vertices || is_done[v] != 0) continue;
             is_done[v] = 1;
             const NodeId n = near(v, made.patch.triangle[q]);
-            if (n) out.push_back({v, n.index(), radius_at(surface.knot.skeleton.segment(n), made.positions[v])});
+            if (n)
+                out.push_back({v, n.index(), radius_at(surface.knot.skeleton.segment(n), made.positions[v])});
         }
     }
     std::sort(out.begin(), out.end(), [](const PatchVertex& a, const PatchVertex& b) {
@@ -96,8 +97,7 @@ void take_care(KnotQuads& made, const KnotSurface& surface, std::span<const Care
         alone[t] = care_at(care, surface.slice[t]) == Care::flat ? 1 : 0;
     const std::size_t count = made.positions.size();
     split_pairs(made.patch, alone, made.unsmoothed);
-    for (std::size_t v = count; v < made.unsmoothed.size(); ++v)
-        made.positions.push_back(made.unsmoothed[v]);
+    for (std::size_t v = count; v < made.unsmoothed.size(); ++v) made.positions.push_back(made.unsmoothed[v]);
     for (std::size_t q = 0; q < made.patch.quads.size(); ++q) {
         const Quad& quad = made.patch.quads[q];
         const bool is_split =
@@ -141,7 +141,9 @@ void make_quads(KnotQuads& made, const KnotSurface& surface, std::span<const Car
     made.is_new.resize(made.patch.quads.size());
     for (std::size_t q = 0; q < made.is_new.size(); ++q) {
         const Quad& quad = made.patch.quads[q];
-        const auto stayed = [&](std::uint32_t v) { return v < before.size() && before[v] == made.positions[v]; };
+        const auto stayed = [&](std::uint32_t v) {
+            return v < before.size() && before[v] == made.positions[v];
+        };
         made.is_new[q] = std::all_of(quad.begin(), quad.end(), stayed) ? 0 : 1;
     }
 }

@@ -207,7 +207,8 @@ KnotSkeleton KnotSkeletons::of(const KnotGroup& group, bool wide) const {
     spread_to_bare(skeleton, cut.slice, gone);
     std::vector<std::uint8_t> margin(gone.size());
     for (std::size_t i = 0; i < gone.size(); ++i) margin[i] = gone[i] == 0 && cut.slice[i] != Slices::kNone;
-    return {std::move(cuts), std::move(cut.until), std::move(skeleton), std::move(cut.slice), std::move(margin)};
+    return {std::move(cuts), std::move(cut.until), std::move(skeleton), std::move(cut.slice),
+            std::move(margin)};
 }
 
 }  // namespace coppice::pipeline_internal

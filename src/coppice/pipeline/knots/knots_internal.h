@@ -58,9 +58,9 @@ class Knots {
     /// lies well.
     void close();
 
-    bool spares_any() const { return spares_any_; }         ///< whether some slices are spared
-    bool contains(Slice s) const { return gone_[s] != 0; }  ///< whether it goes
-    std::size_t count() const { return taken_.size(); }     ///< slices that go
+    bool spares_any() const { return spares_any_; }          ///< whether some slices are spared
+    bool contains(Slice s) const { return gone_[s] != 0; }   ///< whether it goes
+    std::size_t count() const { return taken_.size(); }      ///< slices that go
     std::span<const Slice> taken() const { return taken_; }  ///< those that go, in no order
     /// What goes, in pieces: slices that are connected or were joined, by their least.
     std::vector<KnotGroup> groups();
@@ -107,7 +107,8 @@ class KnotSkeletons {
     /// All must outlive this. O(n).
     KnotSkeletons(const TubeMap& map, const Slices& slices);
 
-    /// With segments cut at the seams; `wide`: for a group that has grown, and may again. O(size of the group).
+    /// With segments cut at the seams; `wide`: for a group that has grown, and may again. O(size of the
+    /// group).
     KnotSkeleton of(const KnotGroup& group, bool wide) const;
     /// The segments that a group needs, ascending: less of a margin than of() takes, so that what was made of
     /// that serves it when it has grown a little. O(size of the group).

@@ -10,10 +10,10 @@ namespace coppice::pipeline_internal {
 namespace {
 
 constexpr int kMostAttempts = 30;
-constexpr float kLongestStep = 6;       // [radii]
-constexpr float kHaste = 1.5f;          // growth of the steps by which groups grow, from one radius on
+constexpr float kLongestStep = 6;  // [radii]
+constexpr float kHaste = 1.5f;     // growth of the steps by which groups grow, from one radius on
 constexpr std::size_t kQuadGrain = 4096;
-constexpr std::size_t kLarge = 400;     // slices of a piece that is worth all threads
+constexpr std::size_t kLarge = 400;  // slices of a piece that is worth all threads
 
 // A piece of the skeleton has no points of its own to fit global weights to.
 MeshOptions with_local_weights(MeshOptions options) {
@@ -48,7 +48,8 @@ NumberSet drop_gone(QuadMesh& mesh, const Slices& slices, const Knots& knots) {
     const auto& region = slices.cage().region;
     for (std::uint32_t f = 0, q = 0; f < region.size(); ++f) {
         if (is_touched[region[f]] == 0) {
-            std::copy_n(mesh.quads.begin() + q, per_face, mesh.quads.begin() + static_cast<std::ptrdiff_t>(kept));
+            std::copy_n(mesh.quads.begin() + q, per_face,
+                        mesh.quads.begin() + static_cast<std::ptrdiff_t>(kept));
             kept += per_face;
             q += per_face;
             continue;
@@ -116,7 +117,8 @@ void Pieces::follow(std::vector<KnotGroup> groups) {
     std::vector<std::uint32_t> changed;
     for (std::uint32_t g = 0; g < groups.size(); ++g) {
         const std::uint32_t before = owner_[groups[g].slices[0]];
-        if (before != kNobody && pieces_[before] && pieces_[before]->surface.group.slices == groups[g].slices) {
+        if (before != kNobody && pieces_[before] &&
+            pieces_[before]->surface.group.slices == groups[g].slices) {
             pieces[g] = std::move(pieces_[before]);
             continue;
         }
@@ -125,8 +127,8 @@ void Pieces::follow(std::vector<KnotGroup> groups) {
     const auto group_of = [&](std::uint32_t g) -> const KnotGroup& { return groups[g]; };
     make_each(changed, group_of, ctx_, [&](std::uint32_t g, const Context& ctx) {
         auto made = made_for(groups[g]);
-        pieces[g] = std::make_unique<Piece>(Piece{
-            knot_surface(std::move(groups[g]), std::move(made), skeletons_, mesh_, options_, ctx), {}});
+        pieces[g] = std::make_unique<Piece>(
+            Piece{knot_surface(std::move(groups[g]), std::move(made), skeletons_, mesh_, options_, ctx), {}});
     });
     pieces_ = std::move(pieces);
     std::fill(owner_.begin(), owner_.end(), kNobody);

@@ -30,8 +30,8 @@ class Pieces {
     /// for a group is used again as far as it reaches.
     void make(Knots& knots, std::span<const Care> care);
 
-    std::size_t size() const { return pieces_.size(); }                 ///< number of pieces
-    Piece& operator[](std::size_t i) { return *pieces_[i]; }            ///< one of them
+    std::size_t size() const { return pieces_.size(); }                   ///< number of pieces
+    Piece& operator[](std::size_t i) { return *pieces_[i]; }              ///< one of them
     const Piece& operator[](std::size_t i) const { return *pieces_[i]; }  ///< one of them
 
   private:

@@ -25,8 +25,9 @@ class Remeshing {
           pieces_(map, slices_, before.mesh, options, ctx),
           care_(slices_.count() + 1, Care::none) {}
 
-    // From the pairs that cross at first, and slices that leave something out.
-    KnotReport run(const std::vector<FacePair>& first, std::span<const Slice> lossy) {
+    // From the pairs that cross at first, slices that leave something out, and quads that are folded.
+    KnotReport run(const std::vector<FacePair>& first, std::span<const Slice> lossy,
+                   std::span<const std::uint32_t> folded) {
         KnotReport report;
         report.pairs_before = first.size();
         for (const FacePair& p : first) {
@@ -37,6 +38,8 @@ class Remeshing {
         }
         for (const Slice s : lossy) knots_.take(s);
         report.lossy = static_cast<std::uint32_t>(lossy.size());
+        for (const std::uint32_t q : folded) knots_.take(slices_.of_quad(q));
+        report.folded = static_cast<std::uint32_t>(folded.size());
         bool has_taken_trees = false;
         for (int round = 0; round < rounds_; ++round) {
             pieces_.make(knots_, care_);
@@ -172,6 +175,15 @@ std::vector<NodeId> real_tubes(const TubeMap& map) {
     return out;
 }
 
+// Of the quads that could not be unfolded, those that are inverted, ascending.
+std::vector<std::uint32_t> folded_quads(const QuadSurface& surface) {
+    std::vector<std::uint32_t> out;
+    std::ranges::copy_if(surface.untangled.still_bad, std::back_inserter(out), [&](std::uint32_t q) {
+        return scaled_jacobian(surface.mesh.quads[q], surface.mesh.positions) <= 0;
+    });
+    return out;
+}
+
 }  // namespace
 
 KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOptions& options,
@@ -187,9 +199,10 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOpti
     const std::size_t count = found.pairs.size();
     if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
     const std::vector<Slice> lossy = lossy_slices(real, found.tubes, ctx);
-    if (found.pairs.empty() && lossy.empty()) return {};
+    const std::vector<std::uint32_t> folded = folded_quads(surface);
+    if (found.pairs.empty() && lossy.empty() && folded.empty()) return {};
     Remeshing remeshing(found.tubes, real, options, ctx);
-    KnotReport report = remeshing.run(found.pairs, lossy);
+    KnotReport report = remeshing.run(found.pairs, lossy, folded);
     remeshing.finish(surface.mesh, report);
     return report;
 }
