@@ -23,6 +23,10 @@ struct MeshFlags {
     ReadSkeletonOptions read;
 };
 
+bool makes_quads(MeshMethod method) {
+    return method == MeshMethod::quads || method == MeshMethod::ramifications;
+}
+
 void check_volume(const MeshFlags& flags) {
     if (flags.mesh.method != MeshMethod::tetrahedra) throw UsageError("--volume needs --method tetrahedra");
     if (flags.mesh.fit != Fit::surface) throw UsageError("--volume needs --fit surface");
@@ -41,7 +45,7 @@ void check_flags(const MeshFlags& flags) {
     if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
         throw UsageError("--constraints are for global weights; add --weights global");
     }
-    if (!flags.original.empty() && flags.mesh.method != MeshMethod::quads) {
+    if (!flags.original.empty() && !makes_quads(flags.mesh.method)) {
         throw UsageError("--restore needs --method quads");
     }
     if (!flags.offsets.empty()) {
@@ -50,7 +54,7 @@ void check_flags(const MeshFlags& flags) {
     }
     if (!flags.volume.empty()) check_volume(flags);
     if (flags.cage.empty()) return;
-    if (flags.mesh.method != MeshMethod::quads) throw UsageError("--cage needs --method quads");
+    if (!makes_quads(flags.mesh.method)) throw UsageError("--cage needs --method quads");
     check_mesh_output(flags.cage);
     if (mesh_format_of_name(flags.cage) != MeshFormat::usda) {
         throw UsageError(fmt::format("--cage writes USDA; end the name '{}' in .usda", flags.cage.string()));

@@ -42,6 +42,50 @@ Figures counts_of(const KnotReport& r) {
     return out;
 }
 
+Figures counts_of(const RamificationObjective& f) {
+    Figures out;
+    out["units"] = f.units;
+    out["connections"] = f.connections;
+    out["pastes"] = f.pastes;
+    out["total"] = f.total();
+    return out;
+}
+
+Figures counts_of(const RamificationReport& r) {
+    Figures out;
+    out["branches"] = r.branches;
+    out["units"] = r.units;
+    out["connectable"] = r.connectable;
+    out["additional"] = r.additional;
+    out["crowded"] = r.crowded;
+    out["objective_before"] = counts_of(r.before);
+    out["objective_after"] = counts_of(r.after);
+    out["connection_seconds"] = r.connection_seconds;
+    out["subdivision_seconds"] = r.subdivision_seconds;
+    out["paste_seconds"] = r.paste_seconds;
+    return out;
+}
+
+// How the laterals were joined, and what that did to the objective.
+std::string told(const RamificationReport& r) {
+    return fmt::format("{} laterals connected, {} pasted, objective {:.1f} from {:.1f}",
+                       grouped(r.connectable), grouped(r.additional), r.after.total(), r.before.total());
+}
+
+Figures counts_of(const SmoothCrossingsReport& r) {
+    Figures out;
+    out["pairs_before"] = r.pairs_before;
+    out["pairs_after"] = r.pairs_after;
+    out["rounds"] = r.rounds;
+    return out;
+}
+
+std::string told(const SmoothCrossingsReport& r) {
+    if (r.rounds == 0) return {};
+    return fmt::format(", {} of {} crossings smoothed away", grouped(r.pairs_before - r.pairs_after),
+                       grouped(r.pairs_before));
+}
+
 std::string counted(std::uint64_t number, std::string_view thing) {
     return fmt::format("{} {}{}", grouped(number), thing, number == 1 ? "" : "s");
 }
@@ -67,6 +111,12 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["cage_quads"] = surface.cage.cage.quads.size();
     counts["branches_grafted"] = counts_of(surface.grafted);
     counts["branches_parted"] = counts_of(surface.parted);
+    if (surface.ramified) {
+        counts["ramifications"] = counts_of(*surface.ramified);
+        if (surface.smoothed.rounds > 0) counts["crossings_smoothed"] = counts_of(surface.smoothed);
+        return fmt::format("{}; {} quads{}", told(*surface.ramified), grouped(surface.mesh.quads.size()),
+                           told(surface.smoothed));
+    }
     if (had_knots(surface.knots)) counts["crossings_remeshed"] = counts_of(surface.knots);
     return fmt::format("{} grafted, {} cut; {} quads{}", grouped(surface.grafted.grafted),
                        grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()), told(surface.knots));

@@ -53,6 +53,27 @@ TEST(MeshSkeleton, RefusesHundredsOfBranchesAtOneNode) {
     EXPECT_FALSE(mesh_skeleton(star, by(MeshMethod::cylinders)).cylinders().mesh.positions.empty());
 }
 
+TEST(MeshSkeleton, RamificationsAreQuadsThatSayHowTheyWereJoined) {
+    const Skeleton fork({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
+                        {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {2, 0, 3}}, {0.3f, 0.3f, 0.25f, 0.1f});
+    const MeshResult made = mesh_skeleton(fork, by(MeshMethod::ramifications));
+    ASSERT_TRUE(made.quads().ramified);
+    EXPECT_EQ(made.quads().ramified->connectable, 1u);
+    EXPECT_EQ(made.quads().mesh.quads.size(), 4 * made.quads().cage.cage.quads.size());
+    EXPECT_FALSE(mesh_skeleton(fork).quads().ramified);
+    MeshOptions options = by(MeshMethod::ramifications);
+    options.levels = 0;
+    const std::string said = test::error_of([&] { mesh_skeleton(fork, options); });
+    EXPECT_TRUE(said.starts_with("mesh: levels must be at least 1 for ramifications")) << said;
+}
+
+TEST(MeshSkeleton, CylindersAreTubes) {
+    const MeshResult made = mesh_skeleton(cone({0, 0, 2}, 0.3f, 0.2f), by(MeshMethod::cylinders));
+    EXPECT_EQ(made.cylinders().report.tubes, 1u);
+    EXPECT_EQ(made.cylinders().report.most_sides, 16u);
+    EXPECT_EQ(to_polygons(made).face_count(), made.cylinders().mesh.face_count());
+}
+
 // Cut flat at its base, the cone is a hundred times as wide as high: less than the cells of the lattice.
 TEST(MeshSkeleton, RefusesASurfaceThinnerThanTheTetrahedra) {
     const Skeleton wide = cone({0, 0, 1}, 100, 0.001f);

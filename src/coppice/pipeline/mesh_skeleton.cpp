@@ -49,6 +49,26 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
+ControlMesh ramify(const Skeleton& tubes, std::span<const NodeId> source, const MeshOptions& options,
+                   std::optional<RamificationReport>& report, const Context& ctx) {
+    if (options.levels == 0)
+        throw InvalidInput("mesh: levels must be at least 1 for ramifications, which are pasted between two");
+    RamificationMesh made =
+        build_ramifications(tubes, source, options.control, options.levels, options.ramification, ctx);
+    report = made.report;
+    return std::move(made.control);
+}
+
+// The refined quads of flat ends.
+std::vector<std::uint32_t> flat_ends(std::span<const ClipPlane> clips, int levels) {
+    std::vector<std::uint32_t> quads;
+    for (const ClipPlane& c : clips) {
+        const std::uint32_t end = (c.first_quad + c.quad_count) << (2 * levels);
+        for (std::uint32_t q = c.first_quad << (2 * levels); q < end; ++q) quads.push_back(q);
+    }
+    return quads;
+}
+
 // `rows` are made for those who move vertices later on.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           std::optional<GlobalWeights>& weights, std::optional<QuadRows>& rows,
@@ -62,8 +82,12 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     out.parted = parted.report;
     const auto source = composed(parted.source, grafted.source);
     const auto tube = composed(grafted.tube, parted.tube);
-    out.cage = stages.run("cage", 0.15f,
-                          [&] { return build_control_mesh(parted.skeleton, source, options.control, ctx); });
+    const bool ramified = options.method == MeshMethod::ramifications;
+    out.cage = stages.run("cage", 0.15f, [&] {
+        return ramified ? ramify(parted.skeleton, source, options, out.ramified, ctx)
+                        : build_control_mesh(parted.skeleton, source, options.control, ctx);
+    });
+    const int levels = options.levels - (ramified ? 1 : 0);
     ConvolutionField field = stages.run(
         "weights", 0.2f, [&] { return surface_field(grafted.skeleton, options, constraints, weights, ctx); });
     stages.run("field", 0.25f, [&] {
@@ -72,8 +96,7 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     });
     const QuadMesh& cage = out.cage.cage;
     const PatchRefinement patches = stages.run("topology", 0.3f, [&] {
-        return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), options.levels,
-                               ctx);
+        return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), levels, ctx);
     });
     out.mesh.origin = cage.origin;
     out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
@@ -84,11 +107,21 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     out.projected = stages.run("project", 0.85f, [&] {
         return project(out.mesh.positions, anchors, patches, target, options.project, ctx);
     });
-    if (options.project.method != ProjectionMethod::none && options.levels > 0) {
+    if (options.project.method != ProjectionMethod::none && levels > 0) {
         out.untangled = stages.run("untangle", 1.0f, [&] {
             return untangle({out.mesh.positions, anchors, out.mesh.quads}, patches, target, options.untangle,
                             ctx);
         });
+    }
+    if (ramified) {
+        const bool wanted = options.remesh_rounds > 0 && options.overlaps != Overlaps::keep &&
+                            options.project.method != ProjectionMethod::none;
+        if (wanted) {
+            out.smoothed = stages.run("smooth", 1.0f, [&] {
+                return smooth_crossings(out.mesh, flat_ends(out.cage.clip, levels), ctx);
+            });
+        }
+        return out;
     }
     if (options.fit == Fit::volume) rows = QuadRows{out.mesh, parted.skeleton, options.levels};
     const pipeline_internal::TubeMap map{parted.skeleton, grafted.skeleton, source, tube};
@@ -114,7 +147,7 @@ EndShape tip_end(const ControlOptions& o) {
     return o.tips == TipShape::round ? EndShape::round : EndShape::flat;
 }
 
-// Fits what was made; `rows` go with quads.
+// Fits what was made; `rows` go with quads, but not with ramifications.
 struct Fitting {
     const Skeleton& skeleton;
     const ControlOptions& ends;
@@ -122,6 +155,7 @@ struct Fitting {
     const Context& ctx;
 
     FitVolumeReport operator()(QuadSurface& surface) const {
+        if (!rows) return fit_volume(surface.mesh, skeleton, base_end(ends), tip_end(ends), ctx);
         KeptQuads kept(std::move(*rows), surface.cage, surface.mesh);
         const auto search = [&](const PolygonMesh& moved, std::uint32_t limit, const Context& c) {
             return kept.crossings(moved, limit, c);
@@ -165,7 +199,7 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     out.prepared = prepared.report;
     if (options.method != MeshMethod::cylinders) check_branches(prepared.skeleton);
     std::optional<QuadRows> rows;
-    if (options.method == MeshMethod::quads) {
+    if (options.method == MeshMethod::quads || options.method == MeshMethod::ramifications) {
         out.surface =
             mesh_by_quads(prepared.skeleton, constraints, options, out.weights, rows, meshing, stages);
     } else if (options.method == MeshMethod::cylinders) {

@@ -16,7 +16,9 @@
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/pipeline/fit_volume.h"
+#include "coppice/pipeline/smooth_crossings.h"
 #include "coppice/points/point_set.h"
+#include "coppice/ramification/ramification.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/subdivision/project.h"
@@ -29,14 +31,16 @@ namespace coppice {
 
 /// How a skeleton becomes a surface.
 enum class MeshMethod {
-    quads,       ///< a cage about the skeleton, subdivided and moved onto the field [Zhu2015]
-    tetrahedra,  ///< triangles where the field has its level, found in tetrahedra [Zhu2013]
-    cylinders,   ///< a tube for every axis, not joined to the others [Huang2017]
+    quads,          ///< a cage about the skeleton, subdivided and moved onto the field [Zhu2015]
+    tetrahedra,     ///< triangles where the field has its level, found in tetrahedra [Zhu2013]
+    cylinders,      ///< a tube for every axis, not joined to the others [Huang2017]
+    ramifications,  ///< units at forks, connected or pasted, subdivided and moved onto the field [Huang2017]
 };
 
 template <>
 struct EnumNames<MeshMethod> {
-    static constexpr std::array<std::string_view, 3> names{"quads", "tetrahedra", "cylinders"};
+    static constexpr std::array<std::string_view, 4> names{"quads", "tetrahedra", "cylinders",
+                                                           "ramifications"};
 };
 
 /// What of its skeleton a surface keeps.
@@ -78,7 +82,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 }
 
 /// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,
-/// tetra, and the ends of control; cylinders with levels, prepare, control and tube_sides.
+/// tetra, and the ends of control; cylinders only with levels, prepare, control and tube_sides.
 struct MeshOptions {
     MeshMethod method = MeshMethod::quads;  ///< quads, triangles, or tubes
     int levels =
@@ -93,6 +97,7 @@ struct MeshOptions {
     UntangleOptions untangle;  ///< how folds are taken out
     int remesh_rounds = 12;    ///< times that quads which cross are looked for and remeshed; 0 = never
     TetraOptions tetra;        ///< for tetrahedra only
+    RamificationOptions ramification;         ///< for ramifications only
     TubeSides tube_sides = TubeSides::equal;  ///< for cylinders only: faces around thin axes
 };
 
@@ -100,7 +105,8 @@ template <class Self, class Visitor>
 requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"method",
-                "quads along the branches, triangles wherever the field leads, or a tube for every axis"},
+                "quads along the branches, triangles wherever the field leads, a tube for every axis, or "
+                "quads by ramification units"},
           o.method);
     visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
           o.levels);
@@ -127,6 +133,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
               Unit::none, 0, 100},
         o.remesh_rounds);
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
+    visit(Field{"ramification", "Ramifications"}, o.ramification);
     visit(
         Field{
             "tube_sides",
@@ -146,15 +153,17 @@ struct KnotReport {
     std::int64_t handles = 0;        ///< of all parts: the Euler number is 2 (parts - handles)
 };
 
-/// What MeshMethod::quads makes.
+/// What MeshMethod::quads and MeshMethod::ramifications make.
 struct QuadSurface {
     QuadMesh mesh;             ///< of at least one face
-    ControlMesh cage;          ///< the quads before subdivision
+    ControlMesh cage;          ///< the quads before subdivision; of ramifications, before the second one
     GraftReport grafted;       ///< branches that run through each other
     PartReport parted;         ///< branch nodes that were moved
     ProjectReport projected;   ///< how near the field's level the vertices are
     UntangleReport untangled;  ///< folds found and taken out
-    KnotReport knots;          ///< crossings found and remeshed
+    KnotReport knots;          ///< crossings found and remeshed; not looked for with ramifications
+    std::optional<RamificationReport> ramified;  ///< how ramifications were joined
+    SmoothCrossingsReport smoothed;  ///< crossings of ramifications, and what smoothing left of them
 };
 
 /// What MeshMethod::tetrahedra makes.
@@ -167,7 +176,7 @@ struct TetraSurface {
 
 /// A surface, and what every stage did.
 struct MeshResult {
-    std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< in the order of MeshMethod
+    std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< of its method
     PrepareReport prepared;                                         ///< changes to the skeleton
     std::optional<GlobalWeights> weights;                ///< where options.field.weights asked for it
     std::optional<FitVolumeReport> fitted;               ///< where options.fit asked for the volume
@@ -201,6 +210,10 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// puts a lattice of tetrahedra about it, and finds the surface in them. Branches that cross or touch become
 /// one body: the surface is closed, manifold and never crosses itself, but may have handles. It has a part
 /// for each tree, whatever the options, or fewer where trees touch.
+///
+/// Or, with ramifications, builds the cage by units at forks (see build_ramifications), which is subdivided
+/// once less, moved onto the field and unfolded as others are, and smoothed where quads cross (see
+/// smooth_crossings; not with remesh_rounds 0, overlaps keep or the projection none).
 ///
 /// Or, with cylinders, makes a tube for every axis of the prepared skeleton (see cylinders()): `sides` around
 /// times two for each level, and two to the power of levels rows along each segment.

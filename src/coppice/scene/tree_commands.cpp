@@ -169,11 +169,13 @@ double memory_of_tetrahedra(const Skeleton& skeleton, const TetraOptions& option
            (double{options.edge} * options.edge);
 }
 
-/// Of quads, or as much for cylinders, which have fewer vertices and more sides.
+/// Of quads, as much for cylinders, which have fewer vertices and more sides, and twice as much for
+/// ramifications, which have rings of their own.
 double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
     if (options.method == MeshMethod::tetrahedra) return memory_of_tetrahedra(skeleton, options.tetra);
     const double quads = memory_of_quads(skeleton, options.levels);
-    return options.method == MeshMethod::cylinders ? quads * options.control.sides / 4 : quads;
+    if (options.method == MeshMethod::cylinders) return quads * options.control.sides / 4;
+    return options.method == MeshMethod::ramifications ? 2 * quads : quads;
 }
 
 SceneCommand mesh_command() {

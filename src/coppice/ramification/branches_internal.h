@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/base/vec.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice::ramification_internal {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// The axis of a branch by its length; goes on straight beyond its ends. At least two points, no two
+/// neighbours alike.
+class Path {
+  public:
+    Path(std::span<const Vec3d> points, std::span<const double> radii, std::span<const double> arcs)
+        : points_(points), radii_(radii), arcs_(arcs) {}
+
+    double length() const { return arcs_.back(); }
+    std::uint32_t segment_count() const { return static_cast<std::uint32_t>(points_.size()) - 1; }
+    std::uint32_t segment_at(double t) const;
+    double arc(std::uint32_t point) const { return arcs_[point]; }
+    Vec3d position(double t) const;
+    double radius(double t) const;  ///< constant beyond the ends
+    /// The direction of the chord from `within` before to as much after.
+    Vec3d direction(double t, double within) const;
+
+    /// The place of a segment nearest to p, and how far p lies outside the cone there.
+    struct Near {
+        double t = 0, outside = 0;
+    };
+    Near nearest_in(std::uint32_t segment, Vec3d p) const;
+    /// The same over all segments on the way downhill from `segment`, which moves along.
+    Near nearest(std::uint32_t& segment, Vec3d p) const;
+
+  private:
+    std::span<const Vec3d> points_;
+    std::span<const double> radii_, arcs_;
+};
+
+struct Branch {
+    std::uint32_t first_point = 0, point_count = 0;
+    std::uint32_t parent = kNone;  ///< the branch that it leaves
+    double joint = 0;              ///< where, along that one
+};
+
+/// A skeleton as branches, each after the one that it leaves. At a node a branch goes on with the child
+/// that is thick and straight on.
+class Branches {
+  public:
+    explicit Branches(const Skeleton& s);
+
+    std::uint32_t count() const { return static_cast<std::uint32_t>(branches_.size()); }
+    const Branch& operator[](std::uint32_t b) const { return branches_[b]; }
+    Path path(std::uint32_t b) const {
+        const Branch& at = branches_[b];
+        return {std::span(points_).subspan(at.first_point, at.point_count),
+                std::span(radii_).subspan(at.first_point, at.point_count),
+                std::span(arcs_).subspan(at.first_point, at.point_count)};
+    }
+    /// The node whose segment holds a place of a branch.
+    NodeId node_at(std::uint32_t b, double t) const {
+        return nodes_[branches_[b].first_point + path(b).segment_at(t) + 1];
+    }
+    /// The branches that leave one, in order.
+    std::span<const std::uint32_t> laterals(std::uint32_t b) const {
+        return std::span(lateral_).subspan(first_lateral_[b], first_lateral_[b + 1] - first_lateral_[b]);
+    }
+    /// The node with which a branch begins: a root, or the first after the node that it leaves.
+    NodeId head(std::uint32_t b) const { return head_[b]; }
+
+  private:
+    void add_point(Vec3d p, double r, NodeId node);
+    void add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next);
+
+    std::vector<Branch> branches_;
+    std::vector<NodeId> head_;
+    std::vector<Vec3d> points_;
+    std::vector<double> radii_, arcs_;
+    std::vector<NodeId> nodes_;             ///< per point: the node whose segment ends there
+    std::vector<std::uint32_t> branch_of_;  ///< per node of the skeleton
+    std::vector<double> arc_of_;            ///< per node of the skeleton, along its branch
+    std::vector<std::uint32_t> first_lateral_, lateral_;
+};
+
+}  // namespace coppice::ramification_internal

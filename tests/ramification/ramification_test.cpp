@@ -1,0 +1,179 @@
+#include "coppice/ramification/ramification.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "coppice/base/random.h"
+#include "coppice/cage/part.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/skeleton/random_tree.h"
+#include "errors.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+RamificationMesh made_of(const Skeleton& s, const RamificationOptions& options = {},
+                         const ControlOptions& ends = {}, const Context& ctx = {}) {
+    std::vector<NodeId> same;
+    for (const NodeId n : nodes(s)) same.push_back(n);
+    return build_ramifications(s, same, ends, 2, options, ctx);
+}
+
+void expect_spheres(const ControlMesh& m, const Skeleton& s) {
+    const TopologyReport t = topology(m.cage);
+    EXPECT_TRUE(t.sound());
+    EXPECT_EQ(t.components, s.tree_count());
+    EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(s.tree_count()));
+    EXPECT_EQ(t.vertices, m.cage.positions.size());
+    EXPECT_EQ(m.anchors.size(), m.cage.positions.size());
+    EXPECT_EQ(m.region.size(), m.cage.quads.size());
+    for (const Vec3 p : m.cage.positions) ASSERT_TRUE(is_finite(p));
+    for (const Vec3 p : m.anchors) ASSERT_TRUE(is_finite(p));
+}
+
+/// A trunk and laterals of equal radius from its only inner node, at these angles about it.
+Skeleton whorl(const std::vector<float>& angles, float radius = 0.04f) {
+    std::vector<NodeId> parents{NodeId::none(), NodeId(0), NodeId(1)};
+    std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
+    std::vector<float> radii{0.1f, 0.1f, 0.1f};
+    for (const float a : angles) {
+        parents.push_back(NodeId(1));
+        positions.push_back({std::cos(a), std::sin(a), 1});
+        radii.push_back(radius);
+    }
+    return Skeleton(parents, positions, radii);
+}
+
+TEST(Ramification, WrapsTheZooInOneSpherePerTree) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        for (const bool additional : {false, true}) {
+            const RamificationOptions options{.all_additional = additional,
+                                              .no_connection_optimisation = additional};
+            expect_spheres(made_of(skeleton, options).control, skeleton);
+            expect_spheres(made_of(part_branches(skeleton, {}).skeleton, options).control, skeleton);
+        }
+        const ControlOptions flat{.tips = TipShape::flat}, round{.base = BaseShape::round};
+        expect_spheres(made_of(skeleton, {}, flat).control, skeleton);
+        expect_spheres(made_of(skeleton, {.printed_angles = true}, round).control, skeleton);
+    }
+}
+
+TEST(Ramification, JoinsFourToNineBranchesInAnyDirection) {
+    const CounterRandom random(7, 0);
+    std::uint64_t draw = 0;
+    const auto between = [&](double low, double high) {
+        return static_cast<float>(random.uniform(draw++, low, high));
+    };
+    for (std::uint32_t branches = 4; branches <= 9; ++branches) {
+        for (int i = 0; i < 100; ++i) {
+            SCOPED_TRACE(std::to_string(branches) + ", " + std::to_string(i));
+            std::vector<NodeId> parents{NodeId::none(), NodeId(0)};
+            std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 1}};
+            std::vector<float> radii{0.1f, 0.1f};
+            for (std::uint32_t b = 0; b < branches; ++b) {
+                const float z = between(-1, 1);
+                const float a = between(0, 2 * std::numbers::pi), s = std::sqrt(1 - z * z);
+                parents.push_back(NodeId(1));
+                positions.push_back({s * std::cos(a), s * std::sin(a), 1 + z});
+                radii.push_back(between(0.02, 0.1));
+            }
+            const Skeleton skeleton(parents, positions, radii);
+            expect_spheres(made_of(skeleton).control, skeleton);
+            expect_spheres(made_of(skeleton, {.all_additional = true}).control, skeleton);
+        }
+    }
+}
+
+TEST(Ramification, FindsPlaceForHundredsOfLateralsAtANode) {
+    std::vector<float> angles;
+    for (int i = 0; i < 500; ++i) angles.push_back(0.7f * static_cast<float>(i));
+    const Skeleton brush = whorl(angles);
+    for (const bool additional : {false, true}) {
+        const RamificationMesh made = made_of(brush, {.all_additional = additional});
+        expect_spheres(made.control, brush);
+        EXPECT_EQ(made.report.connectable + made.report.additional, 500u);
+        EXPECT_GT(made.report.crowded, 100u);
+    }
+}
+
+// Faces of the cube look along 0, 90, 180 and 270 degrees from the thickest lateral, here the first of
+// equals; what comes out within 10 degrees of an edge, or where a face is taken, is additional.
+TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
+    const auto additional = [](const std::vector<float>& degrees, bool printed = false) {
+        std::vector<float> angles;
+        for (const float d : degrees) angles.push_back(d * kPi / 180);
+        return made_of(whorl(angles), {.printed_angles = printed}).report.additional;
+    };
+    EXPECT_EQ(additional({0}), 0u);
+    EXPECT_EQ(additional({0, 90, 180, 270}), 0u);
+    EXPECT_EQ(additional({0, 110}), 0u);
+    EXPECT_EQ(additional({0, 45}), 1u);
+    EXPECT_EQ(additional({0, 127}), 1u);
+    EXPECT_EQ(additional({0, 20}), 1u);
+    // Modulo 45 degrees, 90 is 0, less than 10; so all but one are.
+    EXPECT_EQ(additional({0, 90, 180, 270}, true), 3u);
+}
+
+TEST(Ramification, LowersItsObjective) {
+    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+        const Skeleton tree = random_tree(300, seed);
+        const RamificationReport r = made_of(tree).report;
+        EXPECT_LT(r.after.connections, r.before.connections);
+        EXPECT_LT(r.after.units + r.after.connections, r.before.units + r.before.connections);
+        EXPECT_LT(r.after.total(), r.before.total());
+        EXPECT_EQ(r.connectable + r.additional + 1, r.branches);
+        const RamificationReport cubes = made_of(tree, {.no_connection_optimisation = true}).report;
+        EXPECT_EQ(cubes.after.connections, cubes.before.connections);
+        EXPECT_EQ(cubes.after.units, cubes.before.units);
+        const RamificationReport pasted = made_of(tree, {.all_additional = true}).report;
+        EXPECT_EQ(pasted.connectable, 0u);
+        EXPECT_EQ(pasted.additional, pasted.branches - 1);
+    }
+}
+
+// Every branch leaves the one before it at the middle of its length.
+TEST(Ramification, TakesBranchesThatNestDeeply) {
+    constexpr std::uint32_t kDepth = 20'000;
+    std::vector<NodeId> parents{NodeId::none(), NodeId(0), NodeId(1)};
+    std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+    std::vector<float> radii{0.1f, 0.1f, 0.1f};
+    for (std::uint32_t d = 1; d <= kDepth; ++d) {
+        const Vec3 way = d % 2 == 0 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+        const auto middle = static_cast<std::uint32_t>(parents.size()) - 2;
+        const Vec3 from = positions[middle];
+        for (std::uint32_t k = 1; k <= 2; ++k) {
+            parents.push_back(k == 1 ? NodeId(middle) : NodeId(middle + 2));
+            positions.push_back(from + way * static_cast<float>(k));
+            radii.push_back(0.1f);
+        }
+    }
+    const Skeleton stairs(parents, positions, radii);
+    const RamificationMesh made = made_of(stairs);
+    EXPECT_EQ(made.report.branches, kDepth + 1);
+    expect_spheres(made.control, stairs);
+}
+
+TEST(Ramification, SameBitsForAnyNumberOfThreads) {
+    const Skeleton tree = random_tree(500, 3);
+    const RamificationMesh one = made_of(tree, {}, {}, {.threads = 1});
+    const RamificationMesh many = made_of(tree, {}, {}, {.threads = 5});
+    EXPECT_TRUE(one.control.cage.positions == many.control.cage.positions);
+    EXPECT_TRUE(one.control.cage.quads == many.control.cage.quads);
+    EXPECT_TRUE(one.control.anchors == many.control.anchors);
+}
+
+TEST(Ramification, RefusesAnOpenBaseAndOptionsOutOfRange) {
+    const Skeleton tree = whorl({0});
+    EXPECT_EQ(test::error_of([&] { made_of(tree, {}, {.base = BaseShape::open}); }),
+              "mesh: ramifications make closed surfaces only; choose base flat or round");
+    EXPECT_THROW(made_of(tree, {.additional_threshold = -1}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace coppice
