@@ -13,7 +13,7 @@ namespace coppice::pipeline_internal {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr double kFlatCorner = 0.05;  // scaled Jacobian up to which a face is as good as folded
+constexpr double kFlatCorner = 0.05;  // scaled Jacobian below which a face may not get worse
 constexpr std::uint32_t kMostCrossings = 1'000'000;
 constexpr std::uint32_t kMostRounds = 40;
 
@@ -74,8 +74,8 @@ class Limiter {
             if (std::ranges::all_of(face, [&](auto v) { return offsets_[v] == 0; })) return;
             const bool turned =
                 dot(area_vector(face, start_.positions), area_vector(face, moved_.positions)) <= 0;
-            folded[i] = turned || (scaled_jacobian(face, moved_.positions) < kFlatCorner &&
-                                   scaled_jacobian(face, start_.positions) >= kFlatCorner);
+            folded[i] = turned || scaled_jacobian(face, moved_.positions) <
+                                      std::min(kFlatCorner, scaled_jacobian(face, start_.positions));
         });
         Faces faces;
         for (const std::uint32_t i : where_set(folded)) faces.push_back(moved_last_[i]);
