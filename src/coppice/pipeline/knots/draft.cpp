@@ -78,6 +78,7 @@ Draft draft(const TubeQuads& before, const Knots& knots, const Pieces& pieces, c
         quads.push_back(before.mesh.quads[q]);
         out.slice.push_back(slice);
         out.piece.push_back(Draft::kNoPiece);
+        out.number.push_back(q);
         out.seam.push_back(kNoSeam);
     }
     for (const std::uint8_t is_new : {0, 1}) {
@@ -85,7 +86,7 @@ Draft draft(const TubeQuads& before, const Knots& knots, const Pieces& pieces, c
         for (std::uint32_t i = 0; i < pieces.size(); ++i) {
             const KnotSurface& surface = pieces[i].surface;
             const KnotQuads& made = pieces[i].quads;
-            for (std::size_t q = 0; q < made.patch.quads.size(); ++q) {
+            for (std::uint32_t q = 0; q < made.patch.quads.size(); ++q) {
                 Quad quad = made.patch.quads[q];
                 if (made.is_new[q] != is_new) continue;
                 if (is_new == 0 && !near.meets(box_of(quad, made.positions))) continue;
@@ -93,6 +94,7 @@ Draft draft(const TubeQuads& before, const Knots& knots, const Pieces& pieces, c
                 quads.push_back(quad);
                 out.slice.push_back(surface.slice[made.patch.triangle[q]]);
                 out.piece.push_back(i);
+                out.number.push_back(q);
                 out.seam.push_back(surface.seam[made.patch.triangle[q]]);
             }
         }

@@ -16,11 +16,12 @@ namespace coppice::pipeline_internal {
 struct Draft {
     static constexpr std::uint32_t kNoPiece = 0xffffffffu;
 
-    std::vector<Slice> slice;          ///< per quad: where it is, or none
-    std::vector<std::uint32_t> piece;  ///< per quad: the piece it is of, or kNoPiece for one that stays
-    std::vector<std::uint32_t> seam;   ///< per quad: of whose band it is, or kNoSeam
-    std::uint32_t first_new = 0;       ///< quads from here on are of new pieces
-    PolygonMesh quads;                 ///< of all
+    std::vector<Slice> slice;           ///< per quad: where it is, or none
+    std::vector<std::uint32_t> piece;   ///< per quad: the piece it is of, or kNoPiece for one that stays
+    std::vector<std::uint32_t> number;  ///< per quad: its own in the mesh or the piece
+    std::vector<std::uint32_t> seam;    ///< per quad: of whose band it is, or kNoSeam
+    std::uint32_t first_new = 0;        ///< quads from here on are of new pieces
+    PolygonMesh quads;                  ///< of all
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(slice.size()); }  ///< number of quads
 };

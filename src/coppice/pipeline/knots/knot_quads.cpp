@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "coppice/base/parallel.h"
 #include "coppice/field/convolution_field.h"
@@ -12,6 +13,7 @@ namespace coppice::pipeline_internal {
 namespace {
 
 constexpr int kSmoothingPasses = 6;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();  // equals nothing
 constexpr float kBoxMargin = 0.3f;  // [radii] that vertices may move out of their region's box
 
 std::vector<EdgeMiddle> ring_middles(std::span<const Seam> seams) {
@@ -134,10 +136,14 @@ void make_quads(KnotQuads& made, const KnotSurface& surface, std::span<const Car
         smooth(made, surface, options, ctx);
     } else {
         before = made.positions;
+        for (std::size_t q = 0; q < made.is_new.size(); ++q) {
+            if (made.is_new[q] == 0) continue;
+            for (const std::uint32_t v : made.patch.quads[q]) before[v].x = kUnknown;
+        }
     }
     take_care(made, surface, care);
     put_back_folded(made, ctx);
-    // A quad that has neither moved nor been cut anew has been looked at.
+    // A quad that has neither moved nor been cut anew since it was looked at needs no other look.
     made.is_new.resize(made.patch.quads.size());
     for (std::size_t q = 0; q < made.is_new.size(); ++q) {
         const Quad& quad = made.patch.quads[q];

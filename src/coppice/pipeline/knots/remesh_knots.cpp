@@ -51,8 +51,7 @@ class Remeshing {
             report.pairs_after = pairs.size() + spared.size();
             const bool moved = round < kRoundsForFolds && move_folded_bands();
             if (report.pairs_after == 0 && !moved) break;
-            for (std::size_t i = 0; i < pieces_.size(); ++i)
-                std::ranges::fill(pieces_[i].quads.is_new, std::uint8_t{0});
+            forget_all_but(now, pairs);
             const bool is_answered = answer(now, pairs) || moved;
             if (!is_answered && has_taken_trees) break;
             if (!is_answered || round + 2 >= rounds_) {
@@ -83,6 +82,18 @@ class Remeshing {
         std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(out),
                      [&](const FacePair& p) { return stays(p.first) && stays(p.second); });
         return out;
+    }
+
+    // All has been looked at; quads that cross have to be looked at again, changed or not.
+    void forget_all_but(const Draft& now, std::span<const FacePair> pairs) {
+        for (std::size_t i = 0; i < pieces_.size(); ++i)
+            std::ranges::fill(pieces_[i].quads.is_new, std::uint8_t{0});
+        for (const FacePair& p : pairs) {
+            for (const std::uint32_t face : {p.first, p.second}) {
+                if (now.piece[face] != Draft::kNoPiece)
+                    pieces_[now.piece[face]].quads.is_new[now.number[face]] = 1;
+            }
+        }
     }
 
     std::size_t care_place(Slice s) const { return std::min(s, slices_.count()); }
