@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "coppice/measure/intersections.h"
+#include "coppice/skeleton/random_tree.h"
 #include "errors.h"
 
 namespace coppice {
@@ -65,6 +67,17 @@ TEST(MeshSkeleton, RamificationsAreQuadsThatSayHowTheyWereJoined) {
     options.levels = 0;
     const std::string said = test::error_of([&] { mesh_skeleton(fork, options); });
     EXPECT_TRUE(said.starts_with("mesh: levels must be at least 1 for ramifications")) << said;
+}
+
+TEST(MeshSkeleton, RamificationsCountWhatStillCrosses) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const QuadSurface made =
+            mesh_skeleton(random_tree(300, seed, true), by(MeshMethod::ramifications)).quads();
+        const auto pairs = crossing_faces(SurfaceTree(to_polygons(made.mesh)), 100'000).pairs;
+        EXPECT_EQ(made.smoothed.pairs_after, pairs.size());
+        EXPECT_EQ(made.smoothed.left.empty(), pairs.empty());
+        EXPECT_LT(made.smoothed.pairs_after, made.smoothed.pairs_before);
+    }
 }
 
 TEST(MeshSkeleton, CylindersAreTubes) {

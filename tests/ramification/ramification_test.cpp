@@ -18,10 +18,11 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 RamificationMesh made_of(const Skeleton& s, const RamificationOptions& options = {},
-                         const ControlOptions& ends = {}, const Context& ctx = {}) {
+                         const ControlOptions& ends = {}, const Context& ctx = {},
+                         std::span<const NodeId> pasted = {}) {
     std::vector<NodeId> same;
     for (const NodeId n : nodes(s)) same.push_back(n);
-    return build_ramifications(s, same, ends, 2, options, ctx);
+    return build_ramifications({s, same, pasted}, ends, 2, options, ctx);
 }
 
 void expect_spheres(const ControlMesh& m, const Skeleton& s) {
@@ -118,6 +119,14 @@ TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
     EXPECT_EQ(additional({0, 20}), 1u);
     // Modulo 45 degrees, 90 is 0, less than 10; so all but one are.
     EXPECT_EQ(additional({0, 90, 180, 270}, true), 3u);
+}
+
+TEST(Ramification, PastesWhatLeavesTheNodesThatAreNamed) {
+    const Skeleton cross = whorl({0, kPi / 2});
+    EXPECT_EQ(made_of(cross).report.additional, 0u);
+    const std::vector<NodeId> at{NodeId(1)}, elsewhere{NodeId(0), NodeId(2)};
+    EXPECT_EQ(made_of(cross, {}, {}, {}, at).report.additional, 2u);
+    EXPECT_EQ(made_of(cross, {}, {}, {}, elsewhere).report.additional, 0u);
 }
 
 TEST(Ramification, LowersItsObjective) {

@@ -49,49 +49,31 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-ControlMesh ramify(const Skeleton& tubes, std::span<const NodeId> source, const MeshOptions& options,
-                   std::optional<RamificationReport>& report, const Context& ctx) {
-    if (options.levels == 0)
-        throw InvalidInput("mesh: levels must be at least 1 for ramifications, which are pasted between two");
-    RamificationMesh made =
-        build_ramifications(tubes, source, options.control, options.levels, options.ramification, ctx);
-    report = made.report;
-    return std::move(made.control);
-}
+// The skeleton as quads wrap it.
+struct Wrapped {
+    GraftResult grafted;
+    PartResult parted;
+    std::vector<NodeId> source;  // per node of the tubes: that of the field's skeleton
+    std::vector<NodeId> tube;    // the other way around
 
-// The refined quads of flat ends.
-std::vector<std::uint32_t> flat_ends(std::span<const ClipPlane> clips, int levels) {
-    std::vector<std::uint32_t> quads;
-    for (const ClipPlane& c : clips) {
-        const std::uint32_t end = (c.first_quad + c.quad_count) << (2 * levels);
-        for (std::uint32_t q = c.first_quad << (2 * levels); q < end; ++q) quads.push_back(q);
-    }
-    return quads;
-}
+    const Skeleton& tubes() const { return parted.skeleton; }
+    const Skeleton& skeleton() const { return grafted.skeleton; }
+};
 
-// `rows` are made for those who move vertices later on.
-QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                          std::optional<GlobalWeights>& weights, std::optional<QuadRows>& rows,
-                          const Context& ctx, Stages& stages) {
-    QuadSurface out;
+Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages) {
     const float graft = options.overlaps == Overlaps::graft ? options.graft : 0;
-    const GraftResult grafted =
-        stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, ctx); });
-    out.grafted = grafted.report;
-    const PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
-    out.parted = parted.report;
-    const auto source = composed(parted.source, grafted.source);
-    const auto tube = composed(grafted.tube, parted.tube);
-    const bool ramified = options.method == MeshMethod::ramifications;
-    out.cage = stages.run("cage", 0.15f, [&] {
-        return ramified ? ramify(parted.skeleton, source, options, out.ramified, ctx)
-                        : build_control_mesh(parted.skeleton, source, options.control, ctx);
-    });
-    const int levels = options.levels - (ramified ? 1 : 0);
-    ConvolutionField field = stages.run(
-        "weights", 0.2f, [&] { return surface_field(grafted.skeleton, options, constraints, weights, ctx); });
+    GraftResult grafted = stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, ctx); });
+    PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
+    auto source = composed(parted.source, grafted.source);
+    auto tube = composed(grafted.tube, parted.tube);
+    return {std::move(grafted), std::move(parted), std::move(source), std::move(tube)};
+}
+
+// Subdivides the cage of a surface, moves it onto the field, and unfolds it.
+void refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
+                 const MeshOptions& options, const Context& ctx, Stages& stages) {
     stages.run("field", 0.25f, [&] {
-        field.set_regions(field_regions(out.cage, grafted.skeleton), {parted.skeleton, tube}, ctx);
+        field.set_regions(field_regions(out.cage, wrapped.skeleton()), {wrapped.tubes(), wrapped.tube}, ctx);
         return true;
     });
     const QuadMesh& cage = out.cage.cage;
@@ -113,21 +95,91 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
                             ctx);
         });
     }
-    if (ramified) {
-        const bool wanted = options.remesh_rounds > 0 && options.overlaps != Overlaps::keep &&
-                            options.project.method != ProjectionMethod::none;
-        if (wanted) {
-            out.smoothed = stages.run("smooth", 1.0f, [&] {
-                return smooth_crossings(out.mesh, flat_ends(out.cage.clip, levels), ctx);
-            });
-        }
-        return out;
-    }
-    if (options.fit == Fit::volume) rows = QuadRows{out.mesh, parted.skeleton, options.levels};
-    const pipeline_internal::TubeMap map{parted.skeleton, grafted.skeleton, source, tube};
+}
+
+// `rows` are made for those who move vertices later on.
+QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                          std::optional<GlobalWeights>& weights, std::optional<QuadRows>& rows,
+                          const Context& ctx, Stages& stages) {
+    QuadSurface out;
+    const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    out.grafted = wrapped.grafted.report;
+    out.parted = wrapped.parted.report;
+    out.cage = stages.run("cage", 0.15f, [&] {
+        return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx);
+    });
+    ConvolutionField field = stages.run("weights", 0.2f, [&] {
+        return surface_field(wrapped.skeleton(), options, constraints, weights, ctx);
+    });
+    refine_cage(out, options.levels, field, wrapped, options, ctx, stages);
+    if (options.fit == Fit::volume) rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
+    const pipeline_internal::TubeMap map{wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapped.tube};
     out.knots =
         stages.run("remesh", 1.0f, [&] { return pipeline_internal::remesh_knots(out, map, options, ctx); });
     return out;
+}
+
+// The refined quads of flat ends.
+std::vector<std::uint32_t> flat_ends(std::span<const ClipPlane> clips, int levels) {
+    std::vector<std::uint32_t> quads;
+    for (const ClipPlane& c : clips) {
+        const std::uint32_t end = (c.first_quad + c.quad_count) << (2 * levels);
+        for (std::uint32_t q = c.first_quad << (2 * levels); q < end; ++q) quads.push_back(q);
+    }
+    return quads;
+}
+
+// The nodes about which quads still cross, of the tubes, ascending.
+std::vector<NodeId> crossing_nodes(const QuadSurface& surface, int levels, const Skeleton& tubes) {
+    std::vector<NodeId> nodes;
+    for (const std::uint32_t q : surface.smoothed.left) {
+        const NodeId n(surface.cage.region[q >> (2 * levels)]);
+        nodes.push_back(n);
+        if (!tubes.is_root(n)) nodes.push_back(tubes.parent(n));
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
+}
+
+// A second time where quads still cross, with the laterals there pasted; the better of both.
+QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& constraints,
+                                  const MeshOptions& options, std::optional<GlobalWeights>& weights,
+                                  const Context& ctx, Stages& stages) {
+    if (options.levels == 0)
+        throw InvalidInput("mesh: levels must be at least 1 for ramifications, which are pasted between two");
+    const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    ConvolutionField field = stages.run("weights", 0.2f, [&] {
+        return surface_field(wrapped.skeleton(), options, constraints, weights, ctx);
+    });
+    const int levels = options.levels - 1;
+    const bool smooths = options.remesh_rounds > 0 && options.overlaps != Overlaps::keep &&
+                         options.project.method != ProjectionMethod::none;
+    const auto attempt = [&](std::span<const NodeId> pasted, const Context& how, Stages& steps) {
+        QuadSurface out;
+        out.grafted = wrapped.grafted.report;
+        out.parted = wrapped.parted.report;
+        out.cage = steps.run("cage", 0.2f, [&] {
+            const RamificationInput input{wrapped.tubes(), wrapped.source, pasted};
+            RamificationMesh made =
+                build_ramifications(input, options.control, options.levels, options.ramification, how);
+            out.ramified = made.report;
+            return std::move(made.control);
+        });
+        refine_cage(out, levels, field, wrapped, options, how, steps);
+        if (smooths) {
+            out.smoothed = steps.run("smooth", 1.0f, [&] {
+                return smooth_crossings(out.mesh, flat_ends(out.cage.clip, levels), how);
+            });
+        }
+        return out;
+    };
+    QuadSurface out = attempt({}, ctx, stages);
+    if (out.smoothed.pairs_after == 0) return out;
+    const Context quiet{.threads = ctx.threads, .stop = ctx.stop};
+    Stages again = stages.with(quiet);
+    QuadSurface pasted = attempt(crossing_nodes(out, levels, wrapped.tubes()), quiet, again);
+    return pasted.smoothed.pairs_after < out.smoothed.pairs_after ? std::move(pasted) : std::move(out);
 }
 
 CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& options, const Context& ctx,
@@ -199,9 +251,12 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     out.prepared = prepared.report;
     if (options.method != MeshMethod::cylinders) check_branches(prepared.skeleton);
     std::optional<QuadRows> rows;
-    if (options.method == MeshMethod::quads || options.method == MeshMethod::ramifications) {
+    if (options.method == MeshMethod::quads) {
         out.surface =
             mesh_by_quads(prepared.skeleton, constraints, options, out.weights, rows, meshing, stages);
+    } else if (options.method == MeshMethod::ramifications) {
+        out.surface =
+            mesh_by_ramifications(prepared.skeleton, constraints, options, out.weights, meshing, stages);
     } else if (options.method == MeshMethod::cylinders) {
         out.surface = mesh_by_cylinders(prepared.skeleton, options, meshing, stages);
     } else {

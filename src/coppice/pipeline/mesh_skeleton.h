@@ -213,7 +213,8 @@ PolygonMesh to_polygons(const MeshResult& result);
 ///
 /// Or, with ramifications, builds the cage by units at forks (see build_ramifications), which is subdivided
 /// once less, moved onto the field and unfolded as others are, and smoothed where quads cross (see
-/// smooth_crossings; not with remesh_rounds 0, overlaps keep or the projection none).
+/// smooth_crossings; not with remesh_rounds 0, overlaps keep or the projection none). Where some still cross,
+/// it is made a second time with the laterals there pasted, and the better of both is kept.
 ///
 /// Or, with cylinders, makes a tube for every axis of the prepared skeleton (see cylinders()): `sides` around
 /// times two for each level, and two to the power of levels rows along each segment.

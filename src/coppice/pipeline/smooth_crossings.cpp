@@ -30,6 +30,7 @@ class Film {
     SmoothCrossingsReport run(std::vector<FacePair> pairs) {
         SmoothCrossingsReport report{.pairs_before = pairs.size(), .pairs_after = pairs.size()};
         std::vector<Vec3> best(mesh_.positions.begin(), mesh_.positions.end());
+        std::vector<FacePair> fewest = pairs;
         while (!pairs.empty() && report.rounds < kMostRounds) {
             ctx_.throw_if_cancelled();
             ++report.rounds;
@@ -37,9 +38,13 @@ class Film {
             pairs = crossings();
             if (pairs.size() >= report.pairs_after) continue;
             report.pairs_after = pairs.size();
+            fewest = pairs;
             std::ranges::copy(mesh_.positions, best.begin());
         }
         std::ranges::copy(best, mesh_.positions.begin());
+        for (const FacePair& p : fewest) report.left.insert(report.left.end(), {p.first, p.second});
+        std::ranges::sort(report.left);
+        report.left.erase(std::unique(report.left.begin(), report.left.end()), report.left.end());
         return report;
     }
 

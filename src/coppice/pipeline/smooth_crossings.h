@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
@@ -10,9 +11,10 @@ namespace coppice {
 
 /// What smoothing did to quads that cross.
 struct SmoothCrossingsReport {
-    std::uint64_t pairs_before = 0;  ///< of quads that crossed
-    std::uint64_t pairs_after = 0;   ///< of quads that still do
-    std::uint32_t rounds = 0;        ///< of smoothing and looking again
+    std::uint64_t pairs_before = 0;   ///< of quads that crossed
+    std::uint64_t pairs_after = 0;    ///< of quads that still do
+    std::uint32_t rounds = 0;         ///< of smoothing and looking again
+    std::vector<std::uint32_t> left;  ///< quads that still cross others, ascending
 };
 
 /// Smooths a closed mesh about quads that cross or touch, until none do: between the vertices that stay it

@@ -26,6 +26,9 @@ class Stages {
         return result;
     }
 
+    /// The same seconds under another context, which has to outlive what is returned.
+    Stages with(const Context& ctx) const { return {ctx, seconds_}; }
+
   private:
     const Context& ctx_;
     std::vector<std::pair<std::string, double>>& seconds_;

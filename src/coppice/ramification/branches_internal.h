@@ -44,13 +44,15 @@ struct Branch {
     std::uint32_t first_point = 0, point_count = 0;
     std::uint32_t parent = kNone;  ///< the branch that it leaves
     double joint = 0;              ///< where, along that one
+    bool pasted = false;           ///< it has to be additional
 };
 
 /// A skeleton as branches, each after the one that it leaves. At a node a branch goes on with the child
 /// that is thick and straight on.
 class Branches {
   public:
-    explicit Branches(const Skeleton& s);
+    /// Those that leave one of the nodes `pasted`, ascending, are so.
+    Branches(const Skeleton& s, std::span<const NodeId> pasted);
 
     std::uint32_t count() const { return static_cast<std::uint32_t>(branches_.size()); }
     const Branch& operator[](std::uint32_t b) const { return branches_[b]; }
@@ -73,7 +75,8 @@ class Branches {
 
   private:
     void add_point(Vec3d p, double r, NodeId node);
-    void add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next);
+    void add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next,
+                    std::span<const NodeId> pasted);
 
     std::vector<Branch> branches_;
     std::vector<NodeId> head_;

@@ -33,19 +33,19 @@ class Timer {
 
 }  // namespace
 
-RamificationMesh build_ramifications(const Skeleton& skeleton, std::span<const NodeId> source,
-                                     const ControlOptions& ends, int levels,
+RamificationMesh build_ramifications(const RamificationInput& input, const ControlOptions& ends, int levels,
                                      const RamificationOptions& options, const Context& ctx) {
     check_fields(options, "ramifications");
     if (ends.base == BaseShape::open)
         throw InvalidInput("mesh: ramifications make closed surfaces only; choose base flat or round");
     RamificationMesh out;
     Timer timer;
-    const Branches branches(skeleton);
+    const Branches branches(input.skeleton, input.pasted);
     out.report.branches = branches.count();
-    MainMesh main = build_main_mesh(branches, skeleton, ends, widening(levels), options, out.report, ctx);
-    main.control.cage.origin = skeleton.origin();
-    main.control.region_node.assign(source.begin(), source.end());
+    MainMesh main =
+        build_main_mesh(branches, input.skeleton, ends, widening(levels), options, out.report, ctx);
+    main.control.cage.origin = input.skeleton.origin();
+    main.control.region_node.assign(input.source.begin(), input.source.end());
     out.report.connection_seconds = timer.lap();
     Subdivided subdivided(main, ctx);
     out.report.subdivision_seconds = timer.lap();

@@ -66,6 +66,13 @@ struct RamificationMesh {
     RamificationReport report;  ///< counts
 };
 
+/// What is wrapped.
+struct RamificationInput {
+    const Skeleton& skeleton;        ///< its branches
+    std::span<const NodeId> source;  ///< per node that of the field's skeleton, as for build_control_mesh
+    std::span<const NodeId> pasted;  ///< nodes, ascending: laterals that leave these are all additional
+};
+
 /// Wraps a skeleton in quads by ramification units [Huang2017], once subdivided by Catmull-Clark: closed,
 /// manifold and oriented for every skeleton, one sphere per tree.
 ///
@@ -79,11 +86,10 @@ struct RamificationMesh {
 /// Neighbouring units share the space between them so that RU + RC is least; where it stays above
 /// `additional_threshold` or their faces overlap, they become one unit.
 ///
-/// `source` maps nodes as for build_control_mesh; of `ends`, sides are always 4 and the base is never open.
+/// Of `ends`, sides are always 4 and the base is never open.
 /// `levels` says for how many subdivisions in all branches are made wider. Throws InvalidInput for an open
 /// base. O(n log n), but quadratic in the laterals of one unit; the same bits always.
-RamificationMesh build_ramifications(const Skeleton& skeleton, std::span<const NodeId> source,
-                                     const ControlOptions& ends, int levels,
+RamificationMesh build_ramifications(const RamificationInput& input, const ControlOptions& ends, int levels,
                                      const RamificationOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -237,7 +237,7 @@ class Planner {
         std::vector<bool> taken(std::size_t{4} * unit.rows(), false);
         for (const std::uint32_t i : order) {
             Lateral& l = laterals[i];
-            l.additional = options_.all_additional || !fits(unit, l) || taken[4 * l.row + l.face];
+            l.additional |= options_.all_additional || !fits(unit, l) || taken[4 * l.row + l.face];
             if (!l.additional) taken[4 * l.row + l.face] = true;
             ++(l.additional ? report_.additional : report_.connectable);
         }
@@ -279,7 +279,7 @@ Lateral find_lateral(const Branches& branches, std::uint32_t lateral) {
     const Path path = branches.path(lateral), parent = branches.path(at.parent);
     const double around = parent.radius(at.joint);
     std::uint32_t segment = parent.segment_at(at.joint);
-    Lateral out{.branch = lateral};
+    Lateral out{.branch = lateral, .additional = at.pasted};
     Path::Near near;
     for (int step = 0; step < kMostSteps; ++step) {
         near = parent.nearest(segment, path.position(out.exit_arc));

@@ -1,0 +1,59 @@
+#include <gtest/gtest.h>
+
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "support.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+QuadSurface ramified(const Skeleton& skeleton, MeshOptions options = {}) {
+    options.method = MeshMethod::ramifications;
+    return std::move(mesh_skeleton(skeleton, options).quads());
+}
+
+void expect_spheres(const QuadMesh& mesh, const Skeleton& skeleton) {
+    const TopologyReport t = topology(mesh);
+    EXPECT_TRUE(t.sound());
+    EXPECT_EQ(t.components, skeleton.tree_count());
+    EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(skeleton.tree_count()));
+}
+
+TEST(Ramifications, CloseTheZoo) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        expect_spheres(ramified(skeleton).mesh, skeleton);
+        MeshOptions pasted{.levels = 1};
+        pasted.ramification.all_additional = true;
+        expect_spheres(ramified(skeleton, pasted).mesh, skeleton);
+    }
+}
+
+// What crosses is a matter of vertices' places; whether the surface is closed is not.
+TEST(Ramifications, CloseSkeletonsOfOthers) {
+    const auto files = test::skeleton_files();
+    if (files.empty()) GTEST_SKIP() << "no ../shared";
+    for (const auto& file : files) {
+        SCOPED_TRACE(file.filename());
+        const Skeleton skeleton = read_skeleton(file).skeleton;
+        expect_spheres(ramified(skeleton, {.levels = 1, .remesh_rounds = 0}).mesh, skeleton);
+    }
+}
+
+TEST(Ramifications, DoNotCrossOnOrdinaryTrees) {
+    for (const char* name : {"tree300", "tree3k"}) {
+        if (!test::fs::exists(test::workload(name))) GTEST_SKIP() << "no ../shared";
+        SCOPED_TRACE(name);
+        const Skeleton skeleton = read_skeleton(test::workload(name)).skeleton;
+        const QuadSurface surface = ramified(skeleton);
+        expect_spheres(surface.mesh, skeleton);
+        EXPECT_TRUE(crossing_faces(SurfaceTree(to_polygons(surface.mesh)), 1000).pairs.empty());
+        EXPECT_LT(surface.ramified->after.total(), surface.ramified->before.total());
+    }
+}
+
+}  // namespace
+}  // namespace coppice
