@@ -146,6 +146,27 @@ TEST(Ramification, LowersItsObjective) {
     }
 }
 
+// A lateral every millimetre: all units touch, none may grow without bound.
+TEST(Ramification, TakesABrush) {
+    constexpr std::uint32_t kLaterals = 20'000;
+    std::vector<NodeId> parents{NodeId::none()};
+    std::vector<Vec3> positions{{0, 0, 0}};
+    std::vector<float> radii{0.1f};
+    for (std::uint32_t i = 1; i <= kLaterals; ++i) {
+        const float z = 0.001f * static_cast<float>(i), a = static_cast<float>(i);
+        parents.push_back(i == 1 ? NodeId(0) : NodeId(2 * i - 3));
+        positions.push_back({0, 0, z});
+        radii.push_back(0.1f);
+        parents.push_back(NodeId(2 * i - 1));
+        positions.push_back({std::cos(a), std::sin(a), z});
+        radii.push_back(0.01f);
+    }
+    const Skeleton brush(parents, positions, radii);
+    const RamificationMesh made = made_of(brush);
+    expect_spheres(made.control, brush);
+    EXPECT_GE(made.report.units, kLaterals / 256);
+}
+
 // Every branch leaves the one before it at the middle of its length.
 TEST(Ramification, TakesBranchesThatNestDeeply) {
     constexpr std::uint32_t kDepth = 20'000;

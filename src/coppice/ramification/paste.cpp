@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 
 #include "coppice/ramification/objective.h"
@@ -208,7 +207,8 @@ class Paster {
     }
 
     /// The free place next to a point: about a vertex, or a single face where that is much nearer, or where
-    /// the faces would not do for the laterals that are left.
+    /// the faces would not do for the laterals that are left. There is always one: a unit has two faces for
+    /// each of its laterals, and four are taken for one only where those that remain have one each.
     Place next_to(Vec3d p, double radius, std::size_t left) const {
         double best = std::numeric_limits<double>::infinity();
         const Place* about_vertex = nullptr;
@@ -226,7 +226,9 @@ class Paster {
         bool face_wins = false;
         for (const std::uint32_t f : faces_) {
             if (gone_[f]) continue;
-            const double d = distance(center_of(points(mesh_.quads_[f])), p) + kSingleFace * radius;
+            const Quad& q = mesh_.quads_[f];
+            const Vec3d center = (point(q[0]) + point(q[1]) + point(q[2]) + point(q[3])) / 4.0;
+            const double d = distance(center, p) + kSingleFace * radius;
             if (d >= best) continue;
             best = d;
             nearest_face = f;

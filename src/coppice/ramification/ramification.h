@@ -88,7 +88,7 @@ struct RamificationInput {
 ///
 /// Of `ends`, sides are always 4 and the base is never open.
 /// `levels` says for how many subdivisions in all branches are made wider. Throws InvalidInput for an open
-/// base. O(n log n), but quadratic in the laterals of one unit; the same bits always.
+/// base. O(n log n); the same bits always.
 RamificationMesh build_ramifications(const RamificationInput& input, const ControlOptions& ends, int levels,
                                      const RamificationOptions& options = {}, const Context& ctx = {});
 

@@ -20,6 +20,8 @@ constexpr double kBesideCrease = 15 * kPi / 180, kWidest = 60 * kPi / 180;
 constexpr double kFootprint = 1.2, kLeastSine = 0.35;
 // Laterals in a row of faces; each has place for 16 that are crowded.
 constexpr std::uint32_t kLateralsOfRow = 8;
+// Of a unit, for what is done with pairs of them; on a brush the next unit begins where this one ends.
+constexpr std::uint32_t kMostLaterals = 256;
 // [radii] A row beside the one of the current lateral is not shorter.
 constexpr double kLeastRow = 0.2;
 // Part of a lateral's footprint that has to lie within its row.
@@ -123,6 +125,7 @@ class Planner {
     }
 
     bool must_join(const Cluster& a, const Cluster& b) const {
+        if (a.unit.count + b.unit.count > kMostLaterals) return false;
         const double room = 0.1 * std::min(a.unit.radius, b.unit.radius);
         if (b.low < a.high + room) return true;
         return !options_.no_connection_optimisation && calibrate(a, b).cost > options_.additional_threshold;
