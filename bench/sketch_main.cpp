@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -14,9 +15,12 @@
 #include "coppice/base/median.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/measure/skeleton_match.h"
+#include "coppice/render/render.h"
+#include "coppice/render/silhouette.h"
 #include "coppice/skeleton/random_tree.h"
 #include "coppice/sketch/draw.h"
 #include "coppice/sketch/reconstruct.h"
+#include "coppice/sketch/trace/trace.h"
 #include "machine.h"
 #include "messy_strokes.h"
 #include "program.h"
@@ -32,6 +36,7 @@ struct Flags {
     int trees = 20;
     int segments = 256;  ///< of each tree: about 100 branches
     std::vector<double> angles{90, 60, 30, 15};
+    std::vector<int> traced;  ///< segments of trees whose silhouettes are traced instead
 };
 
 struct Kind {
@@ -119,6 +124,52 @@ void run(const Flags& flags) {
     }
 }
 
+/// What the camera of a view sees of a skeleton.
+Mask seen_by(const Skeleton& tree, const SketchView& view, const Context& ctx) {
+    RenderOptions options;
+    options.width = view.width;
+    options.height = view.height;
+    options.samples = 4;
+    options.ground = false;
+    options.transparent = true;
+    return silhouette_of(render({.skeleton = &tree, .view = &view}, options, ctx));
+}
+
+/// Strokes proposed from silhouettes, as they are, made into skeletons.
+void run_traces(const Flags& flags) {
+    const Context ctx = flags.program.context();
+    fmt::print(
+        "Machine: {}. Threads: {}. {} trees for each line, silhouettes of 2000 x 2000 pixels, 90 degrees "
+        "apart.\n\n",
+        bench::machine_description(), flags.program.thread_count(), flags.trees);
+    fmt::print("| segments | tips | tips seen | branches proposed | length covered | true | s |\n| {} |\n",
+               fmt::join(std::vector<std::string>(7, "---"), " | "));
+    for (const int segments : flags.traced) {
+        double tips = 0, seen = 0, branches = 0, covered = 0, right = 0;
+        std::vector<double> seconds;
+        for (int seed = 1; seed <= flags.trees; ++seed) {
+            const Skeleton tree =
+                random_tree(static_cast<std::uint32_t>(segments), static_cast<std::uint64_t>(seed));
+            const std::vector<SketchView> views = views_of(tree);
+            const std::array silhouettes{seen_by(tree, views[0], ctx), seen_by(tree, views[1], ctx)};
+            const bench::Clock clock;
+            const TraceResult traced = trace(views, silhouettes, ctx);
+            seconds.push_back(clock.seconds());
+            const Skeleton found = reconstruct(traced.sketch, {}, "traced", ctx).skeleton;
+            const SkeletonMatch match = compare(tree, found, {}, ctx);
+            tips += static_cast<double>(match.tips.reference);
+            seen += 0.5 * (traced.tips[0] + traced.tips[1]);
+            branches += static_cast<double>(traced.sketch.branches.size());
+            covered += match.covered_percent;
+            right += match.true_percent;
+        }
+        const double trees = flags.trees;
+        fmt::print("| {} | {:.0f} | {:.0f} | {:.1f} | {:.0f} % | {:.0f} % | {:.2f} |\n", segments,
+                   tips / trees, seen / trees, branches / trees, covered / trees, right / trees,
+                   median(seconds));
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -128,5 +179,8 @@ int main(int argc, char** argv) {
     app.add_option("--segments", flags.segments, "of each tree")->capture_default_str();
     app.add_option("--angles", flags.angles, "degrees between the two views")->capture_default_str();
     app.add_option("--threads", flags.program.threads, "0 takes all")->capture_default_str();
-    return bench::run_program(app, argc, argv, [&] { run(flags); });
+    app.add_option("--trace", flags.traced,
+                   "segments of trees whose silhouettes are traced, in place of drawn strokes");
+    return bench::run_program(app, argc, argv,
+                              [&] { flags.traced.empty() ? run(flags) : run_traces(flags); });
 }

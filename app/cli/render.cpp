@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "command.h"
 #include "coppice/base/fields.h"
 #include "coppice/io/file.h"
@@ -142,9 +144,15 @@ SketchView load_view(Run& run, const std::string& named) {
             "'{}' names no camera; write the sketch and its view, as in tree.sketch.json:front", named));
     }
     const std::string file = named.substr(0, colon), name = named.substr(colon + 1);
-    const Sketch sketch = run.stage("read", [&](const Context& ctx) { return read_sketch(file, ctx); });
+    const std::vector<SketchView> views = run.stage("read", [&](const Context& ctx) {
+        // What was drawn tells the cameras that nobody measured.
+        const SketchCameras cameras = read_cameras(file, ctx);
+        const bool measured =
+            std::ranges::none_of(cameras.snapshots, [](const auto& s) { return s.has_value(); });
+        return measured ? cameras.views : read_sketch(file, ctx).views;
+    });
     std::vector<std::string> names;
-    for (const SketchView& view : sketch.views) {
+    for (const SketchView& view : views) {
         if (view.name == name) return view;
         names.push_back(view.name);
     }

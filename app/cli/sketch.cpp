@@ -4,10 +4,14 @@
 #include <numbers>
 
 #include "command.h"
+#include "coppice/io/file.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/io/sketch/sketch_file.h"
+#include "coppice/render/picture.h"
+#include "coppice/render/silhouette.h"
 #include "coppice/sketch/draw.h"
 #include "coppice/sketch/reconstruct.h"
+#include "coppice/sketch/trace/trace.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
@@ -20,6 +24,7 @@ constexpr const char* kDrawGroup = "From a skeleton to a sketch";
 
 struct SketchFlags {
     std::filesystem::path input, output;
+    bool trace = false;
     SketchOptions sketch;
     DrawOptions draw;
     ReadSkeletonOptions read;
@@ -31,6 +36,19 @@ void check_flags(const GivenOptions& given, const SketchFlags& flags) {
         throw UsageError("name both files: coppice sketch FILE.sketch.json -o SKELETON");
     check_output_folder(flags.output);
     const bool draws = is_sketch_name(flags.output);
+    if (flags.trace) {
+        if (!draws || !is_sketch_name(flags.input)) {
+            throw UsageError(
+                "--trace makes a sketch of the pictures that another one names: coppice sketch "
+                "VIEWS.sketch.json -o "
+                "NEW.sketch.json --trace");
+        }
+        for (const Option* option : given) {
+            if (option->group == kSketchGroup || option->group == kDrawGroup)
+                throw UsageError(fmt::format("{} does nothing with --trace", option->name));
+        }
+        return;
+    }
     if (is_sketch_name(flags.input) == draws) {
         throw UsageError(fmt::format(
             "'{}' and '{}': one has to be a sketch, which ends with .sketch.json, and the other one a "
@@ -130,8 +148,47 @@ ExitCode draw(Run& run, const SketchFlags& flags) {
     return kDone;
 }
 
+/// The picture of a view, whose name is relative to the sketch.
+Mask load_silhouette(Run& run, const std::filesystem::path& sketch, const SketchView& view) {
+    if (view.image.empty())
+        throw InvalidInput(
+            fmt::format("{}: the view '{}' names no image to trace", sketch.string(), view.name));
+    const std::filesystem::path path = sketch.parent_path() / view.image;
+    return run.stage("read", [&](const Context& ctx) {
+        return silhouette_of(decode_picture(read_file(path, kLargestFile, ctx), path.string()));
+    });
+}
+
+ExitCode trace_file(Run& run, const SketchFlags& flags) {
+    const SketchCameras cameras =
+        run.stage("read", [&](const Context& ctx) { return read_cameras(flags.input, ctx); });
+    Sketch extent{.views = cameras.views,
+                  .branches = {{.name = "stem", .parent = {}, .strokes = {}, .attach = {}, .diameters = {}}}};
+    std::vector<Mask> silhouettes;
+    for (std::uint32_t v = 0; v < cameras.views.size(); ++v) {
+        silhouettes.push_back(load_silhouette(run, flags.input, cameras.views[v]));
+        if (!cameras.snapshots[v]) continue;
+        const std::string where = fmt::format("{}: views[{}]", flags.input.string(), v);
+        extent.branches[0].strokes.push_back(extent_of(silhouettes.back(), where));
+        extent.branches[0].strokes.back().view = v;
+        extent.views[v] = snapshot_view(extent, v, *cameras.snapshots[v], cameras.height, where);
+    }
+    const TraceResult result =
+        run.stage("trace", [&](const Context& ctx) { return trace(extent.views, silhouettes, ctx); });
+    run.stage("write", [&](const Context&) { write_sketch(flags.output, result.sketch); });
+    run.counts()["branches"] = result.sketch.branches.size();
+    Figure::List tips;
+    for (const std::uint32_t n : result.tips) tips.emplace_back(n);
+    run.counts()["tips_seen"] = tips;
+    run.finish(fmt::format("{}: {} branches of {} and {} tips seen; look at them, and correct what is wrong",
+                           flags.output.string(), grouped(result.sketch.branches.size()),
+                           grouped(result.tips[0]), grouped(result.tips[1])));
+    return kDone;
+}
+
 ExitCode sketch_file(Run& run, const GivenOptions& given, const SketchFlags& flags) {
     check_flags(given, flags);
+    if (flags.trace) return trace_file(run, flags);
     return is_sketch_name(flags.output) ? draw(run, flags) : make_skeleton(run, flags);
 }
 
@@ -142,6 +199,8 @@ Command sketch_command() {
     OptionList options;
     options.file("input", "FILE", flags->input, "sketch (.sketch.json), or a skeleton to draw one of");
     options.file("-o,--output", "FILE", flags->output, "skeleton to write, or sketch");
+    options.flag("--trace", flags->trace,
+                 "propose strokes from the silhouettes of the sketch's two images, to be corrected");
     options.fields(flags->sketch, kSketchGroup);
     options.fields(flags->write, "Writing the skeleton", {.names = {{"format", "--output-format"}}});
     options.fields(flags->draw, kDrawGroup);

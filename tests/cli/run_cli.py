@@ -54,6 +54,13 @@ def make_inputs():
                                                                              "side": {"points": [[200, 200], [230, 150], [250, 110]]}}}]}
     write("fork.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.075 1\n3 1 0 0 2 0.05 2\n4 1 0.4 0.3 1.5 0.032 2\n5 1 0.6 0.5 1.9 0.0225 4\n")
     write("fork.sketch.json", json.dumps(sketch))
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    picture = lambda rows: (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 400, 320, 8, 2, 0, 0, 0)) +
+                            chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
+    sky = b"\x80\xc0\xff"
+    write("photo.png", picture([sky * 400] * 320))
+    write("bar.png", picture([sky * 400] * 100 + [sky * 190 + b"\x40\x30\x20" * 20 + sky * 190] * 200 + [sky * 400] * 20))
+    write("bar.sketch.json", json.dumps({"format": "coppice-sketch", "version": 1, "views": [view | {"image": "bar.png"} for view in sketch["views"]]}))
     write("broken.sketch.json", json.dumps(sketch).replace('"parent": "stem"', '"parent": "trunk"'))
     write("torn.sketch.json", json.dumps(sketch).replace("[230, 150], [250, 110]", "[230, 250], [250, 290]"))
     write("messy.swc", "2 1 0 0 1 0.15 1\n1 1 0 0 0 0.2 -1\n3 1 0 0 2 0 2\n")
@@ -88,9 +95,6 @@ def make_inputs():
     write("tree.txt", TREE)
     write("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
           "end_header\n" % len(rows) + "\n".join(rows) + "\n")
-    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    write("photo.png", b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 400, 320, 8, 2, 0, 0, 0)) +
-          chunk(b"IDAT", zlib.compress((b"\0" + b"\x80\xc0\xff" * 400) * 320)) + chunk(b"IEND", b""))  # 400 x 320 pixels of sky
     write("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF\0\1\1\0\0\1\0\1\0\0\xff\xd9")
     write("notes.md", "# Notes\n\nThe oak was scanned in May.\n")
     write("named.txt", '"id" "X" "Y" "Z"\n1001 0 0 0\n1002 1 0 0\n1003 1 2 3\n')

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/sketch/sketch.h"
+#include "coppice/sketch/snapshot.h"
 
 namespace coppice {
 
@@ -18,7 +21,17 @@ bool is_sketch_name(const std::filesystem::path& path);
 /// missing, unknown or of the wrong kind, and what `validate` finds. O(points).
 Sketch read_sketch(const std::filesystem::path& path, const Context& ctx = {});
 
-/// The same of a text; `source` names it in messages, cameras of COLMAP are looked for beside `folder`.
+/// The cameras of a sketch in which nothing need be drawn yet.
+struct SketchCameras {
+    std::vector<SketchView> views;  ///< those of snapshots have names, images and sizes alone
+    std::vector<std::optional<Snapshot>> snapshots;  ///< of the views whose camera nobody measured
+    double height = 0;                               ///< [m] of the tree; 0 = not told
+};
+
+/// Reads the views of a sketch and passes over its branches, which may be missing. Throws as `read_sketch`.
+SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx = {});
+
+/// `read_sketch` of a text; `source` names it in messages, cameras of COLMAP are looked for beside `folder`.
 Sketch parse_sketch(std::string_view text, const std::string& source,
                     const std::filesystem::path& folder = {});
 

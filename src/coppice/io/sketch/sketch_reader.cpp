@@ -288,38 +288,62 @@ Json parse_json(std::string_view text, const std::string& source) {
     }
 }
 
-}  // namespace
-
-bool is_sketch_name(const std::filesystem::path& path) {
-    return path.filename().string().ends_with(".sketch.json");
-}
-
-Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
-    const Json json = parse_json(text, source);
-    const Value file(json, source + ":");
+void check_format(const Json& json, const Value& file, const std::string& source) {
     if (!json.is_object() || json.value("format", Json()) != "coppice-sketch")
         throw InvalidInput(source + ": this JSON is no sketch: it needs \"format\": \"coppice-sketch\"");
     file.expect_members({"format", "version", "height", "world", "views", "branches"});
     if (const double version = file.member("version").number(); version > 1)
         throw Unsupported(
             fmt::format("{}: version {} of coppice-sketch is newer than this program", source, version));
-    Sketch sketch;
+}
+
+SketchCameras cameras_of(const Value& file, const std::filesystem::path& folder) {
+    SketchCameras out;
     const World world = file.has("world") ? world_of(file.member("world")) : World();
-    const std::vector<Value> views = file.member("views").items(), branches = file.member("branches").items();
-    std::vector<std::optional<Snapshot>> snapshots;
-    for (const Value& value : views) {
+    if (file.has("height")) {
+        const Value height = file.member("height");
+        out.height = height.number();
+        if (!(out.height > 0)) height.fail("must be above 0");
+    }
+    for (const Value& value : file.member("views").items()) {
         ReadView read = view_of(value, folder);
         if (value.has("K") || value.has("colmap")) bring_home(read.view, world);
-        sketch.views.push_back(std::move(read.view));
-        snapshots.push_back(read.snapshot);
+        if (read.snapshot && out.height == 0) file.member("height");
+        out.views.push_back(std::move(read.view));
+        out.snapshots.push_back(read.snapshot);
     }
-    const Names view_names = names_of(views), branch_names = names_of(branches);
+    return out;
+}
+
+}  // namespace
+
+bool is_sketch_name(const std::filesystem::path& path) {
+    return path.filename().string().ends_with(".sketch.json");
+}
+
+SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx) {
+    const std::string source = path.string(), text = read_file(path, kLargestSketch, ctx);
+    const Json json = parse_json(text, source);
+    const Value file(json, source + ":");
+    check_format(json, file, source);
+    return cameras_of(file, path.parent_path());
+}
+
+Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
+    const Json json = parse_json(text, source);
+    const Value file(json, source + ":");
+    check_format(json, file, source);
+    SketchCameras cameras = cameras_of(file, folder);
+    Sketch sketch;
+    sketch.views = std::move(cameras.views);
+    const std::vector<Value> branches = file.member("branches").items();
+    const Names view_names = names_of(file.member("views").items()), branch_names = names_of(branches);
     for (const Value& branch : branches)
         sketch.branches.push_back(branch_of(branch, view_names, branch_names));
-    for (std::uint32_t v = 0; v < snapshots.size(); ++v) {
-        if (!snapshots[v]) continue;
-        sketch.views[v] = snapshot_view(sketch, v, *snapshots[v], file.member("height").number(),
-                                        fmt::format("{}: views[{}]", source, v));
+    for (std::uint32_t v = 0; v < cameras.snapshots.size(); ++v) {
+        if (const auto& snapshot = cameras.snapshots[v])
+            sketch.views[v] =
+                snapshot_view(sketch, v, *snapshot, cameras.height, fmt::format("{}: views[{}]", source, v));
     }
     validate(sketch, source);
     return sketch;

@@ -1,0 +1,248 @@
+#include "coppice/sketch/trace/trace.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/error.h"
+#include "coppice/base/median.h"
+#include "coppice/sketch/branch_internal.h"
+#include "coppice/sketch/match_internal.h"
+#include "coppice/sketch/trace/silhouette_internal.h"
+
+namespace coppice {
+
+using namespace sketch_internal;
+
+namespace {
+
+constexpr double kMostCost = 1;        // of a match, per sample
+constexpr double kUnlike = 0.1;        // of any two: what is below tells nothing
+constexpr double kClear = 1.3;         // times as unlike is every other one where a pair is clear
+constexpr double kLeastMatched = 0.8;  // of the ways from the foot to both tips
+constexpr double kTipsApart =
+    2;  // [pixels] across each other's epipolar lines, besides a part of their widths
+constexpr double kTipWidth = 0.2;
+constexpr double kMostError = 4;  // [pixels] of a branch off its strokes
+constexpr std::uint32_t kNobody = 0xffffffff;
+
+/// One view, and what was found in it.
+struct Seen {
+    Mask mask;
+    std::vector<float> distance;
+    std::vector<TracedPiece> pieces;
+    std::vector<std::uint32_t> tips;   ///< pieces
+    std::vector<Line> ways;            ///< from the foot to every tip
+    std::vector<std::uint32_t> owner;  ///< the branch of every piece
+    std::vector<char> taken;           ///< tips that a branch ends in
+
+    /// The pieces from the foot to one of them.
+    std::vector<std::uint32_t> chain_to(std::uint32_t piece) const {
+        std::vector<std::uint32_t> out{piece};
+        while (pieces[out.back()].before) out.push_back(*pieces[out.back()].before);
+        std::ranges::reverse(out);
+        return out;
+    }
+};
+
+/// Two tips that may be one.
+struct TipPair {
+    std::array<std::uint32_t, 2> tips;
+    double unlike;  ///< how badly they match, by place and width
+    double rank;    ///< the longer the way and the better it matches, the earlier it comes: least first
+};
+
+class Tracer {
+  public:
+    Tracer(const std::vector<SketchView>& views, std::span<const Mask> silhouettes, const Context& ctx)
+        : ctx_(ctx) {
+        sketch_.views = views;
+        for (const SketchView& view : views) views_.push_back(without_distortion(view));
+        for (std::size_t v = 0; v < 2; ++v) look(v, silhouettes[v]);
+        f_ = fundamental_matrix(views_[0], views_[1]);
+    }
+
+    TraceResult run() {
+        for (const Seen& seen : seen_) {
+            if (seen.tips.empty()) throw InvalidInput("trace: a silhouette shows nothing");
+        }
+        // What is taken makes others clear: again until nothing comes of it.
+        const std::vector<TipPair> pairs = tip_pairs();
+        for (bool found = true; found;) {
+            const std::size_t before = axes_.size();
+            for (const TipPair& pair : pairs) {
+                ctx_.throw_if_cancelled();
+                if (is_open(pair) && !is_unclear(pair, pairs)) add(pair);
+            }
+            found = axes_.size() > before;
+        }
+        if (axes_.empty())
+            throw InvalidInput(
+                "trace: no branch of the two silhouettes matches; are these the right cameras?");
+        TraceResult out;
+        out.sketch = std::move(sketch_);
+        for (const Seen& seen : seen_) out.tips.push_back(static_cast<std::uint32_t>(seen.tips.size()));
+        return out;
+    }
+
+  private:
+    void look(std::size_t v, const Mask& silhouette) {
+        Seen& seen = seen_[v];
+        seen.mask = largest_part(silhouette);
+        seen.distance = distance_to_outside(seen.mask);
+        seen.pieces = pieces_of(graph_of(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
+        seen.owner.assign(seen.pieces.size(), kNobody);
+        for (std::uint32_t p = 0; p < seen.pieces.size(); ++p) {
+            if (!seen.pieces[p].is_tip) continue;
+            seen.tips.push_back(p);
+            const Stroke way = stroke_along(seen.pieces, seen.chain_to(p), seen.mask, seen.distance);
+            seen.ways.push_back(line_of(sketch_.views[v], way, 1, false));
+        }
+        seen.taken.assign(seen.tips.size(), 0);
+    }
+
+    /// Tips on each other's epipolar lines, the ways to which match as wholes.
+    std::vector<TipPair> tip_pairs() const {
+        std::vector<TipPair> out;
+        for (std::uint32_t a = 0; a < seen_[0].tips.size(); ++a) {
+            ctx_.throw_if_cancelled();
+            const Line& first = seen_[0].ways[a];
+            for (std::uint32_t b = 0; b < seen_[1].tips.size(); ++b) {
+                const Line& second = seen_[1].ways[b];
+                const double slack =
+                    kTipsApart + kTipWidth * std::max(first.widths.back(), second.widths.back());
+                if (epipolar_distance(f_, first.points.back(), second.points.back()) > slack) continue;
+                const Match match = match_lines(first, second, f_, true);
+                if (match.cost > kMostCost || match.share < kLeastMatched) continue;
+                const double unlike = kUnlike + match.cost + unlike_widths(first, second, match);
+                out.push_back({{a, b}, unlike, unlike / std::cbrt(first.length() + second.length())});
+            }
+        }
+        std::ranges::stable_sort(out, {}, &TipPair::rank);
+        return out;
+    }
+
+    bool is_open(const TipPair& pair) const {
+        return seen_[0].taken[pair.tips[0]] == 0 && seen_[1].taken[pair.tips[1]] == 0;
+    }
+
+    /// Whether one of the tips matches another one nearly as well.
+    bool is_unclear(const TipPair& pair, std::span<const TipPair> pairs) const {
+        return std::ranges::any_of(pairs, [&](const TipPair& other) {
+            const bool shares = (other.tips[0] == pair.tips[0]) != (other.tips[1] == pair.tips[1]);
+            return shares && other.unlike < kClear * pair.unlike && is_open(other);
+        });
+    }
+
+    /// How differently thick two ways are, as the median of the logarithm's size; the scale of the pictures
+    /// cancels by the first halves.
+    static double unlike_widths(const Line& first, const Line& second, const Match& match) {
+        std::vector<double> ratios;
+        for (const Pair& pair : match.pairs)
+            ratios.push_back(std::log(first.width_at(pair.s) / second.width_at(pair.t)));
+        const double usual = median(ratios);
+        for (double& ratio : ratios) ratio = std::abs(ratio - usual);
+        return median(ratios);
+    }
+
+    /// Where the way to a tip leaves what branches own already.
+    struct Free {
+        std::vector<std::uint32_t> chain;  ///< pieces that nobody owns
+        std::uint32_t parent = kNobody;    ///< who owns the one before
+    };
+    Free free_part(const Seen& seen, std::uint32_t tip) const {
+        Free out;
+        for (const std::uint32_t piece : seen.chain_to(seen.tips[tip])) {
+            if (seen.owner[piece] == kNobody) {
+                out.chain.push_back(piece);
+            } else {
+                out = {.chain = {}, .parent = seen.owner[piece]};
+            }
+        }
+        return out;
+    }
+
+    /// Whether a branch grows from another one, or is it.
+    bool grows_from(std::uint32_t branch, std::uint32_t other) const {
+        for (std::optional<std::uint32_t> at = branch; at; at = sketch_.branches[*at].parent)
+            if (*at == other) return true;
+        return false;
+    }
+
+    /// Makes a branch of what nobody owns yet of the ways to two tips, if that makes one.
+    void add(const TipPair& pair) {
+        const std::array<Free, 2> free{free_part(seen_[0], pair.tips[0]), free_part(seen_[1], pair.tips[1])};
+        if (free[0].chain.empty() || free[1].chain.empty()) return;
+        if ((free[0].parent == kNobody) != (free[1].parent == kNobody)) return;
+        SketchBranch branch;
+        branch.name = axes_.empty() ? "stem" : "branch " + std::to_string(axes_.size());
+        for (const std::uint32_t v : {0u, 1u}) {
+            branch.strokes.push_back(
+                stroke_along(seen_[v].pieces, free[v].chain, seen_[v].mask, seen_[v].distance));
+            branch.strokes.back().view = v;
+        }
+        std::optional<std::uint32_t> parent;
+        if (free[0].parent != kNobody) {
+            // Where something hides the fork, a view shows it on what the parent grows from.
+            const std::uint32_t a = free[0].parent, b = free[1].parent;
+            if (!grows_from(a, b) && !grows_from(b, a)) return;
+            parent = grows_from(a, b) ? a : b;
+        }
+        Sketch one{.views = sketch_.views, .branches = {branch}};
+        BranchFit fit;
+        Axis axis = make_axis(one, views_, 0, parent ? &axes_[*parent] : nullptr,
+                              {.noise = 1, .max_error = static_cast<float>(kMostError)}, fit, ctx_);
+        if (axis.positions.empty()) return;
+        for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
+            seen_[v].taken[pair.tips[v]] = 1;
+            for (const std::uint32_t piece : free[v].chain)
+                seen_[v].owner[piece] = static_cast<std::uint32_t>(axes_.size());
+        }
+        branch.parent = parent;
+        sketch_.branches.push_back(std::move(branch));
+        axes_.push_back(std::move(axis));
+    }
+
+    const Context& ctx_;
+    Sketch sketch_;
+    std::vector<SketchView> views_;  ///< without distortion
+    std::array<Seen, 2> seen_;
+    Matrix3 f_{};
+    std::vector<Axis> axes_;  ///< of the branches
+};
+
+}  // namespace
+
+Stroke extent_of(const Mask& silhouette, const std::string& where) {
+    const Mask mask = largest_part(silhouette);
+    Stroke out;
+    for (int y = 0; y < mask.height && out.points.empty(); ++y)
+        for (int x = 0; x < mask.width; ++x)
+            if (out.points.empty() && mask.at(x, y)) out.points.push_back({x + 0.5, double(y)});
+    if (out.points.empty()) throw InvalidInput(where + ": the silhouette shows nothing");
+    for (int y = mask.height - 1; out.points.size() < 2; --y) {
+        double sum = 0, count = 0;
+        for (int x = 0; x < mask.width; ++x)
+            if (mask.at(x, y)) sum += x + 0.5, ++count;
+        if (count > 0) out.points.insert(out.points.begin(), {sum / count, y + 1.0});
+    }
+    return out;
+}
+
+TraceResult trace(const std::vector<SketchView>& views, std::span<const Mask> silhouettes,
+                  const Context& ctx) {
+    if (views.size() != 2 || silhouettes.size() != 2)
+        throw InvalidInput("trace: two views with a silhouette each are needed");
+    for (std::size_t v = 0; v < 2; ++v) {
+        validate(views[v], "trace: " + views[v].name);
+        const Mask& mask = silhouettes[v];
+        if (views[v].width > 0 && (views[v].width != mask.width || views[v].height != mask.height)) {
+            throw InvalidInput("trace: the silhouette of '" + views[v].name + "' has " +
+                               std::to_string(mask.width) + " x " + std::to_string(mask.height) +
+                               " pixels, but the view " + std::to_string(views[v].width) + " x " +
+                               std::to_string(views[v].height));
+        }
+    }
+    return Tracer(views, silhouettes, ctx).run();
+}
+
+}  // namespace coppice

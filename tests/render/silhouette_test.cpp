@@ -1,0 +1,43 @@
+#include "coppice/render/silhouette.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+/// A square of 4 x 4 pixels in 10 x 10, on a background that strays by a few shades.
+Image square(Image::Pixel inside, Image::Pixel outside) {
+    Image image(10, 10);
+    for (int y = 0; y < 10; ++y) {
+        for (int x = 0; x < 10; ++x) {
+            const bool in = x >= 3 && x < 7 && y >= 3 && y < 7;
+            image.at(x, y) = in ? inside : outside;
+            if (!in && outside[3] == 255)
+                image.at(x, y)[1] = static_cast<std::uint8_t>(outside[1] + (3 * x + y) % 4);
+        }
+    }
+    return image;
+}
+
+void expect_square(const Mask& mask) {
+    EXPECT_EQ(std::ranges::count(mask.inside, 1), 16);
+    EXPECT_TRUE(mask.at(3, 3) && mask.at(6, 6));
+}
+
+TEST(SilhouetteOf, AlphaTells) { expect_square(silhouette_of(square({90, 90, 90, 200}, {90, 90, 90, 40}))); }
+
+TEST(SilhouetteOf, DifferenceFromTheEdgeTells) {
+    expect_square(silhouette_of(square({80, 60, 40, 255}, {150, 200, 240, 255})));
+    expect_square(silhouette_of(square({255, 255, 255, 255}, {0, 0, 0, 255})));
+}
+
+TEST(SilhouetteOf, APictureWithoutPixelsIsRefused) {
+    EXPECT_EQ(test::error_of([] { silhouette_of(Image()); }), "a picture without pixels has no silhouette");
+}
+
+}  // namespace
+}  // namespace coppice
