@@ -31,10 +31,12 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshOnTheZoo) {
 
 TEST(SliceCrossings, AreThoseOfTheWholeMeshAtEveryLevelAndNumberOfSides) {
     for (int levels = 0; levels <= 6; ++levels) {
+        const std::uint32_t size = levels < 4 ? 60 : 8;
         for (const int sides : {4, 8, 16}) {
+            if (levels > 4 && sides > 4) continue;  // a million quads, with nothing new in them
             SCOPED_TRACE(testing::Message() << levels << " levels, " << sides << " sides");
-            expect_same(random_tree(levels < 5 ? 60 : 8, 3), with(levels, sides));
-            expect_same(random_tree(levels < 5 ? 60 : 8, 4, true), with(levels, sides, TipShape::flat));
+            expect_same(random_tree(size, 3), with(levels, sides));
+            expect_same(random_tree(size, 4, true), with(levels, sides, TipShape::flat));
         }
     }
 }
