@@ -67,6 +67,10 @@ class Tracer {
         }
         // What is taken makes others clear: again until nothing comes of it.
         const std::vector<TipPair> pairs = tip_pairs();
+        for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
+            pairs_of_[v].resize(seen_[v].tips.size());
+            for (std::size_t p = 0; p < pairs.size(); ++p) pairs_of_[v][pairs[p].tips[v]].push_back(p);
+        }
         for (bool found = true; found;) {
             const std::size_t before = axes_.size();
             for (const TipPair& pair : pairs) {
@@ -127,10 +131,14 @@ class Tracer {
 
     /// Whether one of the tips matches another one nearly as well.
     bool is_unclear(const TipPair& pair, std::span<const TipPair> pairs) const {
-        return std::ranges::any_of(pairs, [&](const TipPair& other) {
-            const bool shares = (other.tips[0] == pair.tips[0]) != (other.tips[1] == pair.tips[1]);
-            return shares && other.unlike < kClear * pair.unlike && is_open(other);
-        });
+        for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
+            for (const std::size_t p : pairs_of_[v][pair.tips[v]]) {
+                const TipPair& other = pairs[p];
+                if (other.tips != pair.tips && other.unlike < kClear * pair.unlike && is_open(other))
+                    return true;
+            }
+        }
+        return false;
     }
 
     /// How differently thick two ways are, as the median of the logarithm's size; the scale of the pictures
@@ -206,6 +214,7 @@ class Tracer {
     Sketch sketch_;
     std::vector<SketchView> views_;  ///< without distortion
     std::array<Seen, 2> seen_;
+    std::array<std::vector<std::vector<std::size_t>>, 2> pairs_of_;  ///< of every tip
     Matrix3 f_{};
     std::vector<Axis> axes_;  ///< of the branches
 };
