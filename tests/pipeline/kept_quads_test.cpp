@@ -1,4 +1,4 @@
-#include "coppice/pipeline/kept_quads_internal.h"
+#include "coppice/pipeline/fit/kept_quads_internal.h"
 
 #include <gtest/gtest.h>
 

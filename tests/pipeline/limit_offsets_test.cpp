@@ -4,7 +4,7 @@
 
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
-#include "coppice/pipeline/limit_offsets_internal.h"
+#include "coppice/pipeline/fit/limit_offsets_internal.h"
 #include "mesh/shapes.h"
 
 namespace coppice::pipeline_internal {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "coppice/pipeline/nearest_segment_internal.h"
+#include "coppice/pipeline/fit/nearest_segment_internal.h"
 #include "zoo.h"
 
 namespace coppice::pipeline_internal {

@@ -11,7 +11,7 @@
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/topology.h"
-#include "coppice/pipeline/limit_offsets_internal.h"
+#include "coppice/pipeline/fit/limit_offsets_internal.h"
 #include "coppice/subdivision/cage_topology.h"
 
 namespace coppice {

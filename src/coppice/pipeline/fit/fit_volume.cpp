@@ -11,8 +11,8 @@
 #include "coppice/base/progress.h"
 #include "coppice/measure/union_volume.h"
 #include "coppice/mesh/shape.h"
-#include "coppice/pipeline/fit_volume_internal.h"
-#include "coppice/pipeline/nearest_segment_internal.h"
+#include "coppice/pipeline/fit/fit_volume_internal.h"
+#include "coppice/pipeline/fit/nearest_segment_internal.h"
 
 namespace coppice {
 namespace {

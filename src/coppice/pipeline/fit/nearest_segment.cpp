@@ -1,4 +1,4 @@
-#include "coppice/pipeline/nearest_segment_internal.h"
+#include "coppice/pipeline/fit/nearest_segment_internal.h"
 
 namespace coppice::pipeline_internal {
 

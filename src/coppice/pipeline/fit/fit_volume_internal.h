@@ -1,7 +1,7 @@
 #pragma once
 
+#include "coppice/pipeline/fit/limit_offsets_internal.h"
 #include "coppice/pipeline/fit_volume.h"
-#include "coppice/pipeline/limit_offsets_internal.h"
 
 namespace coppice::pipeline_internal {
 

@@ -7,7 +7,7 @@
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/shape.h"
-#include "coppice/pipeline/limit_offsets_internal.h"
+#include "coppice/pipeline/fit/limit_offsets_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {

@@ -2,7 +2,7 @@
 #include <iterator>
 #include <utility>
 
-#include "coppice/pipeline/kept_quads_internal.h"
+#include "coppice/pipeline/fit/kept_quads_internal.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
 
 namespace coppice::pipeline_internal {
