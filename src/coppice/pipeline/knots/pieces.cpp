@@ -22,13 +22,13 @@ MeshOptions with_local_weights(MeshOptions options) {
 }
 
 // Calls make(i, ctx) for some groups: large ones one after the other with all threads, the others side by
-// side, each with one.
+// side, each with one, but for one alone.
 template <class GroupOf, class Make>
 void make_each(std::span<const std::uint32_t> which, const GroupOf& group, const Context& ctx,
                const Make& make) {
     std::vector<std::uint32_t> small;
     for (const std::uint32_t i : which) {
-        if (group(i).slices.size() < kLarge) {
+        if (which.size() > 1 && group(i).slices.size() < kLarge) {
             small.push_back(i);
         } else {
             make(i, Context{.threads = ctx.threads, .stop = ctx.stop});
