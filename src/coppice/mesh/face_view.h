@@ -8,6 +8,13 @@
 
 namespace coppice {
 
+/// The least box about the corners of a face.
+inline Box3 box_of(std::span<const std::uint32_t> face, std::span<const Vec3> positions) {
+    Box3 box;
+    for (const std::uint32_t v : face) box.extend(positions[v]);
+    return box;
+}
+
 /// The faces of a mesh of any kind, which must outlive the view. Cheap to copy.
 class FaceView {
   public:
@@ -31,11 +38,7 @@ class FaceView {
         return {corners_ + first_[f], first_[f + 1] - first_[f]};
     }
     /// The least box about face f.
-    Box3 box(std::uint32_t f) const {
-        Box3 box;
-        for (const std::uint32_t v : face(f)) box.extend(positions_[v]);
-        return box;
-    }
+    Box3 box(std::uint32_t f) const { return box_of(face(f), positions_); }
     /// The first `count` faces alone.
     FaceView first(std::uint32_t count) const {
         FaceView view = *this;

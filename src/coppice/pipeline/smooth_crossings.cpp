@@ -99,13 +99,12 @@ class Film {
 
     std::vector<FacePair> crossings() {
         std::vector<Box3> boxes;
-        for (const Quad& q : mesh_.quads) {
-            if (std::ranges::none_of(q, [&](std::uint32_t v) { return moved_[v]; })) continue;
-            Box3 box;
-            for (const std::uint32_t v : q) box.extend(mesh_.positions[v]);
-            boxes.push_back(box);
+        const FaceView mesh(mesh_);
+        for (std::uint32_t q = 0; q < mesh.size(); ++q) {
+            if (std::ranges::any_of(mesh.face(q), [&](std::uint32_t v) { return moved_[v]; }))
+                boxes.push_back(mesh.box(q));
         }
-        return crossings_among(mesh_, faces_near(mesh_, boxes, ctx_), kMostPairs, ctx_).pairs;
+        return crossings_among(mesh, faces_near(mesh, boxes, ctx_), kMostPairs, ctx_).pairs;
     }
 
     QuadMesh& mesh_;

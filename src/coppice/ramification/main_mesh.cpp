@@ -3,6 +3,7 @@
 #include <numbers>
 #include <span>
 
+#include "coppice/base/frame.h"
 #include "coppice/ramification/main_mesh_internal.h"
 #include "coppice/ramification/objective.h"
 
@@ -182,10 +183,8 @@ class Builder {
     }
 
     static Vec3d carried(const RingPlan& from, Vec3d axis) {
-        const double c = dot(from.axis, axis);
-        if (c < -0.9999) return from.x;
-        const Vec3d h = from.axis + axis;
-        const Vec3d x = from.x - h * (dot(axis, from.x) / (1 + c));
+        if (dot(from.axis, axis) < -0.9999) return from.x;
+        const Vec3d x = turned(from.x, from.axis, axis);
         return normalized(x - axis * dot(axis, x), perpendicular(axis));
     }
 

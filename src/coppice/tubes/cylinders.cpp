@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "coppice/base/frame.h"
 #include "coppice/base/parallel.h"
 
 namespace coppice {
@@ -153,7 +154,10 @@ class Circles {
             for (int row = i == 0 ? 0 : 1; row <= rows; ++row) out.push_back(at(i, from, to, row, rows));
         }
         out.front().normal = perpendicular(out.front().tangent);
-        for (std::size_t i = 1; i < out.size(); ++i) carry(out[i - 1], out[i]);
+        for (std::size_t i = 1; i < out.size(); ++i) {
+            const Circle& from = out[i - 1];
+            out[i].normal = carried(from.normal, from.center, from.tangent, out[i].center, out[i].tangent);
+        }
     }
 
   private:
@@ -180,18 +184,6 @@ class Circles {
                                                (from * (u * u * t) - to * (t * t * u)) * l;
         const Vec3d tangent = chord * (6 * t * u / l) + from * (u * (1 - 3 * t)) + to * (t * (3 * t - 2));
         return {center, normalized(tangent, chord / l), {}, radii_[i] + t * (radii_[i + 1] - radii_[i])};
-    }
-
-    /// [Wang2008]: reflected onto the new place, then onto the new tangent.
-    static void carry(const Circle& from, Circle& to) {
-        const auto reflected = [](Vec3d v, Vec3d across) {
-            const double squared = length_squared(across);
-            return squared > 0 ? v - across * (2 * dot(across, v) / squared) : v;
-        };
-        const Vec3d step = to.center - from.center;
-        const Vec3d turned = reflected(from.tangent, step);
-        const Vec3d normal = reflected(reflected(from.normal, step), to.tangent - turned);
-        to.normal = normalized(normal - to.tangent * dot(to.tangent, normal), perpendicular(to.tangent));
     }
 
     std::span<const Vec3d> positions_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coppice/base/error.h"
+#include "coppice/base/frame.h"
 #include "coppice/implicit/shape/curve_internal.h"
 #include "coppice/implicit/solid/input_internal.h"
 
@@ -157,19 +158,6 @@ double length_to(const CurveArc& arc, double t) {
     for (std::size_t i = 0; i < node.size(); ++i)
         sum += weight[i] * length(arc.first(0.5 * t * (1 + node[i])));
     return 0.5 * t * sum;
-}
-
-/// [Wang2008]: the frame is reflected twice, first onto the new place, then onto the new tangent.
-Vec3d carried(Vec3d normal, Vec3d from, Vec3d tangent_from, Vec3d to, Vec3d tangent_to) {
-    const auto reflect = [](Vec3d v, Vec3d across) {
-        const double l = length_squared(across);
-        return l > 1e-300 ? v - across * (2 * dot(across, v) / l) : v;
-    };
-    const Vec3d step = to - from;
-    if (length_squared(step) < 1e-300) return turned(normal, tangent_from, tangent_to);
-    const Vec3d tangent = reflect(tangent_from, step);
-    const Vec3d n = reflect(reflect(normal, step), tangent_to - tangent);
-    return normalized(n - tangent_to * dot(n, tangent_to), normal);
 }
 
 Vec3d carried(const CurveArc& arc, Vec3d normal, double t) {

@@ -13,10 +13,4 @@ inline double distance_slope(const CurveArc& arc, Vec3d p, double t) {
     return dot(arc.position(t) - p, arc.first(t));
 }
 
-/// v turned the shortest way that brings the unit vector `from` to `to`; v is perpendicular to `from`.
-inline Vec3d turned(Vec3d v, Vec3d from, Vec3d to) {
-    const double c = 1 + dot(from, to);
-    return c > 1e-12 ? v - (from + to) * (dot(v, to) / c) : v;
-}
-
 }  // namespace coppice

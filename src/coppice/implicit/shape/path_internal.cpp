@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
+#include "coppice/base/frame.h"
 
 namespace coppice {
 

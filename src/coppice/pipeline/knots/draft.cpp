@@ -3,17 +3,12 @@
 #include <algorithm>
 
 #include "coppice/base/number_set.h"
+#include "coppice/mesh/face_view.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::pipeline_internal {
 namespace {
-
-Box3 box_of(const Quad& quad, std::span<const Vec3> x) {
-    Box3 box;
-    for (const std::uint32_t v : quad) box.extend(x[v]);
-    return box;
-}
 
 // One for each handful of new quads about one vertex.
 std::vector<Box3> boxes_of_new(const Pieces& pieces) {
@@ -72,14 +67,17 @@ Draft draft(const TubeQuads& before, const Knots& knots, const Pieces& pieces, c
     const CommonNumbers common(before.mesh.positions, pieces);
     Draft out;
     std::vector<Quad> quads;
+    const auto add = [&](Quad quad, Slice slice, std::uint32_t piece, std::uint32_t number,
+                         std::uint32_t seam) {
+        quads.push_back(quad);
+        out.slice.push_back(slice);
+        out.piece.push_back(piece);
+        out.number.push_back(number);
+        out.seam.push_back(seam);
+    };
     for (const std::uint32_t q : quads_near(before, near, ctx)) {
         const Slice slice = before.slices.of_quad(q);
-        if (knots.contains(slice)) continue;
-        quads.push_back(before.mesh.quads[q]);
-        out.slice.push_back(slice);
-        out.piece.push_back(Draft::kNoPiece);
-        out.number.push_back(q);
-        out.seam.push_back(kNoSeam);
+        if (!knots.contains(slice)) add(before.mesh.quads[q], slice, Draft::kNoPiece, q, kNoSeam);
     }
     for (const std::uint8_t is_new : {0, 1}) {
         out.first_new = out.size();
@@ -91,11 +89,8 @@ Draft draft(const TubeQuads& before, const Knots& knots, const Pieces& pieces, c
                 if (made.is_new[q] != is_new) continue;
                 if (is_new == 0 && !near.meets(box_of(quad, made.positions))) continue;
                 for (std::uint32_t& v : quad) v = common.number(i, v);
-                quads.push_back(quad);
-                out.slice.push_back(surface.slice[made.patch.triangle[q]]);
-                out.piece.push_back(i);
-                out.number.push_back(q);
-                out.seam.push_back(surface.seam[made.patch.triangle[q]]);
+                const std::uint32_t t = made.patch.triangle[q];
+                add(quad, surface.slice[t], i, q, surface.seam[t]);
             }
         }
     }
