@@ -31,12 +31,10 @@ MeshOptions patch_options(const MeshOptions& options) {
     return out;
 }
 
-// Triangles of a surface about a skeleton, roughly.
-double expected_triangles(const Skeleton& s, float edge) {
+// Triangles of a surface about segments, roughly.
+double expected_triangles(std::span<const Segment> segments, float edge) {
     double area = 0;  // in squares of the local edge
-    for (const NodeId n : nodes(s)) {
-        if (s.is_root(n)) continue;
-        const Segment segment = s.segment(n);
+    for (const Segment& segment : segments) {
         const auto radius = static_cast<double>(std::min(segment.radius_a, segment.radius_b));
         area += static_cast<double>(distance(segment.a, segment.b)) / radius * 2 * std::numbers::pi;
     }
@@ -258,12 +256,20 @@ std::vector<AxisPoint> feet(const KnotSkeleton& knot, std::span<const Vec3> posi
     return out;
 }
 
-std::shared_ptr<const Marched> march(const KnotSkeleton& knot, double most_triangles,
+std::vector<Segment> segments_of(const Skeleton& s) {
+    std::vector<Segment> out;
+    for (const NodeId n : nodes(s)) {
+        if (!s.is_root(n)) out.push_back(s.segment(n));
+    }
+    return out;
+}
+
+std::shared_ptr<const Marched> march(const KnotSkeleton& knot, const QuadMesh& mesh,
                                      const MeshOptions& options, const Context& ctx) {
     Marched out;
     for (const KnotSkeleton::Cut& cut : knot.cuts) out.segments.push_back(cut.segment);
     const MeshOptions by_tetrahedra = patch_options(options);
-    out.is_impossible = expected_triangles(knot.skeleton, by_tetrahedra.tetra.edge) > most_triangles;
+    out.is_impossible = !can_march(segments_of(knot.skeleton), mesh, options);
     if (!out.is_impossible) {
         try {
             std::optional<GlobalWeights> weights;
@@ -297,6 +303,11 @@ std::vector<NodeId> nodes_near(const KnotSurface& surface) {
 
 }  // namespace
 
+bool can_march(std::span<const Segment> segments, const QuadMesh& mesh, const MeshOptions& options) {
+    return expected_triangles(segments, patch_options(options).tetra.edge) <=
+           kMostTriangles + static_cast<double>(mesh.quads.size());
+}
+
 KnotSurface knot_surface(KnotGroup group, std::shared_ptr<const Marched> marched,
                          const KnotSkeletons& skeletons, const QuadMesh& mesh, const MeshOptions& options,
                          const Context& ctx) {
@@ -305,8 +316,7 @@ KnotSurface knot_surface(KnotGroup group, std::shared_ptr<const Marched> marched
     KnotSkeleton knot = skeletons.of(group, !is_first);
     KnotSurface surface{std::move(group), std::move(knot), std::move(marched)};
     if (!is_enough) {
-        surface.marched =
-            march(surface.knot, kMostTriangles + static_cast<double>(mesh.quads.size()), options, ctx);
+        surface.marched = march(surface.knot, mesh, options, ctx);
     }
     surface.is_impossible = surface.marched->is_impossible;
     if (surface.is_impossible) return surface;

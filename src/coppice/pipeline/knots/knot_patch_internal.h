@@ -54,9 +54,13 @@ struct KnotSurface {
     bool is_whole() const { return failed.empty() && beyond.empty() && !is_impossible; }
 };
 
+/// Whether tetrahedra about some segments are tried: not where they would make much more quads than the mesh
+/// has, and a million. O(n).
+bool can_march(std::span<const Segment> segments, const QuadMesh& mesh, const MeshOptions& options);
+
 /// The surface for a group: cuts it from what was marched through tetrahedra before, if anything, or anew
-/// where that does not reach far enough beyond the group, and joins it to `mesh`. Does not try what would
-/// take much more quads than that has, and a million.
+/// where that does not reach far enough beyond the group, and joins it to `mesh`, if can_march()
+/// says so.
 KnotSurface knot_surface(KnotGroup group, std::shared_ptr<const Marched> marched,
                          const KnotSkeletons& skeletons, const QuadMesh& mesh, const MeshOptions& options,
                          const Context& ctx);

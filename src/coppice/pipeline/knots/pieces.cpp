@@ -163,14 +163,23 @@ bool Pieces::grow_to_fit(Knots& knots, int attempt) const {
             knots.spare(s.group);
             continue;
         }
+        const std::size_t before = knots.count();
+        bool joined = false;
         for (const std::uint32_t seam : s.failed) knots.move_on(s.group.seams[seam], radii);
         for (const Slice beyond : s.beyond) {
             if (beyond == Slices::kNone) continue;
             knots.take_around(beyond, radii);
-            knots.join(beyond, s.group.slices[0]);
+            joined |= knots.join(beyond, s.group.slices[0]);
         }
+        if (joined || knots.count() != before) continue;
+        // What it runs into is nobody's, or its own already: elsewhere, then.
+        for (const Seam& seam : s.group.seams) knots.move_on(seam, radii);
     }
     return !is_whole;
+}
+
+bool Pieces::can_hold(std::span<const Segment> segments) const {
+    return can_march(segments, mesh_, options_);
 }
 
 void put_into(QuadMesh& mesh, const Slices& slices, const Knots& knots, const Pieces& pieces,

@@ -30,6 +30,9 @@ class Pieces {
     /// for a group is used again as far as it reaches.
     void make(Knots& knots, std::span<const Care> care);
 
+    /// Whether a piece could be about so many segments.
+    bool can_hold(std::span<const Segment> segments) const;
+
     std::size_t size() const { return pieces_.size(); }                   ///< number of pieces
     Piece& operator[](std::size_t i) { return *pieces_[i]; }              ///< one of them
     const Piece& operator[](std::size_t i) const { return *pieces_[i]; }  ///< one of them

@@ -55,7 +55,7 @@ class Remeshing {
             const bool is_answered = answer(now, pairs) || moved;
             if (!is_answered && has_taken_trees) break;
             if (!is_answered || round + 2 >= rounds_) {
-                take_trees(now, pairs, spared);
+                if (!take_trees(now, pairs, spared) && !is_answered) break;
                 has_taken_trees = true;
             }
             if (round + 2 >= rounds_) ask_all_care();
@@ -145,8 +145,8 @@ class Remeshing {
         return found;
     }
 
-    // The last resort: whole trees.
-    void take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
+    // The last resort: whole trees, where they are not too large for one piece; false when all are.
+    bool take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
         const std::vector<NodeId> root = tree_roots(slices_.tubes());
         std::vector<NodeId> bad;
         const auto add = [&](Slice at) {
@@ -160,7 +160,18 @@ class Remeshing {
         }
         std::sort(bad.begin(), bad.end());
         bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+        std::erase_if(bad, [&](NodeId tree) { return !pieces_.can_hold(segments_of(tree, root)); });
         knots_.take_trees(bad, root);
+        return !bad.empty();
+    }
+
+    std::vector<Segment> segments_of(NodeId tree, std::span<const NodeId> root) const {
+        const Skeleton& s = slices_.tubes();
+        std::vector<Segment> out;
+        for (const NodeId n : nodes(s)) {
+            if (root[n.index()] == tree && !s.is_root(n)) out.push_back(s.segment(n));
+        }
+        return out;
     }
 
     void ask_all_care() {
