@@ -16,7 +16,7 @@ namespace coppice::test {
 struct Quads {
     QuadSurface surface;
     Skeleton tubes;
-    MeshOptions options;
+    int levels;  ///< times that the cage was refined
 };
 
 inline Quads quads_of(const Skeleton& skeleton, MeshOptions options) {
@@ -24,8 +24,12 @@ inline Quads quads_of(const Skeleton& skeleton, MeshOptions options) {
     options.fit = Fit::surface;
     const Skeleton prepared = prepare(skeleton, options.prepare).skeleton;
     const Skeleton grafted = graft_branches(prepared, options.graft, {}).tubes;
-    return {std::move(mesh_skeleton(skeleton, options).quads()), part_branches(grafted, {}).skeleton,
-            options};
+    Skeleton parted = part_branches(grafted, {}).skeleton;
+    QuadSurface surface = std::move(mesh_skeleton(skeleton, options).quads());
+    if (options.method == MeshMethod::quads) return {std::move(surface), std::move(parted), options.levels};
+    RamificationMesh made =
+        build_ramifications(parted, options.control, options.levels, options.ramification);
+    return {std::move(surface), std::move(made.tubes), options.levels - 1};
 }
 
 inline std::vector<FacePair> search(const QuadMesh& mesh) {
@@ -34,7 +38,7 @@ inline std::vector<FacePair> search(const QuadMesh& mesh) {
 }
 
 inline std::vector<FacePair> slice_search(const Quads& quads, const QuadMesh& mesh, const Context& ctx = {}) {
-    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.options.levels);
+    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.levels);
     return slice_crossings(mesh, slices, ctx).pairs;
 }
 

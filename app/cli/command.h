@@ -38,6 +38,8 @@ std::vector<Command> all_commands(CommonFlags& common);
 Command mesh_command();
 Command extract_command();
 Command sketch_command();
+Command library_command();
+Command compose_command();
 Command check_command();
 Command compare_command();
 Command info_command();
@@ -46,10 +48,15 @@ Command render_command();
 Command scan_command();
 Command run_command();
 Command grow_command();
+Command edit_command();
 Command shell_command();
 Command schema_command();
 
 /// What the members of MeshOptions are called where not after themselves.
 FlagNames surface_flag_names();
+/// The same where they are the surface of --then-mesh, beside options of the skeleton.
+FlagNames then_mesh_flag_names();
+/// The same of LibraryFilter.
+FlagNames library_flag_names();
 
 }  // namespace coppice::cli

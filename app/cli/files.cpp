@@ -53,6 +53,14 @@ void check_mesh_output(const std::filesystem::path& path) {
     check_output_folder(path);
 }
 
+void check_skeleton_output(const std::filesystem::path& path) {
+    if (kind_to_write(path, FileKind::skeleton) != FileKind::skeleton) {
+        throw UsageError(
+            fmt::format("'{}' is no name of a skeleton; use .swc, .json, .csv, .ply or .obj", path.string()));
+    }
+    check_output_folder(path);
+}
+
 void check_points_output(const std::filesystem::path& path) {
     if (!point_format_of_name(path)) {
         throw UsageError(fmt::format(
@@ -101,12 +109,17 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path) {
     return mesh;
 }
 
-PointSet load_points(Run& run, const std::filesystem::path& path) {
-    PointSet points = run.stage("read", [&](const Context& ctx) { return read_points(path, ctx); });
-    run.counts()["points"] = points.size();
-    if (const auto warning = warning_of_extent(points))
+PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path) {
+    PaintedPoints painted =
+        run.stage("read", [&](const Context& ctx) { return read_painted_points(path, ctx); });
+    run.counts()["points"] = painted.points.size();
+    if (const auto warning = warning_of_extent(painted.points))
         run.warn(fmt::format("{}: {}", path.string(), *warning));
-    return points;
+    return painted;
+}
+
+PointSet load_points(Run& run, const std::filesystem::path& path) {
+    return load_painted_points(run, path).points;
 }
 
 }  // namespace coppice::cli

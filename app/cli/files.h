@@ -6,7 +6,7 @@
 #include "coppice/io/file_kind.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/mesh/mesh.h"
-#include "coppice/points/point_set.h"
+#include "coppice/points/painted_points.h"
 #include "run.h"
 
 namespace coppice::cli {
@@ -25,6 +25,8 @@ std::string_view with_article(FileKind kind);
 void check_output_folder(const std::filesystem::path& path);
 /// The same, and UsageError when the name is not that of a mesh that can be written.
 void check_mesh_output(const std::filesystem::path& path);
+/// The same for skeletons.
+void check_skeleton_output(const std::filesystem::path& path);
 /// The same for points.
 void check_points_output(const std::filesystem::path& path);
 
@@ -33,6 +35,7 @@ void check_points_output(const std::filesystem::path& path);
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
 PointSet load_points(Run& run, const std::filesystem::path& path);
+PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path);
 
 /// What was wrong with a skeleton, and the gaps and jumps between its cylinders, which are not.
 Figures repairs_of(const RepairReport& report);

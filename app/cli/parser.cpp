@@ -42,7 +42,9 @@ void add_option(CLI::App& app, const Option& option) {
     CLI::Option* const added = app.add_option(names_of(option), take, help_text(option));
     added->type_name(option.type);
     if (!option.group.empty()) added->group(option.group);
-    if (many) added->expected(1, positional ? CLI::detail::expected_max_vector_size : 1)->take_all();
+    if (!many) return;
+    added->expected(1, positional ? CLI::detail::expected_max_vector_size : 1)->take_all();
+    added->allow_extra_args(positional);
 }
 
 std::vector<std::string> names_of(std::span<const Command> commands) {

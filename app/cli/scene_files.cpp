@@ -9,8 +9,6 @@
 namespace coppice::cli {
 namespace {
 
-constexpr std::uint64_t kLargestScene = std::uint64_t{64} << 20;
-
 /// The command of a line, to call its stage by.
 std::string stage_name(const std::string& line) {
     const auto words = scene_words(line);
@@ -50,6 +48,29 @@ std::optional<std::vector<const SceneCommand*>> commands_of_files(
         return std::nullopt;
     }
     return all;
+}
+
+Solid solid_of_scene(Run& run, const std::string& named) {
+    std::string file = named, name;
+    std::error_code ignored;
+    if (const std::size_t colon = named.rfind(':');
+        colon != std::string::npos && !std::filesystem::exists(named, ignored)) {
+        file = named.substr(0, colon);
+        name = named.substr(colon + 1);
+    }
+    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory), .outputs = false});
+    run_scene_file(run, scene, file);
+    if (name.empty()) {
+        for (const auto& [kind, made] : scene.state().made) {
+            if (kind == ObjectKind::solid) name = made;
+        }
+    }
+    const auto found = scene.state().objects.find({ObjectKind::solid, name});
+    if (found == scene.state().objects.end()) {
+        throw InvalidInput(name.empty() ? fmt::format("{}: the scene makes no solid", file)
+                                        : fmt::format("{}: the scene makes no solid '{}'", file, name));
+    }
+    return std::get<Solid>(found->second->value);
 }
 
 void count_objects(Run& run, const Scene& scene) {

@@ -1,15 +1,20 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "coppice/implicit/solid/solid.h"
 #include "coppice/scene/scene.h"
 #include "run.h"
 
 namespace coppice::cli {
+
+/// [bytes] No scene, and no file of edits, may be larger.
+inline constexpr std::uint64_t kLargestScene = std::uint64_t{64} << 20;
 
 /// Runs the commands of a scene file, each as a stage of the run, and prints what they say. Files that it
 /// reads are looked for beside it.
@@ -19,6 +24,10 @@ void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path);
 /// cannot be read, which running it tells of.
 std::optional<std::vector<const SceneCommand*>> commands_of_files(
     std::span<const std::filesystem::path> scenes);
+
+/// The solid that "FILE:NAME" names, or the one that the scene in FILE makes last; runs the scene. Throws
+/// InvalidInput where there is none.
+Solid solid_of_scene(Run& run, const std::string& named);
 
 /// What a scene holds, as counts of the run.
 void count_objects(Run& run, const Scene& scene);

@@ -72,18 +72,13 @@ std::string told(const RamificationReport& r) {
                        grouped(r.connectable), grouped(r.additional), r.after.total(), r.before.total());
 }
 
-Figures counts_of(const SmoothCrossingsReport& r) {
+Figures counts_of(const BallReport& r) {
     Figures out;
-    out["pairs_before"] = r.pairs_before;
-    out["pairs_after"] = r.pairs_after;
-    out["rounds"] = r.rounds;
+    out["balls"] = r.balls;
+    out["spacing"] = r.chain.spacing;
+    out["radius_at_balls"] = r.chain.at_balls;
+    out["radius_between"] = r.chain.between;
     return out;
-}
-
-std::string told(const SmoothCrossingsReport& r) {
-    if (r.rounds == 0) return {};
-    return fmt::format(", {} of {} crossings smoothed away", grouped(r.pairs_before - r.pairs_after),
-                       grouped(r.pairs_before));
 }
 
 std::string counted(std::uint64_t number, std::string_view thing) {
@@ -111,15 +106,14 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["cage_quads"] = surface.cage.cage.quads.size();
     counts["branches_grafted"] = counts_of(surface.grafted);
     counts["branches_parted"] = counts_of(surface.parted);
-    if (surface.ramified) {
-        counts["ramifications"] = counts_of(*surface.ramified);
-        if (surface.smoothed.rounds > 0) counts["crossings_smoothed"] = counts_of(surface.smoothed);
-        return fmt::format("{}; {} quads{}", told(*surface.ramified), grouped(surface.mesh.quads.size()),
-                           told(surface.smoothed));
-    }
+    if (surface.balls) counts["metaballs"] = counts_of(*surface.balls);
     if (had_knots(surface.knots)) counts["crossings_remeshed"] = counts_of(surface.knots);
-    return fmt::format("{} grafted, {} cut; {} quads{}", grouped(surface.grafted.grafted),
-                       grouped(surface.grafted.cut), grouped(surface.mesh.quads.size()), told(surface.knots));
+    if (surface.ramified) counts["ramifications"] = counts_of(*surface.ramified);
+    const std::string how = surface.ramified
+                                ? told(*surface.ramified)
+                                : fmt::format("{} grafted, {} cut", grouped(surface.grafted.grafted),
+                                              grouped(surface.grafted.cut));
+    return fmt::format("{}; {} quads{}", how, grouped(surface.mesh.quads.size()), told(surface.knots));
 }
 
 std::string count(Figures& counts, const TetraSurface& surface) {
@@ -152,6 +146,8 @@ std::string count(Figures& counts, const CylinderMesh& surface) {
 }  // namespace
 
 void write_surface(const std::filesystem::path& path, const MeshResult& result, const Context& ctx) {
+    const auto* tubes = std::get_if<CylinderMesh>(&result.surface);
+    if (tubes != nullptr) return write_textured_mesh(path, tubes->mesh, tubes->texture, {}, ctx);
     std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, {}, ctx); }, result.surface);
 }
 

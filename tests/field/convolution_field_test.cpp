@@ -17,12 +17,12 @@
 namespace coppice {
 namespace {
 
-constexpr Kernel kKernels[] = {Kernel::quartic, Kernel::cauchy, Kernel::scalis};
+constexpr Kernel kKernels[] = {Kernel::quartic, Kernel::cauchy, Kernel::scalis, Kernel::balls};
 constexpr int kBlends[] = {1, 2, 4, 8};
 /// Every kernel with one blend, and one kernel with all.
-constexpr std::pair<Kernel, int> kFields[] = {{Kernel::quartic, 1}, {Kernel::quartic, 2},
-                                              {Kernel::quartic, 4}, {Kernel::quartic, 8},
-                                              {Kernel::cauchy, 4},  {Kernel::scalis, 4}};
+constexpr std::pair<Kernel, int> kFields[] = {
+    {Kernel::quartic, 1}, {Kernel::quartic, 2}, {Kernel::quartic, 4}, {Kernel::quartic, 8},
+    {Kernel::cauchy, 4},  {Kernel::scalis, 4},  {Kernel::balls, 1},   {Kernel::balls, 4}};
 
 FieldOptions with_kernel(Kernel kernel, int blend = 4) { return {.kernel = kernel, .blend = blend}; }
 
@@ -42,8 +42,9 @@ kernel::Sample<double> in_double(const Skeleton& skeleton, const ConvolutionFiel
         while (!skeleton.is_root(top) && skeleton.leader(skeleton.parent(top)) == top)
             top = skeleton.parent(top);
         const auto& s = field.segments()[n.index()];
-        const kernel::SegmentConstants<double> wide{s.ax,    s.ay,  s.az,     s.ux,     s.uy,    s.uz,
-                                                    s.begin, s.end, s.length, s.radius, s.slope, s.weight};
+        const kernel::SegmentConstants<double> wide{s.ax,    s.ay,     s.az,   s.ux,     s.uy,
+                                                    s.uz,    s.begin,  s.end,  s.length, s.radius,
+                                                    s.slope, s.weight, s.balls};
         const auto f = sample_segment(field.kernel(), wide, {p.x, p.y, p.z});
         kernel::Sample<double>& sum = axes[blend == 1 ? 0 : top.index()];
         sum = {sum.value + f.value, sum.gx + f.gx, sum.gy + f.gy, sum.gz + f.gz};

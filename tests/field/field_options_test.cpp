@@ -13,6 +13,7 @@ TEST(FieldOptions, EveryMemberIsVisitedAndItsDefaultLiesInRange) {
     test::expect_described<FieldOptions>();
     EXPECT_EQ(name_of(FieldOptions{}.kernel), "quartic");
     EXPECT_EQ(name_of(Kernel::scalis), "scalis");
+    EXPECT_EQ(name_of(Kernel::balls), "balls");
     EXPECT_EQ(name_of(FieldOptions{}.weights), "local");
     EXPECT_EQ(name_of(Weights::global), "global");
 }

@@ -76,7 +76,7 @@ TEST(SurfaceConstraints, AreInProportionToLengthOverRadius) {
 
 TEST(GlobalWeights, ALongSegmentGetsTheLocalWeight) {
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 200}}, {1, 1});
-    for (const Kernel k : {Kernel::quartic, Kernel::cauchy, Kernel::scalis}) {
+    for (const Kernel k : {Kernel::quartic, Kernel::cauchy, Kernel::scalis, Kernel::balls}) {
         const GlobalWeights w = global_weights(s, global(k));
         ASSERT_EQ(w.factors.size(), 2u);
         EXPECT_NEAR(w.factors[1], 1, 0.01) << name_of(k);

@@ -41,6 +41,43 @@ TEST_F(PointFiles, ComeBackBitForBit) {
     }
 }
 
+TEST_F(PointFiles, PlyHasDistancesAndColoursWhereThereAreAny) {
+    PaintedPoints painted{many(20000), {}, {}};
+    for (std::size_t i = 0; i < painted.points.size(); ++i) {
+        painted.distances.push_back(static_cast<float>(i) / 7 - 3);
+        painted.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 256), 255});
+    }
+    for (const Vec3d origin : {Vec3d{}, Vec3d{500000, 4.5e6, 0.5}}) {
+        painted.points.origin = origin;
+        write_painted_points(folder_ / "a.ply", painted, "a note");
+        const PaintedPoints back = read_painted_points(folder_ / "a.ply");
+        EXPECT_EQ(back.distances, painted.distances);
+        EXPECT_EQ(back.colors, painted.colors);
+        EXPECT_LT(distance(back.points.world(77), painted.points.world(77)), 1e-6);
+    }
+    EXPECT_NE(read_file(folder_ / "a.ply").find("\ncomment a note\n"), std::string::npos);
+    painted.distances.clear();
+    write_painted_points(folder_ / "a.ply", painted, {});
+    EXPECT_TRUE(read_painted_points(folder_ / "a.ply").distances.empty());
+    EXPECT_EQ(read_painted_points(folder_ / "a.ply").colors, painted.colors);
+    EXPECT_THROW(write_painted_points(folder_ / "a.xyz", painted, {}), Unsupported);
+}
+
+TEST_F(PointFiles, OnlyColoursOfBytesAreTaken) {
+    const auto read = [&](const char* type) {
+        AtomicFile file(folder_ / "a.ply");
+        file.write(std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+                               "y\nproperty float z\nproperty list uchar float distance\nproperty ") +
+                   type + " red\nproperty " + type + " green\nproperty " + type +
+                   " blue\nend_header\n1 2 3 1 5 7 8 9\n");
+        file.commit();
+        return read_painted_points(folder_ / "a.ply");
+    };
+    EXPECT_EQ(read("uchar").colors, (std::vector<Rgb>{{7, 8, 9}}));
+    EXPECT_TRUE(read("float").colors.empty());
+    EXPECT_TRUE(read("uchar").distances.empty());  // a list is no number
+}
+
 TEST_F(PointFiles, KeepTheDigitsOfPointsFarFromZero) {
     PointSet set = many(1000);
     set.origin = {500000, 4.5e6, 0.5};

@@ -71,7 +71,8 @@ TEST(SketchFile, WhatIsWrongIsNamed) {
     EXPECT_EQ(said_of("\"orthographic\": \"side\"", "\"orthographic\": \"inside\""),
               "a.sketch.json: views[1].orthographic must be one of front, back, side, left, top");
     EXPECT_EQ(said_of("\"orthographic\": \"side\", ", ""),
-              "a.sketch.json: views[1] needs the camera's K, R and t, or colmap, photograph or orthographic");
+              "a.sketch.json: views[1] needs the camera's K, R and t, or colmap, phenomenal, photograph or "
+              "orthographic");
     EXPECT_EQ(said_of("\"pixels_per_metre\": 100", "\"pixels_per_metre\": 0"),
               "a.sketch.json: views[1].pixels_per_metre must be above 0");
     EXPECT_EQ(said_of("\"distortion\": [0.1, 0, 0, 0]", "\"distortion\": [0.1]"),

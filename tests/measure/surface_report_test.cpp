@@ -127,11 +127,26 @@ TEST(Figures, AreNamedOnce) {
     const Skeleton s = pole();
     std::string all;
     visit_figures(check_surface(capsule(16, 4, 0.5f, 0, 10), &s), Names{"", &all});
-    for (const char* name :
-         {"sound\n", "vertices\n", "euler\n", "open_edges\n", "scaled_jacobian.p1\n", "signed_volume\n",
-          "intersections.local\n", "radius_all.n\n", "radius_regular.mean_abs\n", "tip_reach.p99\n",
-          "segments_missing\n", "segments_pinched\n", "middle_to_surface.p50\n", "radius_areas.mean\n",
-          "volume.ratio\n", "volume.missing_percent\n"}) {
+    for (const char* name : {"sound\n",
+                             "vertices\n",
+                             "euler\n",
+                             "open_edges\n",
+                             "scaled_jacobian.p1\n",
+                             "signed_volume\n",
+                             "bending\n",
+                             "face_angle_degrees.p95\n",
+                             "fork_bending\n",
+                             "fork_face_angle_degrees.n\n",
+                             "intersections.local\n",
+                             "radius_all.n\n",
+                             "radius_regular.mean_abs\n",
+                             "tip_reach.p99\n",
+                             "segments_missing\n",
+                             "segments_pinched\n",
+                             "middle_to_surface.p50\n",
+                             "radius_areas.mean\n",
+                             "volume.ratio\n",
+                             "volume.missing_percent\n"}) {
         EXPECT_NE(all.find(name), std::string::npos) << name;
     }
     std::string bare;

@@ -54,9 +54,33 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshWhereMuchCrosses) {
     EXPECT_GT(pairs, 1000u);
 }
 
+// Units have quads between their tubes, a root may be one, and much crosses without unfolding.
+TEST(SliceCrossings, AreThoseOfTheWholeMeshOnRamifications) {
+    std::size_t pairs = 0;
+    for (const int levels : {1, 2, 3}) {
+        SCOPED_TRACE(testing::Message() << levels << " levels");
+        MeshOptions options = with(levels, 4);
+        options.method = MeshMethod::ramifications;
+        for (const auto& [name, skeleton] : skeleton_zoo()) {
+            SCOPED_TRACE(name);
+            for (const BaseShape base : {BaseShape::flat, BaseShape::round}) {
+                options.control.base = base;
+                expect_same(skeleton, options);
+            }
+        }
+        expect_same(random_tree(300, 5), options);
+        options.untangle.passes = 0;
+        for (const bool additional : {false, true}) {
+            options.ramification.all_additional = additional;
+            for (std::uint64_t seed = 0; seed < 4; ++seed)
+                pairs += expect_same(random_tree(200, seed, true), options);
+        }
+    }
+    EXPECT_GT(pairs, 1000u);
+}
+
 // Each vertex goes astray by itself: a fold that only touches its own row, or a spike that reaches others.
-TEST(SliceCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
-    const Quads quads = quads_of(random_tree(40, 5), with(2, 4));
+void expect_same_when_vertices_are_moved(const Quads& quads) {
     const std::size_t count = quads.surface.mesh.positions.size();
     const Box3 box = [&] {
         Box3 all;
@@ -77,6 +101,14 @@ TEST(SliceCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
     EXPECT_GT(pairs, 60u);
 }
 
+TEST(SliceCrossings, AreThoseOfTheWholeMeshWhenVerticesAreMoved) {
+    MeshOptions options = with(2, 4);
+    expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
+    options.method = MeshMethod::ramifications;
+    options.levels = 3;
+    expect_same_when_vertices_are_moved(quads_of(random_tree(40, 5), options));
+}
+
 TEST(SliceCrossings, AreTheSameForAnyNumberOfThreads) {
     const Quads quads = quads_of(random_tree(2000, 1, true), with(1, 4));
     const auto one = slice_search(quads, quads.surface.mesh, {.threads = 1});
@@ -89,7 +121,7 @@ TEST(SliceCrossings, AreTheSameForAnyNumberOfThreads) {
 // What is left to be searched is little, on a tree whose branches keep clear of each other.
 TEST(SliceCrossings, AreProvedToBeNoneNearlyEverywhere) {
     const Quads quads = quads_of(random_tree(3000, 1), {});
-    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.options.levels);
+    const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.levels);
     const std::size_t left = unproved_quads(quads.surface.mesh, slices, {}).size();
     EXPECT_LT(left, quads.surface.mesh.quads.size() / 50);
 }

@@ -13,11 +13,11 @@ using namespace test;
 constexpr std::uint32_t kMany = 1'000'000;
 
 /// What is found in a surface with some of its vertices astray, and in what remeshing made of it.
-std::size_t expect_all_found(const Skeleton& skeleton, float astray) {
-    const Quads before = quads_of(skeleton, {});
-    const QuadMesh after = std::move(mesh_skeleton(skeleton).quads().mesh);
-    pipeline_internal::KeptQuads kept({before.surface.mesh, before.tubes, before.options.levels},
-                                      before.surface.cage, after);
+std::size_t expect_all_found(const Skeleton& skeleton, float astray, const MeshOptions& options = {}) {
+    const Quads before = quads_of(skeleton, options);
+    const QuadMesh after = std::move(mesh_skeleton(skeleton, options).quads().mesh);
+    pipeline_internal::KeptQuads kept({before.surface.mesh, before.tubes, before.levels}, before.surface.cage,
+                                      after);
     std::size_t found = 0;
     for (const std::size_t step : {std::size_t{97}, std::size_t{1009}}) {
         PolygonMesh moved = to_polygons(after);
@@ -38,12 +38,15 @@ TEST(KeptQuads, FindTheCrossingsOfTheWholeMesh) {
     EXPECT_GT(expect_all_found(random_tree(300, 1), 0.5f), 100u);
     EXPECT_GT(expect_all_found(random_tree(150, 2, true), 0.5f), 100u);
     EXPECT_GT(expect_all_found(random_tree(150, 3, true), 1.5f), 1000u);
+    MeshOptions options;
+    options.method = MeshMethod::ramifications;
+    EXPECT_GT(expect_all_found(random_tree(150, 3, true), 0.5f, options), 100u);
 }
 
 TEST(KeptQuads, StopAtTheLimit) {
     const Quads quads = quads_of(random_tree(100, 1), {});
-    pipeline_internal::KeptQuads kept({quads.surface.mesh, quads.tubes, quads.options.levels},
-                                      quads.surface.cage, quads.surface.mesh);
+    pipeline_internal::KeptQuads kept({quads.surface.mesh, quads.tubes, quads.levels}, quads.surface.cage,
+                                      quads.surface.mesh);
     PolygonMesh moved = to_polygons(quads.surface.mesh);
     EXPECT_TRUE(kept.crossings(moved, 1, {}).pairs.empty());
     for (Vec3& p : moved.positions) p.z = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coppice/measure/intersections.h"
+#include "coppice/mesh/topology.h"
 #include "coppice/skeleton/random_tree.h"
 #include "errors.h"
 
@@ -69,15 +70,48 @@ TEST(MeshSkeleton, RamificationsAreQuadsThatSayHowTheyWereJoined) {
     EXPECT_TRUE(said.starts_with("mesh: levels must be at least 1 for ramifications")) << said;
 }
 
-TEST(MeshSkeleton, RamificationsCountWhatStillCrosses) {
+TEST(MeshSkeleton, RamificationsNeverCross) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const QuadSurface made =
             mesh_skeleton(random_tree(300, seed, true), by(MeshMethod::ramifications)).quads();
-        const auto pairs = crossing_faces(SurfaceTree(to_polygons(made.mesh)), 100'000).pairs;
-        EXPECT_EQ(made.smoothed.pairs_after, pairs.size());
-        EXPECT_EQ(made.smoothed.left.empty(), pairs.empty());
-        EXPECT_LT(made.smoothed.pairs_after, made.smoothed.pairs_before);
+        const PolygonMesh mesh = to_polygons(made.mesh);
+        EXPECT_TRUE(topology(made.mesh).sound());
+        EXPECT_GT(made.knots.pairs_before, 0u);
+        EXPECT_EQ(made.knots.pairs_after, 0u);
+        EXPECT_TRUE(crossing_faces(SurfaceTree(mesh), 100'000).pairs.empty());
     }
+}
+
+TEST(MeshSkeleton, MetaballsBulgeAsMuchAsIsAllowed) {
+    const Skeleton bar = cone({0, 0, 4}, 0.2f, 0.2f);
+    MeshOptions options = by(MeshMethod::bmesh);
+    options.levels = 4;
+    options.field.ball_bulge = 0.12f;
+    const QuadSurface surface = mesh_skeleton(bar, options).quads();
+    ASSERT_TRUE(surface.balls);
+    float least = 1, most = 0;
+    for (const Vec3 p : surface.mesh.positions) {
+        if (p.z < 0.6f || p.z > 3.4f) continue;  // beyond the ends' influence
+        const float radius = std::hypot(p.x, p.y) / 0.2f;
+        least = std::min(least, radius);
+        most = std::max(most, radius);
+    }
+    EXPECT_GT(most - least, 0.08f);  // whole balls stand a little closer than is allowed
+    EXPECT_LT(most - least, 0.121f);
+    EXPECT_GE(surface.balls->balls, 20 / surface.balls->chain.spacing);
+    EXPECT_FALSE(mesh_skeleton(bar).quads().balls);
+}
+
+TEST(MeshSkeleton, MetaballsAreSummedWhateverTheBlend) {
+    MeshOptions options = by(MeshMethod::bmesh), same;
+    same.field.kernel = Kernel::balls;
+    same.field.blend = 1;
+    const Skeleton tree = random_tree(60, 3, false);
+    EXPECT_EQ(mesh_skeleton(tree, options).quads().mesh.positions,
+              mesh_skeleton(tree, same).quads().mesh.positions);
+    options.field.kernel = Kernel::cauchy;
+    EXPECT_EQ(test::error_of([&] { mesh_skeleton(tree, options); }),
+              "mesh: kernel must be quartic or balls for bmesh, whose balls are quartic");
 }
 
 TEST(MeshSkeleton, CylindersAreTubes) {

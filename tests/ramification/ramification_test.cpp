@@ -18,11 +18,8 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 RamificationMesh made_of(const Skeleton& s, const RamificationOptions& options = {},
-                         const ControlOptions& ends = {}, const Context& ctx = {},
-                         std::span<const NodeId> pasted = {}) {
-    std::vector<NodeId> same;
-    for (const NodeId n : nodes(s)) same.push_back(n);
-    return build_ramifications({s, same, pasted}, ends, 2, options, ctx);
+                         const ControlOptions& ends = {}, const Context& ctx = {}) {
+    return build_ramifications(s, ends, 2, options, ctx);
 }
 
 void expect_spheres(const ControlMesh& m, const Skeleton& s) {
@@ -121,12 +118,46 @@ TEST(Ramification, ConnectsLateralsThatHaveAFaceToThemselves) {
     EXPECT_EQ(additional({0, 90, 180, 270}, true), 3u);
 }
 
-TEST(Ramification, PastesWhatLeavesTheNodesThatAreNamed) {
-    const Skeleton cross = whorl({0, kPi / 2});
-    EXPECT_EQ(made_of(cross).report.additional, 0u);
-    const std::vector<NodeId> at{NodeId(1)}, elsewhere{NodeId(0), NodeId(2)};
-    EXPECT_EQ(made_of(cross, {}, {}, {}, at).report.additional, 2u);
-    EXPECT_EQ(made_of(cross, {}, {}, {}, elsewhere).report.additional, 0u);
+// Two rows of eight sides lie between units, rings and ends, and each ring is that of its neighbour.
+TEST(Ramification, SaysOfWhichTubesQuadsAre) {
+    for (const bool additional : {false, true}) {
+        const Skeleton tree = random_tree(200, 2);
+        const RamificationMesh made = made_of(tree, {.all_additional = additional});
+        const ControlMesh& m = made.control;
+        ASSERT_EQ(m.region_node.size(), made.tubes.size());
+        ASSERT_EQ(made.wrapping.size(), tree.size());
+        std::vector<std::uint32_t> sides(made.tubes.size(), 0), caps(sides), forks(sides), wraps(sides);
+        std::vector<std::uint32_t> first(made.tubes.size(), 0);
+        for (std::uint32_t q = 0; q < m.region.size(); ++q) {
+            const std::uint32_t r = m.region[q];
+            if (m.part[q] == TubePart::side && sides[r]++ == 0) first[r] = q;
+            caps[r] += m.part[q] == TubePart::start || m.part[q] == TubePart::end ? 1 : 0;
+            forks[r] += m.part[q] == TubePart::fork ? 1 : 0;
+        }
+        for (std::size_t n = 0; n < tree.size(); ++n) {
+            for (const NodeId t : made.wrapping[n]) ++wraps[t.index()];
+        }
+        for (const NodeId t : nodes(made.tubes)) {
+            const std::uint32_t i = t.index();
+            const std::size_t children = made.tubes.children(t).size();
+            EXPECT_EQ(sides[i], made.tubes.is_root(t) ? 0u : 8u);
+            EXPECT_EQ(forks[i] > 0, children > 1);
+            EXPECT_EQ(wraps[i] > 0, !made.tubes.is_root(t));
+            if (children == 0) {
+                EXPECT_GT(caps[i], 0u);
+            }
+            if (children != 1 || made.tubes.is_root(t)) continue;
+            const std::uint32_t next = first[made.tubes.children(t)[0].index()];
+            for (std::uint32_t k = 0; k < 8; ++k) {
+                EXPECT_EQ(m.part[first[i] + k], TubePart::side);
+                EXPECT_EQ(m.cage.quads[first[i] + k][1], m.cage.quads[first[i] + (k + 1) % 8][0]);
+                bool meets = false;
+                for (std::uint32_t l = 0; l < 8; ++l)
+                    meets |= m.cage.quads[next + l][0] == m.cage.quads[first[i] + k][3];
+                EXPECT_TRUE(meets);
+            }
+        }
+    }
 }
 
 TEST(Ramification, LowersItsObjective) {

@@ -250,6 +250,15 @@ TEST(Render, InsideIsBlueAndOutsideRed) {
     EXPECT_NEAR(unknown[0], unknown[2], 30);
 }
 
+TEST(Render, TheSignalColourIsMagenta) {
+    const PolygonMesh mesh = cube(1);
+    RenderOptions o = small();
+    o.color = RenderColor::signal;
+    const auto pixel = render({.mesh = &mesh}, o).at(20, 32);
+    EXPECT_GT(pixel[0], pixel[1] + 60);
+    EXPECT_GT(pixel[2], pixel[1] + 40);
+}
+
 TEST(Render, DeviationComesWithAScaleBar) {
     const PolygonMesh mesh = cube(1);
     RenderOptions o = small();
@@ -330,6 +339,78 @@ TEST(Render, LengthsOfTheScaleHaveThreeDigits) {
     EXPECT_EQ(length_text(3.2e-7), "320 nm");
     EXPECT_EQ(length_text(1e6), "1000 km");
     EXPECT_EQ(length_text(1e-9), "1.00 nm");
+}
+
+/// One point in the middle of the picture, one to each side.
+PaintedPoints three_points() {
+    PaintedPoints out;
+    out.points.positions = {{0, -1, 0}, {0, 0, 0}, {0, 1, 0}};
+    return out;
+}
+
+TEST(Render, PointsAreBalls) {
+    PaintedPoints cloud = three_points();
+    for (const Vec3d origin : {Vec3d{}, Vec3d{500'000, 5e6, 100}}) {
+        cloud.points.origin = origin;
+        const Image image = render({.cloud = &cloud, .point_radius = 0.1f}, small());
+        // The picture is 2.2 m wide and 64 pixels but for the margins: 27 pixels a metre.
+        EXPECT_EQ(image.at(32, 32)[3], 255);
+        EXPECT_EQ(image.at(32, 32 + 5)[3], 0);
+        EXPECT_EQ(image.at(32 + 13, 32)[3], 0);
+        EXPECT_EQ(image.at(32 + 27, 32)[3], 255);
+    }
+}
+
+TEST(Render, PointsHaveTheirColours) {
+    PaintedPoints cloud = three_points();
+    cloud.colors = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}};
+    const Image image = render({.cloud = &cloud, .point_radius = 0.1f}, small());
+    // Seen from +x, +y is to the right.
+    EXPECT_GT(image.at(5, 32)[0], image.at(5, 32)[2] + 60);
+    EXPECT_GT(image.at(32, 32)[1], image.at(32, 32)[0] + 60);
+    EXPECT_GT(image.at(59, 32)[2], image.at(59, 32)[0] + 60);
+}
+
+TEST(Render, PointsLieOverAPaleMeshColouredByTheirDistance) {
+    // Points 0.1 inside of, on and 0.1 outside of the face of a cube that is seen.
+    const PolygonMesh mesh = cube(1);
+    const SurfaceTree surface(mesh);
+    PaintedPoints cloud;
+    cloud.points.positions = {{1.1f, 0.9f, 0}, {1, 0, 0}, {0.9f, -1.05f, 0}};
+    RenderOptions o = small();
+    o.color = RenderColor::distance;
+    o.distance_range = 0.05f;
+    const RenderScene scene{.mesh = &mesh, .cloud = &cloud, .point_radius = 0.1f, .distance_to = &surface};
+    const Image image = render(scene, o);
+    EXPECT_GT(image.at(58, 32)[0], image.at(58, 32)[2] + 40);   // outside
+    EXPECT_NEAR(image.at(32, 32)[0], image.at(32, 32)[2], 30);  // on it
+    EXPECT_NEAR(image.at(45, 45)[0], image.at(45, 45)[2], 30);  // the mesh
+    // Distances of their own go before those from the mesh, and their range is the one of 98 %.
+    cloud.distances = {-0.3f, 0.3f, 0.3f};
+    o.distance_range = 0;
+    const Image own = render(scene, o);
+    EXPECT_GT(own.at(58, 32)[2], own.at(58, 32)[0] + 40);
+    EXPECT_GT(own.at(32, 32)[0], own.at(32, 32)[2] + 40);
+}
+
+TEST(Render, OddPointsAreRefused) {
+    PaintedPoints cloud;
+    const auto drawn = [&](float radius = 0.1f) {
+        render({.cloud = &cloud, .point_radius = radius}, small());
+    };
+    EXPECT_THROW(drawn(), InvalidInput);  // none
+    cloud = three_points();
+    EXPECT_NO_THROW(drawn());
+    EXPECT_THROW(drawn(0), InvalidInput);
+    cloud.colors.resize(2);
+    EXPECT_THROW(drawn(), InvalidInput);
+    cloud = three_points();
+    cloud.points.positions[1].x = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(drawn(), InvalidInput);
+    cloud = three_points();
+    RenderOptions o = small();
+    o.color = RenderColor::distance;  // from what?
+    EXPECT_THROW(render({.cloud = &cloud, .point_radius = 0.1f}, o), InvalidInput);
 }
 
 TEST(Render, TheGroundReceivesAShadow) {

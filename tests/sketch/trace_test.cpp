@@ -7,6 +7,7 @@
 
 #include "coppice/skeleton/measure.h"
 #include "coppice/sketch/reconstruct.h"
+#include "coppice/sketch/trace/hull_internal.h"
 #include "coppice/sketch/trace/silhouette_internal.h"
 #include "errors.h"
 #include "sketch/drawn.h"
@@ -26,6 +27,15 @@ void draw(Mask& mask, PicturePoint a, PicturePoint b, double radius) {
             if (length(p - (a + ab * t)) < radius) mask.inside[mask.index(x, y)] = 1;
         }
     }
+}
+
+/// All points of a sketch.
+std::vector<PicturePoint> points_of(const Sketch& sketch) {
+    std::vector<PicturePoint> out;
+    for (const SketchBranch& branch : sketch.branches)
+        for (const Stroke& stroke : branch.strokes)
+            out.insert(out.end(), stroke.points.begin(), stroke.points.end());
+    return out;
 }
 
 std::size_t count(const Mask& mask) { return static_cast<std::size_t>(std::ranges::count(mask.inside, 1)); }
@@ -85,10 +95,10 @@ TEST(Silhouette, BranchesThatCrossPassEachOther) {
     }
 }
 
-/// The fork of fork_drawing, with thick branches, as both of its views show it.
-std::array<Mask, 2> fork_silhouettes(const std::vector<SketchView>& views) {
-    std::array<Mask, 2> out{Mask(400, 320), Mask(400, 320)};
-    for (std::size_t v = 0; v < 2; ++v) {
+/// The fork of fork_drawing, with thick branches, as its views show it.
+std::vector<Mask> fork_silhouettes(const std::vector<SketchView>& views) {
+    std::vector<Mask> out(views.size(), Mask(400, 320));
+    for (std::size_t v = 0; v < views.size(); ++v) {
         const auto line = [&](Vec3d a, Vec3d b, double radius) {
             draw(out[v], project(views[v], a), project(views[v], b), radius * 100);
         };
@@ -97,6 +107,18 @@ std::array<Mask, 2> fork_silhouettes(const std::vector<SketchView>& views) {
         line({0.4, 0.3, 1.5}, {0.6, 0.5, 1.9}, 0.04);
     }
     return out;
+}
+
+/// The views of fork_drawing, and two from between them and from the left of the front.
+std::vector<SketchView> four_views() {
+    std::vector<SketchView> views = test::fork_drawing().views;
+    const double c = std::sqrt(0.5);
+    for (const double side : {1.0, -1.0}) {
+        views.push_back(views[0]);
+        views.back().name = "view " + std::to_string(views.size());
+        views.back().r = {{{c, side * c, 0}, {0, 0, -1}, {-side * c, c, 0}}};
+    }
+    return views;
 }
 
 TEST(Trace, AForkIsFoundInItsSilhouettes) {
@@ -114,13 +136,85 @@ TEST(Trace, AForkIsFoundInItsSilhouettes) {
     EXPECT_LT(nearest, 0.06);
 }
 
+TEST(Trace, SilhouetteFieldsTellHowFarPlacesAreWithin) {
+    Mask mask(100, 80);
+    for (int y = 20; y < 60; ++y)
+        for (int x = 30; x < 70; ++x) mask.inside[mask.index(x, y)] = 1;
+    const SilhouetteField field(mask);
+    EXPECT_EQ(field.inside_by({50.5, 30.5}), 10.5);  // the upper edge lies at y = 20
+    EXPECT_EQ(field.inside_by({28.5, 30.5}), -1.5);  // the left one at x = 30
+    EXPECT_LE(*field.inside_by({5.5, 30.5}), -20);   // 24.5 at most
+    EXPECT_GE(*field.inside_by({5.5, 30.5}), -24.5);
+    EXPECT_EQ(field.inside_by({-1, 30}), std::nullopt);
+    EXPECT_EQ(field.inside_by({50, 80}), std::nullopt);
+}
+
+TEST(Trace, AHullIsAsWideAsWhatItHolds) {
+    const std::vector<SketchView> views = four_views();
+    const std::vector<Mask> masks = fork_silhouettes(views);
+    std::vector<SilhouetteField> fields(masks.begin(), masks.end());
+    const Hull hull = hull_of(views, fields, {});
+    EXPECT_LE(hull.size, 0.015);  // of pixels of 1 cm
+    double widest = 0;
+    for (std::uint32_t i = 0; i < hull.cells.size(); ++i) {
+        const Vec3d p = hull.center(i);
+        EXPECT_GT(p.z, -0.1);
+        EXPECT_LT(p.z, 2.1);
+        if (p.z > 0.3 && p.z < 0.7) widest = std::max(widest, hull.clearance[i]);
+    }
+    EXPECT_NEAR(widest, 0.08, 0.01);
+}
+
+TEST(Trace, AForkIsFoundInFourSilhouettes) {
+    const std::vector<SketchView> views = four_views();
+    const std::vector<Mask> masks = fork_silhouettes(views);
+    const TraceResult traced = trace(views, masks);
+    ASSERT_EQ(traced.sketch.branches.size(), 2u);
+    EXPECT_EQ(traced.sketch.branches[1].strokes.size(), 4u);
+    const Skeleton s = reconstruct(traced.sketch, {}, "traced").skeleton;
+    EXPECT_EQ(s.tree_count(), 1u);
+    // Its ends are round: 0.08 more at both ends of the stem, 0.04 more at that of the branch.
+    EXPECT_NEAR(measure(s).length, 2 + std::sqrt(0.5) + std::sqrt(0.24) + 0.2, 0.15);
+    EXPECT_NEAR(s.radius(NodeId(0)), 0.08, 0.015);
+    double nearest = 1;
+    for (const Vec3 p : s.positions()) nearest = std::min(nearest, distance(Vec3d(p), Vec3d{0.6, 0.5, 1.9}));
+    EXPECT_LT(nearest, 0.06);
+    Context one;
+    one.threads = 1;
+    EXPECT_EQ(points_of(trace(views, masks, one).sketch), points_of(traced.sketch));
+}
+
+TEST(Trace, AGhostShowsNothing) {
+    // Two bars before the front view and two before the side: four bars would show the same.
+    const std::vector<SketchView> views = test::fork_drawing().views;
+    Hull hull;
+    hull.size = 0.01;
+    std::vector<HullPiece> pieces;
+    const auto bar = [&](double x, double y) {
+        HullPiece piece{.cells = {}, .before = kNoCell, .is_tip = true};
+        for (int k = 0; k < 60; ++k) {
+            piece.cells.push_back(static_cast<std::uint32_t>(hull.cells.size()));
+            hull.cells.push_back({static_cast<int>(100 * x), static_cast<int>(100 * y), 100 + k});
+            hull.clearance.push_back(0.03);
+        }
+        pieces.push_back(piece);
+    };
+    bar(0.5, 0.5), bar(-0.5, -0.5), bar(0.5, -0.5), bar(-0.5, 0.5);
+    std::vector<Mask> masks(2, Mask(400, 320));
+    for (std::size_t v = 0; v < 2; ++v)
+        for (const double at : {-0.5, 0.5})
+            draw(masks[v], project(views[v], {at, at, 1}), project(views[v], {at, at, 1.6}), 4);
+    const std::vector<SilhouetteField> fields(masks.begin(), masks.end());
+    EXPECT_EQ(explaining(hull, pieces, views, fields, masks, {}).size(), 2u);
+}
+
 TEST(Trace, WhatCannotBeTracedIsRefused) {
     const Sketch drawing = test::fork_drawing();
-    const auto said = [&](std::vector<SketchView> views, std::array<Mask, 2> masks) {
+    const auto said = [&](std::vector<SketchView> views, std::vector<Mask> masks) {
         return error_of([&] { trace(views, masks); });
     };
     EXPECT_EQ(said({drawing.views[0]}, fork_silhouettes(drawing.views)),
-              "trace: two views with a silhouette each are needed");
+              "trace: two views or more with a silhouette each are needed");
     EXPECT_EQ(said(drawing.views, {Mask(400, 320), Mask(400, 320)}), "trace: a silhouette shows nothing");
     std::vector<SketchView> sized = drawing.views;
     sized[1].width = 500;
@@ -131,6 +225,16 @@ TEST(Trace, WhatCannotBeTracedIsRefused) {
     moved[1].t.y += 0.5;
     EXPECT_EQ(said(moved, fork_silhouettes(drawing.views)),
               "trace: no branch of the two silhouettes matches; are these the right cameras?");
+    std::vector<SketchView> four = four_views();
+    std::vector<Mask> shown = fork_silhouettes(four);
+    four[3].t.x += 1;
+    EXPECT_EQ(said(four, shown),
+              "trace: the silhouettes have nothing in common; are these the right cameras?");
+    shown[2] = Mask(400, 320);
+    EXPECT_EQ(said(four, shown), "trace: a silhouette shows nothing");
+    shown = fork_silhouettes(four = {drawing.views[0], drawing.views[0], drawing.views[0]});
+    EXPECT_EQ(said(four, shown),
+              "trace: all views look the same way, so that nothing tells how deep the tree is");
     EXPECT_EQ(error_of([] { extent_of(Mask(10, 10), "here"); }), "here: the silhouette shows nothing");
 }
 

@@ -44,6 +44,34 @@ TEST(Cylinders, CloseEveryTubeOfTheZoo) {
     }
 }
 
+// Around, each face takes its share and none is turned over; along, from cap to cap.
+TEST(Cylinders, LieOnATextureWithoutATwist) {
+    for (const int sides : {3, 4, 5, 16}) {
+        SCOPED_TRACE(sides);
+        const CylinderMesh made =
+            cylinders(chain({{0, 0, 0}, {0, 0, 2}, {0, 0, 3}}, {0.5f, 0.5f, 0.25f}), {.sides = sides});
+        ASSERT_EQ(made.texture.size(), made.mesh.corners.size());
+        double area = 0;
+        for (std::uint32_t f = 0; f < made.mesh.face_count(); ++f) {
+            const std::uint32_t first = made.mesh.first[f], end = made.mesh.first[f + 1];
+            double turned = 0;
+            for (std::uint32_t i = first; i < end; ++i) {
+                const TexturePoint a = made.texture[i], b = made.texture[i + 1 < end ? i + 1 : first];
+                EXPECT_GE(a.u, 0.0f);
+                EXPECT_LE(a.u, 1.0f);
+                turned += (double{a.u} * double{b.v} - double{b.u} * double{a.v}) / 2;
+            }
+            EXPECT_GE(turned, -1e-7);
+            area += turned;
+        }
+        // The mantle of length 3 and height sqrt(1 + 0.0625) for its last part, over the circumference; caps
+        // are half covered at their poles, discs of few sides not at all.
+        const double around = std::numbers::pi;
+        EXPECT_GT(area, 3 / around);
+        EXPECT_LT(area, (3 + 0.5 + std::numbers::pi / 8) / around);
+    }
+}
+
 TEST(Cylinders, LieOnTheCylinderAndReachToItsEnds) {
     const Skeleton bar = chain({{0, 0, 0}, {0, 0, 3}}, {0.5f, 0.5f});
     const CylinderMesh made = cylinders(bar, {.sides = 16, .rows = 3});

@@ -79,6 +79,8 @@ class ConvolutionField {
 
     /// The axis of every segment, named by the highest of its lower nodes.
     std::span<const std::uint32_t> axes() const { return axes_; }
+    /// How balls stand along the segments; unused for other kernels than Kernel::balls.
+    const BallChain& chain() const { return builder_.chain(); }
     const KernelConstants& kernel() const { return builder_.kernel(); }  ///< the kernel of all segments
 
   private:

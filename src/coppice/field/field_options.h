@@ -11,12 +11,13 @@ namespace coppice {
 enum class Kernel {
     quartic,  ///< compact; with support 1.5 the most radius-true and the fastest
     cauchy,   ///< infinite support: soft joints, thin branches swell beside thick ones [Zhu2015]
-    scalis    ///< compact, radius varies within the integral [Zanni2013]; about 1.7 times the cost of quartic
+    scalis,   ///< compact, radius varies within the integral [Zanni2013]; about 1.7 times the cost of quartic
+    balls     ///< metaballs along the segments, each falling off as the quartic kernel does [Ji2010]
 };
 
 template <>
 struct EnumNames<Kernel> {
-    static constexpr std::array<std::string_view, 3> names{"quartic", "cauchy", "scalis"};
+    static constexpr std::array<std::string_view, 4> names{"quartic", "cauchy", "scalis", "balls"};
 };
 
 /// How much each segment counts.
@@ -33,8 +34,10 @@ struct EnumNames<Weights> {
 /// What surface the radii of a skeleton mean.
 struct FieldOptions {
     Kernel kernel = Kernel::quartic;  ///< how influence falls with distance
-    float support = 1.5f;  ///< [radii] quartic: distance at which a segment's influence ends; 2 is Zhu2015's
+    float support = 1.5f;  ///< [radii] quartic, balls: distance at which influence ends; 2 is Zhu2015's
     float width = 2.0f;    ///< [1/radii] Cauchy: greater is sharper
+    float ball_bulge =
+        0.02f;  ///< [radii] balls: so much radii of a long branch differ at most; see ball_chain
     float reach =
         4.0f;  ///< [radii] Cauchy: farther segments are left out of a region's list (2 % of the level)
     float tip_extension =
@@ -53,11 +56,14 @@ template <class Self, class Visitor>
 requires SameOptions<Self, FieldOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"kernel", "what is integrated along the segments"}, o.kernel);
-    visit(Field{"support", "quartic kernel: distance at which the influence of a segment ends", Unit::radius,
-                1.1, 4},
-          o.support);
+    visit(
+        Field{"support", "quartic kernel and balls: distance at which influence ends", Unit::radius, 1.1, 4},
+        o.support);
     visit(Field{"width", "Cauchy kernel: sharpness, times the reciprocal of the radius", Unit::none, 0.5, 8},
           o.width);
+    visit(Field{"ball_bulge", "balls: radii of a long branch, at and between balls, differ by this at most",
+                Unit::radius, 0.0005, 0.5},
+          o.ball_bulge);
     visit(Field{"reach", "Cauchy kernel: segments farther away are left out", Unit::radius, 1.5, 32},
           o.reach);
     visit(

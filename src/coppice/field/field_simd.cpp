@@ -22,6 +22,7 @@ HWY_BEFORE_NAMESPACE();
 #define COPPICE_KERNEL_NAMESPACE HWY_NAMESPACE
 #include "coppice/field/kernel/segment_kernel.h"
 
+#include "coppice/field/kernel/ball_kernel.h"
 #include "coppice/field/kernel/cauchy_kernel.h"
 #include "coppice/field/kernel/quartic_kernel.h"
 #include "coppice/field/kernel/scalis_kernel.h"
@@ -50,6 +51,8 @@ HWY_INLINE Lane operator*(Lane a, Lane b) { return Lane(hn::Mul(a.v, b.v)); }
 HWY_INLINE Lane operator/(Lane a, Lane b) { return Lane(hn::Div(a.v, b.v)); }
 HWY_INLINE Lane smaller(Lane a, Lane b) { return Lane(hn::Min(a.v, b.v)); }
 HWY_INLINE Lane larger(Lane a, Lane b) { return Lane(hn::Max(a.v, b.v)); }
+HWY_INLINE float least(Lane a) { return hn::GetLane(hn::MinOfLanes(Tag(), a.v)); }
+HWY_INLINE float greatest(Lane a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
 HWY_INLINE Lane square_root(Lane a) { return Lane(hn::Sqrt(a.v)); }
 
 /// x from `low` on, else 0.
@@ -80,14 +83,18 @@ HWY_INLINE void add(const ScalisKernel<Lane>& formula, const SegmentConstants<La
                     Sample<Lane>& sum) {
     formula.add(s, p, sum);
 }
+HWY_INLINE void add(const BallKernel<Lane>& formula, const SegmentConstants<Lane>& s, Point<Lane> p,
+                    Sample<Lane>& sum) {
+    formula.add(s, p, sum);
+}
 
 template <class K>
 HWY_INLINE void add_entry(const K& formula, const SegmentList& list, std::size_t i, Point<Lane> p,
                           Sample<Lane>& sum) {
     const kernel::SegmentConstants<float>& s = list.segments[list.ids[i]];
-    const SegmentConstants<Lane> broadcast{Lane(s.ax),     Lane(s.ay),     Lane(s.az),    Lane(s.ux),
-                                           Lane(s.uy),     Lane(s.uz),     Lane(s.begin), Lane(s.end),
-                                           Lane(s.length), Lane(s.radius), Lane(s.slope), Lane(s.weight)};
+    const SegmentConstants<Lane> broadcast{
+        Lane(s.ax),  Lane(s.ay),     Lane(s.az),     Lane(s.ux),    Lane(s.uy),     Lane(s.uz), Lane(s.begin),
+        Lane(s.end), Lane(s.length), Lane(s.radius), Lane(s.slope), Lane(s.weight), s.balls};
     add(formula, broadcast, p, sum);
 }
 
@@ -200,6 +207,8 @@ void sum_points(const KernelConstants& constants, const SegmentList& list, std::
             return sum_axes(CauchyKernel<Lane>(constants.shape, constants.weight), list, points, out);
         case Kernel::scalis:
             return sum_axes(ScalisKernel<Lane>(), list, points, out);
+        case Kernel::balls:
+            return sum_axes(BallKernel<Lane>(constants.shape, constants.weight), list, points, out);
     }
 }
 

@@ -40,6 +40,8 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     ctx.throw_if_cancelled();
     report.shape = shape(mesh, ctx);
     ctx.throw_if_cancelled();
+    report.smoothness = smoothness(mesh, skeleton, ctx);
+    ctx.throw_if_cancelled();
     ctx.report(0.2f);
     std::optional<CapsuleTree> capsules;
     if (skeleton != nullptr) capsules.emplace(*skeleton, mesh.origin, ctx);

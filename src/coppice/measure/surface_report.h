@@ -7,6 +7,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
+#include "coppice/measure/smoothness.h"
 #include "coppice/measure/tree_parts.h"
 #include "coppice/measure/volume_report.h"
 #include "coppice/mesh/mesh.h"
@@ -42,6 +43,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 struct SurfaceReport {
     TopologyReport topology;                          ///< how faces join
     ShapeReport shape;                                ///< how well shaped they are
+    SmoothnessReport smoothness;                      ///< how much they turn
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
     std::optional<CrossingPlaces> crossing_places;    ///< where they are; none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
@@ -93,6 +95,12 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
     visit("inverted_faces", r.shape.inverted_faces);
     visit("signed_volume", r.shape.signed_volume);
     visit("area", r.shape.area);
+    visit("bending", r.smoothness.whole.bending);
+    visit("face_angle_degrees", r.smoothness.whole.face_angle);
+    if (r.smoothness.forks) {
+        visit("fork_bending", r.smoothness.forks->bending);
+        visit("fork_face_angle_degrees", r.smoothness.forks->face_angle);
+    }
     if (r.intersections) visit("intersections", *r.intersections);
     if (r.crossing_places) {
         visit("crossing_places", *r.crossing_places);

@@ -22,6 +22,7 @@ enum class TubePart : std::uint8_t {
     side,   ///< along the tube: corners 0 and 1 lie at its beginning, 2 and 3 where it ends
     start,  ///< closes a tube that begins at a root
     end,    ///< closes a tube at a tip, or is of the ball of a lone node
+    fork,   ///< between the tubes at a branch node, which it names in their stead
 };
 
 /// A coarse closed cage of quads around a skeleton, with what subdivision and projection need to know about
@@ -34,7 +35,7 @@ struct ControlMesh {
     QuadMesh cage;                      ///< closed, one sphere per tree
     Buffer<Vec3> anchors;               ///< [m] one per cage vertex
     std::vector<std::uint32_t> region;  ///< per quad: the tube it belongs to
-    std::vector<TubePart> part;         ///< per quad; the sides of a tube follow each other around it
+    std::vector<TubePart> part;         ///< per quad; those of one part of a tube follow each other
     std::vector<NodeId> region_node;  ///< per region: the skeleton segment (named by its child node) it wraps
     std::vector<ClipPlane> clip;      ///< one per flat end, by first quad
 };

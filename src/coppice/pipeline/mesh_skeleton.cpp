@@ -97,6 +97,23 @@ void refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wr
     }
 }
 
+BallReport balls_of(const ConvolutionField& field) {
+    BallReport out{0, field.chain()};
+    for (const auto& s : field.segments()) {
+        if (s.weight > 0 && s.balls > 0) out.balls += static_cast<std::uint64_t>(s.balls) + 1;
+    }
+    return out;
+}
+
+void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels, const MeshOptions& options,
+            const Context& ctx, Stages& stages) {
+    out.knots = stages.run("remesh", 1.0f,
+                           [&] { return pipeline_internal::remesh_knots(out, map, levels, options, ctx); });
+}
+
+// Whether a tube is only the branch node at a root.
+bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
+
 // `rows` are made for those who move vertices later on.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           std::optional<GlobalWeights>& weights, std::optional<QuadRows>& rows,
@@ -111,75 +128,58 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     ConvolutionField field = stages.run("weights", 0.2f, [&] {
         return surface_field(wrapped.skeleton(), options, constraints, weights, ctx);
     });
+    if (options.field.kernel == Kernel::balls) out.balls = balls_of(field);
     refine_cage(out, options.levels, field, wrapped, options, ctx, stages);
     if (options.fit == Fit::volume) rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
-    const pipeline_internal::TubeMap map{wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapped.tube};
-    out.knots =
-        stages.run("remesh", 1.0f, [&] { return pipeline_internal::remesh_knots(out, map, options, ctx); });
+    const auto wrapping = compress_rows<NodeId>(wrapped.tube.size(), [&](const auto& put) {
+        for (std::size_t n = 0; n < wrapped.tube.size(); ++n) {
+            const NodeId tube = wrapped.tube[n];
+            if (tube && !is_bare_root(wrapped.tubes(), tube)) put(n, tube);
+        }
+    });
+    remesh(out, {wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping}, options.levels, options, ctx,
+           stages);
     return out;
 }
 
-// The refined quads of flat ends.
-std::vector<std::uint32_t> flat_ends(std::span<const ClipPlane> clips, int levels) {
-    std::vector<std::uint32_t> quads;
-    for (const ClipPlane& c : clips) {
-        const std::uint32_t end = (c.first_quad + c.quad_count) << (2 * levels);
-        for (std::uint32_t q = c.first_quad << (2 * levels); q < end; ++q) quads.push_back(q);
-    }
-    return quads;
-}
-
-// The nodes about which quads still cross, of the tubes, ascending.
-std::vector<NodeId> crossing_nodes(const QuadSurface& surface, int levels, const Skeleton& tubes) {
-    std::vector<NodeId> nodes;
-    for (const std::uint32_t q : surface.smoothed.left) {
-        const NodeId n(surface.cage.region[q >> (2 * levels)]);
-        nodes.push_back(n);
-        if (!tubes.is_root(n)) nodes.push_back(tubes.parent(n));
-    }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    return nodes;
-}
-
-// A second time where quads still cross, with the laterals there pasted; the better of both.
 QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& constraints,
                                   const MeshOptions& options, std::optional<GlobalWeights>& weights,
-                                  const Context& ctx, Stages& stages) {
+                                  std::optional<QuadRows>& rows, const Context& ctx, Stages& stages) {
     if (options.levels == 0)
         throw InvalidInput("mesh: levels must be at least 1 for ramifications, which are pasted between two");
+    MeshOptions with = options;
+    with.control.sides = 4;
+    QuadSurface out;
     const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    out.grafted = wrapped.grafted.report;
+    out.parted = wrapped.parted.report;
+    RamificationMesh made = stages.run("cage", 0.15f, [&] {
+        return build_ramifications(wrapped.tubes(), options.control, options.levels, options.ramification,
+                                   ctx);
+    });
+    out.ramified = made.report;
+    // The field knows the tubes that the units were built of, the rows are those of what was made of them.
+    out.cage = std::move(made.control);
+    const std::vector<std::uint32_t> rows_of = out.cage.region;
+    const std::vector<NodeId> source = std::exchange(out.cage.region_node, wrapped.source);
+    for (std::uint32_t& r : out.cage.region) r = source[r].index();
     ConvolutionField field = stages.run("weights", 0.2f, [&] {
         return surface_field(wrapped.skeleton(), options, constraints, weights, ctx);
     });
     const int levels = options.levels - 1;
-    const bool smooths = options.remesh_rounds > 0 && options.overlaps != Overlaps::keep &&
-                         options.project.method != ProjectionMethod::none;
-    const auto attempt = [&](std::span<const NodeId> pasted, const Context& how, Stages& steps) {
-        QuadSurface out;
-        out.grafted = wrapped.grafted.report;
-        out.parted = wrapped.parted.report;
-        out.cage = steps.run("cage", 0.2f, [&] {
-            const RamificationInput input{wrapped.tubes(), wrapped.source, pasted};
-            RamificationMesh made =
-                build_ramifications(input, options.control, options.levels, options.ramification, how);
-            out.ramified = made.report;
-            return std::move(made.control);
-        });
-        refine_cage(out, levels, field, wrapped, options, how, steps);
-        if (smooths) {
-            out.smoothed = steps.run("smooth", 1.0f, [&] {
-                return smooth_crossings(out.mesh, flat_ends(out.cage.clip, levels), how);
-            });
+    refine_cage(out, levels, field, wrapped, options, ctx, stages);
+    out.cage.region = rows_of;
+    out.cage.region_node = composed(source, wrapped.source);
+    if (options.fit == Fit::volume) rows = QuadRows{out.mesh, made.tubes, levels};
+    const auto wrapping = compress_rows<NodeId>(wrapped.tube.size(), [&](const auto& put) {
+        for (std::size_t n = 0; n < wrapped.tube.size(); ++n) {
+            if (!wrapped.tube[n]) continue;
+            for (const NodeId t : made.wrapping[wrapped.tube[n].index()]) put(n, t);
         }
-        return out;
-    };
-    QuadSurface out = attempt({}, ctx, stages);
-    if (out.smoothed.pairs_after == 0) return out;
-    const Context quiet{.threads = ctx.threads, .stop = ctx.stop};
-    Stages again = stages.with(quiet);
-    QuadSurface pasted = attempt(crossing_nodes(out, levels, wrapped.tubes()), quiet, again);
-    return pasted.smoothed.pairs_after < out.smoothed.pairs_after ? std::move(pasted) : std::move(out);
+    });
+    remesh(out, {made.tubes, wrapped.skeleton(), out.cage.region_node, wrapping, made.sides}, levels, with,
+           ctx, stages);
+    return out;
 }
 
 CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& options, const Context& ctx,
@@ -239,9 +239,21 @@ void check_branches(const Skeleton& s) {
     }
 }
 
-MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+// The quads that MeshMethod::bmesh stands for.
+MeshOptions on_metaballs(MeshOptions options) {
+    FieldOptions& field = options.field;
+    if (field.kernel != Kernel::quartic && field.kernel != Kernel::balls)
+        throw InvalidInput("mesh: kernel must be quartic or balls for bmesh, whose balls are quartic");
+    field.kernel = Kernel::balls;
+    field.blend = 1;
+    options.method = MeshMethod::quads;
+    return options;
+}
+
+MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& given,
                      bool with_solid, const Context& ctx) {
-    check_fields(options, "mesh");
+    check_fields(given, "mesh");
+    const MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
     MeshResult out;
     const bool fits = options.fit == Fit::volume;
     const Context meshing = fits ? part_of(ctx, 0, 0.5f) : ctx;
@@ -255,8 +267,8 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
         out.surface =
             mesh_by_quads(prepared.skeleton, constraints, options, out.weights, rows, meshing, stages);
     } else if (options.method == MeshMethod::ramifications) {
-        out.surface =
-            mesh_by_ramifications(prepared.skeleton, constraints, options, out.weights, meshing, stages);
+        out.surface = mesh_by_ramifications(prepared.skeleton, constraints, options, out.weights, rows,
+                                            meshing, stages);
     } else if (options.method == MeshMethod::cylinders) {
         out.surface = mesh_by_cylinders(prepared.skeleton, options, meshing, stages);
     } else {

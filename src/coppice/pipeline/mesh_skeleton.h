@@ -12,11 +12,11 @@
 #include "coppice/cage/graft.h"
 #include "coppice/cage/part.h"
 #include "coppice/field/field_options.h"
+#include "coppice/field/kernel/ball_chain.h"
 #include "coppice/field/weights/global_weights.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/pipeline/fit_volume.h"
-#include "coppice/pipeline/smooth_crossings.h"
 #include "coppice/points/point_set.h"
 #include "coppice/ramification/ramification.h"
 #include "coppice/skeleton/prepare.h"
@@ -35,12 +35,13 @@ enum class MeshMethod {
     tetrahedra,     ///< triangles where the field has its level, found in tetrahedra [Zhu2013]
     cylinders,      ///< a tube for every axis, not joined to the others [Huang2017]
     ramifications,  ///< units at forks, connected or pasted, subdivided and moved onto the field [Huang2017]
+    bmesh,          ///< as quads, but moved onto metaballs [Ji2010], which [Zhu2015] compares with
 };
 
 template <>
 struct EnumNames<MeshMethod> {
-    static constexpr std::array<std::string_view, 4> names{"quads", "tetrahedra", "cylinders",
-                                                           "ramifications"};
+    static constexpr std::array<std::string_view, 5> names{"quads", "tetrahedra", "cylinders",
+                                                           "ramifications", "bmesh"};
 };
 
 /// What of its skeleton a surface keeps.
@@ -105,8 +106,8 @@ template <class Self, class Visitor>
 requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"method",
-                "quads along the branches, triangles wherever the field leads, a tube for every axis, or "
-                "quads by ramification units"},
+                "quads along the branches, triangles wherever the field leads, a tube for every axis, quads "
+                "by ramification units, or quads on metaballs"},
           o.method);
     visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
           o.levels);
@@ -153,7 +154,13 @@ struct KnotReport {
     std::int64_t handles = 0;        ///< of all parts: the Euler number is 2 (parts - handles)
 };
 
-/// What MeshMethod::quads and MeshMethod::ramifications make.
+/// The metaballs that a surface was moved onto.
+struct BallReport {
+    std::uint64_t balls = 0;  ///< of all segments
+    BallChain chain;          ///< how they stand, and how smooth that is
+};
+
+/// What MeshMethod::quads, MeshMethod::ramifications and MeshMethod::bmesh make.
 struct QuadSurface {
     QuadMesh mesh;             ///< of at least one face
     ControlMesh cage;          ///< the quads before subdivision; of ramifications, before the second one
@@ -161,9 +168,9 @@ struct QuadSurface {
     PartReport parted;         ///< branch nodes that were moved
     ProjectReport projected;   ///< how near the field's level the vertices are
     UntangleReport untangled;  ///< folds found and taken out
-    KnotReport knots;          ///< crossings found and remeshed; not looked for with ramifications
+    KnotReport knots;          ///< crossings found and remeshed
     std::optional<RamificationReport> ramified;  ///< how ramifications were joined
-    SmoothCrossingsReport smoothed;  ///< crossings of ramifications, and what smoothing left of them
+    std::optional<BallReport> balls;             ///< where the kernel was balls
 };
 
 /// What MeshMethod::tetrahedra makes.
@@ -212,9 +219,11 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// for each tree, whatever the options, or fewer where trees touch.
 ///
 /// Or, with ramifications, builds the cage by units at forks (see build_ramifications), which is subdivided
-/// once less, moved onto the field and unfolded as others are, and smoothed where quads cross (see
-/// smooth_crossings; not with remesh_rounds 0, overlaps keep or the projection none). Where some still cross,
-/// it is made a second time with the laterals there pasted, and the better of both is kept.
+/// once less, moved onto the field, unfolded, and remeshed where quads cross as others are. Level 1 is not
+/// looked at.
+///
+/// Or, with bmesh, takes the plain sum of metaballs for the field (kernel balls, blend 1, whatever is given)
+/// and does all else as with quads.
 ///
 /// Or, with cylinders, makes a tube for every axis of the prepared skeleton (see cylinders()): `sides` around
 /// times two for each level, and two to the power of levels rows along each segment.
@@ -224,7 +233,8 @@ PolygonMesh to_polygons(const MeshResult& result);
 ///
 /// Throws InvalidInput naming an option out of range, a node at which more than 256 branches begin (but for
 /// cylinders), or `levels` when the mesh would be too large to index, and when tetrahedra find no surface
-/// because it is thinner than they are, and `fit` when it is not surface for cylinders.
+/// because it is thinner than they are, `fit` when it is not surface for cylinders, and `kernel` when it is
+/// neither quartic nor balls for bmesh.
 MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options = {}, const Context& ctx = {});
 
 /// The same with global weights that are fitted to these points of the surface; chosen ones where there are

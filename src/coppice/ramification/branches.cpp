@@ -68,12 +68,11 @@ Path::Near Path::nearest(std::uint32_t& segment, Vec3d p) const {
     return best;
 }
 
-Branches::Branches(const Skeleton& s, std::span<const NodeId> pasted)
-    : branch_of_(s.size()), arc_of_(s.size()) {
+Branches::Branches(const Skeleton& s) : branch_of_(s.size()), arc_of_(s.size()) {
     std::vector<NodeId> next(s.size());
     for (const NodeId n : nodes(s)) next[n.index()] = straight_on(s, n);
     for (const NodeId n : nodes(s)) {
-        if (s.is_root(n) || next[s.parent(n).index()] != n) add_branch(s, n, next, pasted);
+        if (s.is_root(n) || next[s.parent(n).index()] != n) add_branch(s, n, next);
     }
     first_lateral_.assign(count() + 1, 0);
     for (const Branch& b : branches_) {
@@ -97,8 +96,7 @@ void Branches::add_point(Vec3d p, double r, NodeId node) {
     ++b.point_count;
 }
 
-void Branches::add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next,
-                          std::span<const NodeId> pasted) {
+void Branches::add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next) {
     const std::uint32_t b = count();
     branches_.push_back({.first_point = static_cast<std::uint32_t>(points_.size())});
     head_.push_back(head);
@@ -106,7 +104,6 @@ void Branches::add_branch(const Skeleton& s, NodeId head, std::span<const NodeId
         const NodeId from = s.parent(head);
         branches_[b].parent = branch_of_[from.index()];
         branches_[b].joint = arc_of_[from.index()];
-        branches_[b].pasted = std::ranges::binary_search(pasted, from);
         const double own = std::min(double{s.radius(from)}, double{s.radius(head)});
         add_point(Vec3d(s.position(from)), own, head);
     }

@@ -44,15 +44,13 @@ struct Branch {
     std::uint32_t first_point = 0, point_count = 0;
     std::uint32_t parent = kNone;  ///< the branch that it leaves
     double joint = 0;              ///< where, along that one
-    bool pasted = false;           ///< it has to be additional
 };
 
 /// A skeleton as branches, each after the one that it leaves. At a node a branch goes on with the child
 /// that is thick and straight on.
 class Branches {
   public:
-    /// Those that leave one of the nodes `pasted`, ascending, are so.
-    Branches(const Skeleton& s, std::span<const NodeId> pasted);
+    explicit Branches(const Skeleton& s);
 
     std::uint32_t count() const { return static_cast<std::uint32_t>(branches_.size()); }
     const Branch& operator[](std::uint32_t b) const { return branches_[b]; }
@@ -62,10 +60,12 @@ class Branches {
                 std::span(radii_).subspan(at.first_point, at.point_count),
                 std::span(arcs_).subspan(at.first_point, at.point_count)};
     }
-    /// The node whose segment holds a place of a branch.
-    NodeId node_at(std::uint32_t b, double t) const {
-        return nodes_[branches_[b].first_point + path(b).segment_at(t) + 1];
+    /// The node in which a segment of a branch ends.
+    NodeId node_of(std::uint32_t b, std::uint32_t segment) const {
+        return nodes_[branches_[b].first_point + segment + 1];
     }
+    /// The node whose segment holds a place of a branch.
+    NodeId node_at(std::uint32_t b, double t) const { return node_of(b, path(b).segment_at(t)); }
     /// The branches that leave one, in order.
     std::span<const std::uint32_t> laterals(std::uint32_t b) const {
         return std::span(lateral_).subspan(first_lateral_[b], first_lateral_[b + 1] - first_lateral_[b]);
@@ -75,8 +75,7 @@ class Branches {
 
   private:
     void add_point(Vec3d p, double r, NodeId node);
-    void add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next,
-                    std::span<const NodeId> pasted);
+    void add_branch(const Skeleton& s, NodeId head, std::span<const NodeId> next);
 
     std::vector<Branch> branches_;
     std::vector<NodeId> head_;

@@ -63,10 +63,19 @@ class Builder {
   private:
     /// Where a lateral begins.
     struct Base {
+        NodeId fork;  ///< the unit
         Ring ring{};
         double exit_arc = 0;
         double radius = 0, cotangent = 0;
         std::uint32_t paste = kNone;
+    };
+
+    /// How far a branch has been built.
+    struct Front {
+        Ring ring{};
+        double t = 0;  ///< along the branch
+        NodeId node;   ///< the last of its tubes
+        NodeId first;  ///< of the last sides' two tubes
     };
 
     End start_end(std::uint32_t b) const {
@@ -90,30 +99,58 @@ class Builder {
         std::vector<RingPlan> rings = lay_rings(b, path, plan, start, last);
         orient(rings, path, plan, b);
         for (RingPlan& ring : rings) make_ring(ring, alpha_ * std::numbers::sqrt2 * path.radius(ring.t));
-        Ring before{};
-        double t_before = start;
-        if (lateral) {
-            before = base_[b].ring;
-            t_before = base_[b].exit_arc;
-        } else {
-            before = begin_root(b, path, rings.empty() ? RingPlan{} : rings.front());
-            t_before = 0;
-        }
         std::size_t unit = 0;
         const auto is_start = [&](std::size_t i) {
-            return unit < plan.units.size() && rings[i].t == plan.units[unit].start;
+            return unit < plan.units.size() && i < rings.size() && rings[i].t == plan.units[unit].start;
         };
+        // A lateral may be pasted on a round end, which is then part of the unit next to it.
+        const bool in_unit = !lateral && start_end(b) == End::round && is_start(0);
+        Front front = begin_branch(b, path, plan, rings, in_unit);
         for (std::size_t i = 0; i < rings.size(); ++i) {
-            connect(b, before, rings[i].vertices, rings[i].axis, (t_before + rings[i].t) / 2);
-            if (is_start(i)) {
-                const Unit& u = plan.units[unit++];
-                build_unit(b, path, u, std::span(rings).subspan(i, u.rings.size()), plan, i == 0 && !lateral);
-                i += u.rows();
+            const Unit* u = is_start(i) ? &plan.units[unit++] : nullptr;
+            if (i == 0 && in_unit) {
+                connect(front.ring, rings[i].vertices, rings[i].axis, TubePart::fork, front.node);
+            } else {
+                add_tubes(b, front, rings[i].t, u != nullptr ? meeting_point(plan, *u) : rings[i].t);
+                connect(front.ring, rings[i].vertices, rings[i].axis, TubePart::side, front.first);
             }
-            before = rings[i].vertices;
-            t_before = rings[i].t;
+            if (u != nullptr) {
+                build_unit(b, path, *u, std::span(rings).subspan(i, u->rings.size()), plan, front.node,
+                           i == 0 && in_unit);
+                i += u->rows();
+            }
+            front.ring = rings[i].vertices;
+            front.t = rings[i].t;
         }
-        end_tip(b, path, rings, before);
+        end_tip(b, path, rings, front);
+    }
+
+    /// A lateral goes on from its base, a root is closed, within its first unit where that takes it in.
+    Front begin_branch(std::uint32_t b, const Path& path, const UnitPlan& plan,
+                       std::span<const RingPlan> rings, bool in_unit) {
+        if (branches_[b].parent != kNone) return {base_[b].ring, base_[b].exit_arc, base_[b].fork, {}};
+        Front front;
+        front.node = out_.tubes.add_root(branches_, b, in_unit ? meeting_point(plan, plan.units[0]) : 0);
+        front.ring = begin_root(b, path, rings.empty() ? RingPlan{} : rings.front(),
+                                in_unit ? TubePart::fork : TubePart::start, front.node);
+        return front;
+    }
+
+    /// Where the axes of a unit's laterals begin, on the mean; mostly before the unit, which is where they
+    /// come out.
+    double meeting_point(const UnitPlan& plan, const Unit& unit) const {
+        double sum = 0;
+        for (const Lateral& l : std::span(plan.laterals).subspan(unit.first_lateral, unit.count))
+            sum += branches_[l.branch].joint;
+        return std::min(sum / unit.count, unit.end);
+    }
+
+    /// The two tubes of the sides from where a branch has got to, up to a ring at t; the second ends at
+    /// `end`.
+    void add_tubes(std::uint32_t b, Front& front, double t, double end) {
+        const double middle = (front.t + t) / 2;
+        front.first = out_.tubes.add(branches_, b, front.node, middle, {front.t, middle});
+        front.node = out_.tubes.add(branches_, b, front.first, end, {middle, t});
     }
 
     /// Where the first unit may begin.
@@ -221,10 +258,10 @@ class Builder {
         return static_cast<std::uint32_t>(out_.control.anchors.size()) - 1;
     }
 
-    std::uint32_t add_quad(const Ring& corners, NodeId region) {
+    void add_quad(const Ring& corners, TubePart part, NodeId region) {
         out_.control.cage.quads.push_back(corners);
+        out_.control.part.push_back(part);
         out_.control.region.push_back(region.index());
-        return quad_count() - 1;
     }
 
     /// Corner k lies an eighth of a turn before the middle of face k.
@@ -246,51 +283,50 @@ class Builder {
     }
 
     /// Four quads from ring to ring, turned by eq. 6.
-    void connect(std::uint32_t b, const Ring& from, const Ring& to, Vec3d axis, double middle) {
+    void connect(const Ring& from, const Ring& to, Vec3d axis, TubePart part, NodeId region) {
         std::array<Vec3d, 4> first, second;
         for (std::size_t k = 0; k < 4; ++k) {
             first[k] = point(from[k]);
             second[k] = point(to[k]);
         }
         const std::uint32_t turn = best_turn(first, second, axis);
-        const NodeId region = branches_.node_at(b, middle);
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t next = (k + 1) % 4;
-            add_quad({from[k], from[next], to[(next + turn) % 4], to[(k + turn) % 4]}, region);
+            add_quad({from[k], from[next], to[(next + turn) % 4], to[(k + turn) % 4]}, part, region);
         }
     }
 
     void build_unit(std::uint32_t b, const Path& path, const Unit& unit, std::span<const RingPlan> rings,
-                    const UnitPlan& plan, bool at_root) {
+                    const UnitPlan& plan, NodeId fork, bool at_root) {
         const auto laterals = std::span(plan.laterals).subspan(unit.first_lateral, unit.count);
         std::vector<const Lateral*> in_face(std::size_t{4} * unit.rows(), nullptr);
         for (const Lateral& l : laterals) {
             if (!l.additional) in_face[4 * l.row + l.face] = &l;
         }
         Seat seat;
-        if (at_root && root_cap_ != kNone) seat.quads.push_back(root_cap_);
+        if (at_root) seat.quads.push_back(root_cap_);
         for (std::uint32_t row = 0; row < unit.rows(); ++row) {
             const Ring &s = rings[row].vertices, &e = rings[row + 1].vertices;
-            const NodeId region = branches_.node_at(b, (rings[row].t + rings[row + 1].t) / 2);
             for (std::uint32_t k = 0; k < 4; ++k) {
                 const std::uint32_t next = (k + 1) % 4;
                 const Ring face{s[k], s[next], e[next], e[k]};
                 const std::uint32_t first = quad_count();
                 if (const Lateral* l = in_face[4 * row + k]) {
                     const double low = l->center - rings[row].t, high = rings[row + 1].t - l->center;
-                    open_face(face, path, *l, low, high, region);
+                    open_face(face, path, *l, low, high, fork);
                 } else {
-                    add_quad(face, region);
+                    add_quad(face, TubePart::fork, fork);
                 }
                 for (std::uint32_t q = first; q < quad_count(); ++q) seat.quads.push_back(q);
             }
         }
-        add_stubs(b, path, laterals, seat);
+        add_stubs(b, path, laterals, fork, seat);
         if (!seat.pastes.empty()) out_.seats.push_back(std::move(seat));
     }
 
     /// Stubs of the additional laterals, the thickest first.
-    void add_stubs(std::uint32_t b, const Path& path, std::span<const Lateral> laterals, Seat& seat) {
+    void add_stubs(std::uint32_t b, const Path& path, std::span<const Lateral> laterals, NodeId fork,
+                   Seat& seat) {
         std::vector<const Lateral*> order;
         for (const Lateral& l : laterals) {
             if (l.additional) order.push_back(&l);
@@ -305,14 +341,13 @@ class Builder {
                                    .parent = b,
                                    .first_quad = quad_count(),
                                    .quad_count = kStubQuads});
-            add_stub(b, path, *l);
+            add_stub(path, *l, fork);
         }
     }
 
     /// A cube about where the lateral comes out.
-    void add_stub(std::uint32_t b, const Path& path, const Lateral& l) {
+    void add_stub(const Path& path, const Lateral& l, NodeId fork) {
         const double r = path.radius(l.center);
-        const NodeId region = branches_.node_at(b, l.center);
         std::array<Ring, 2> rings;
         for (const int side : {0, 1}) {
             RingPlan ring{.t = l.center};
@@ -324,16 +359,17 @@ class Builder {
             rings[static_cast<std::size_t>(side)] = ring.vertices;
         }
         const auto& [s, e] = rings;
-        add_quad({s[3], s[2], s[1], s[0]}, region);
-        add_quad(e, region);
-        for (std::uint32_t k = 1; k < 4; ++k) add_quad({s[k], s[(k + 1) % 4], e[(k + 1) % 4], e[k]}, region);
-        open_face({s[0], s[1], e[1], e[0]}, path, l, r, r, region);
+        add_quad({s[3], s[2], s[1], s[0]}, TubePart::fork, fork);
+        add_quad(e, TubePart::fork, fork);
+        for (std::uint32_t k = 1; k < 4; ++k)
+            add_quad({s[k], s[(k + 1) % 4], e[(k + 1) % 4], e[k]}, TubePart::fork, fork);
+        open_face({s[0], s[1], e[1], e[0]}, path, l, r, r, fork);
     }
 
     /// Four quads about the boundary of a lateral, which reaches at most from `low` below its centre to
     /// `high` above it.
     void open_face(const Ring& face, const Path& path, const Lateral& l, double low, double high,
-                   NodeId region) {
+                   NodeId fork) {
         const Path own = branches_.path(l.branch);
         const double wide = path.radius(l.center);
         const Vec3d up = path.direction(l.center, wide / 2), side = cross(up, l.out);
@@ -351,8 +387,9 @@ class Builder {
         }
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t next = (k + 1) % 4;
-            add_quad({face[k], face[next], base.ring[next], base.ring[k]}, region);
+            add_quad({face[k], face[next], base.ring[next], base.ring[k]}, TubePart::fork, fork);
         }
+        base.fork = fork;
         const Vec3d way = own.direction(l.exit_arc, l.radius / 2);
         const double sine = length(cross(way, up));
         base.exit_arc = l.exit_arc;
@@ -361,18 +398,20 @@ class Builder {
     }
 
     /// Closes a tree at its root; returns the ring with which the tube goes on.
-    Ring begin_root(std::uint32_t b, const Path& path, const RingPlan& next) {
+    Ring begin_root(std::uint32_t b, const Path& path, const RingPlan& next, TubePart part, NodeId root) {
         RingPlan frame = next;
         frame.t = 0;
         frame.axis = path.direction(0, 0.5 * path.radius(0));
         frame.x = next.vertices == Ring{} ? perpendicular(frame.axis) : carried(next, frame.axis);
         frame.y = cross(frame.axis, frame.x);
-        const Ring ring = close(b, path, frame, start_end(b), 0, -1);
-        root_cap_ = start_end(b) == End::round ? quad_count() - 1 : kNone;
+        // A tube is named by the node that comes next.
+        const NodeId region = part == TubePart::start ? NodeId(root.index() + 1) : root;
+        const Ring ring = close(path, frame, start_end(b), 0, -1, part, region);
+        root_cap_ = quad_count() - 1;
         return ring;
     }
 
-    void end_tip(std::uint32_t b, const Path& path, std::span<const RingPlan> rings, const Ring& before) {
+    void end_tip(std::uint32_t b, const Path& path, std::span<const RingPlan> rings, Front& front) {
         const double tip = path.length();
         RingPlan frame = rings.empty() ? RingPlan{} : rings.back();
         frame.t = tip;
@@ -382,28 +421,32 @@ class Builder {
         frame.y = cross(axis, frame.x);
         if (rings.empty() && branches_[b].parent != kNone) frame.look_at(base_out(b));
         const std::uint32_t first_cap = quad_count();
-        const Ring ring = close(b, path, frame, tip_end(b), tip, 1);
+        add_tubes(b, front, tip, tip);
+        const Ring ring = close(path, frame, tip_end(b), tip, 1, TubePart::end, front.node);
         const std::uint32_t caps = quad_count() - first_cap;
-        connect(b, before, ring, axis, tip);
+        connect(front.ring, ring, axis, TubePart::side, front.first);
         // The paste of a lateral without rings of its own counts on its tube's quads coming first.
         auto& control = out_.control;
-        std::rotate(control.cage.quads.end() - 4 - caps, control.cage.quads.end() - 4,
-                    control.cage.quads.end());
-        std::rotate(control.region.end() - 4 - caps, control.region.end() - 4, control.region.end());
+        const auto put_caps_last = [&](auto& column) {
+            std::rotate(column.end() - 4 - caps, column.end() - 4, column.end());
+        };
+        put_caps_last(control.cage.quads);
+        put_caps_last(control.part);
+        put_caps_last(control.region);
         if (tip_end(b) == End::flat) control.clip.back().first_quad += 4;
     }
 
     /// The rings and quads of an end; `sign` is -1 at a root. Returns the outermost ring, about the axis.
-    Ring close(std::uint32_t b, const Path& path, const RingPlan& frame, End end, double t, double sign) {
+    Ring close(const Path& path, const RingPlan& frame, End end, double t, double sign, TubePart part,
+               NodeId region) {
         const double r = path.radius(t);
         const Vec3d node = path.position(t), outward = frame.axis * sign;
-        const NodeId region = branches_.node_at(b, t);
         const auto facing = [&](const Ring& ring) {
             return sign > 0 ? ring : Ring{ring[3], ring[2], ring[1], ring[0]};
         };
         if (end == End::round) {
             const Ring ring = ring_at(frame, node + outward * (kRoundAhead * r), kRoundOut * r, node);
-            add_quad(facing(ring), region);
+            add_quad(facing(ring), part, region);
             return ring;
         }
         const double out = alpha_ * std::numbers::sqrt2 * r;
@@ -414,9 +457,9 @@ class Builder {
         const Ring a = facing(rim), c = facing(inner);
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t next = (k + 1) % 4;
-            add_quad({a[k], a[next], c[next], c[k]}, region);
+            add_quad({a[k], a[next], c[next], c[k]}, part, region);
         }
-        add_quad(c, region);
+        add_quad(c, part, region);
         return rim;
     }
 

@@ -6,6 +6,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/control_mesh.h"
+#include "coppice/ramification/tube_tree_internal.h"
 #include "coppice/ramification/units_internal.h"
 
 namespace coppice::ramification_internal {
@@ -28,8 +29,11 @@ struct Paste {
 };
 
 /// The main mesh and the stubs, each closed, before subdivision.
+///
+/// A side becomes two tubes, named by the nodes of `tubes` in `region` and the next.
 struct MainMesh {
     ControlMesh control;
+    TubeTree tubes;  ///< that `region` names
     std::vector<Seat> seats;
     std::vector<Paste> pastes;
 };

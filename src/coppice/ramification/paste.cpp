@@ -64,8 +64,6 @@ Subdivided::Subdivided(const MainMesh& main, const Context& ctx) : main_(main) {
     anchors_ = patches.refine(control.anchors, ctx);
     const Buffer<Quad> quads = patches.quads(ctx);
     quads_.assign(quads.begin(), quads.end());
-    region_.reserve(quads_.size());
-    for (const std::uint32_t r : control.region) region_.insert(region_.end(), 4, r);
     // The new vertices of an edge follow those of the cage.
     for (const Paste& paste : main.pastes) {
         Loop loop{};
@@ -92,6 +90,7 @@ class Paster {
 
     void fill(const Seat& seat) {
         load(seat);
+        unit_ = mesh_.main_.control.region[seat.quads[0]];
         std::size_t left = seat.pastes.size();
         for (const std::uint32_t p : seat.pastes) paste(p, --left);
     }
@@ -244,7 +243,6 @@ class Paster {
         }
         const Place place = next_to(hit(paste), paste.diameter / 2, left);
         for (std::uint32_t i = 0; i < place.face_count; ++i) gone_[place.faces[i]] = true;
-        region_ = mesh_.region_[place.faces[0]];
         const Loop& sub = mesh_.boundary_[index];
         // Four corners count as eight, the middles of the sides between them.
         std::vector<Vec3d> around = points(place.border);
@@ -299,7 +297,7 @@ class Paster {
 
     void add_quad(const Quad& q) {
         mesh_.quads_.push_back(q);
-        mesh_.region_.push_back(region_);
+        mesh_.pasted_.push_back(unit_);
         gone_.push_back(false);
     }
 
@@ -328,7 +326,7 @@ class Paster {
     RamificationReport& report_;
     std::vector<bool> gone_;
     std::vector<std::uint32_t> image_;  ///< per vertex: that with which it was merged
-    std::uint32_t region_ = 0;          ///< of the faces that are being replaced
+    std::uint32_t unit_ = 0;            ///< the one that is being filled
     std::vector<std::uint32_t> faces_;
     std::vector<Place> places_;
 };
@@ -337,7 +335,6 @@ ControlMesh Paster::result() && {
     const ControlMesh& main = mesh_.main_.control;
     ControlMesh out;
     out.cage.origin = main.cage.origin;
-    out.region_node = main.region_node;
     std::vector<std::uint32_t> number(mesh_.positions_.size(), kNone);
     const auto vertex = [&](std::uint32_t v) {
         v = image_[v];
@@ -348,20 +345,37 @@ ControlMesh Paster::result() && {
         }
         return number[v];
     };
-    std::size_t clip = 0;
-    for (std::uint32_t f = 0; f < mesh_.quads_.size(); ++f) {
-        if (clip < main.clip.size() && f == 4 * main.clip[clip].first_quad) {
-            ClipPlane plane = main.clip[clip++];
-            plane.first_quad = static_cast<std::uint32_t>(out.cage.quads.size());
-            plane.quad_count *= 4;
-            out.clip.push_back(plane);
-        }
-        if (gone_[f]) continue;
+    const auto put = [&](std::uint32_t f, TubePart part, std::uint32_t region) {
+        if (gone_[f]) return;
         const Quad& q = mesh_.quads_[f];
         out.cage.quads.push_back({vertex(q[0]), vertex(q[1]), vertex(q[2]), vertex(q[3])});
-        out.region.push_back(mesh_.region_[f]);
+        out.part.push_back(part);
+        out.region.push_back(region);
+    };
+    const auto count = static_cast<std::uint32_t>(main.cage.quads.size());
+    auto clip = main.clip.begin();
+    std::size_t pasted = 0;
+    for (std::uint32_t q = 0; q < count;) {
+        if (clip != main.clip.end() && q == clip->first_quad) {
+            out.clip.push_back(*clip++);
+            out.clip.back().first_quad = static_cast<std::uint32_t>(out.cage.quads.size());
+            out.clip.back().quad_count *= 4;
+        }
+        const std::uint32_t region = main.region[q];
+        if (main.part[q] == TubePart::side) {
+            // Of each of the four its lower two quads, and then its upper two.
+            for (const std::uint32_t row : {0u, 1u}) {
+                for (std::uint32_t k = 0; k < 8; ++k)
+                    put(4 * (q + k / 2) + 2 * row + k % 2, TubePart::side, region + row);
+            }
+            q += 4;
+            continue;
+        }
+        for (std::uint32_t k = 0; k < 4; ++k) put(4 * q + k, main.part[q], region);
+        const bool is_last = ++q == count || main.part[q] != TubePart::fork || main.region[q] != region;
+        while (is_last && pasted < mesh_.pasted_.size() && mesh_.pasted_[pasted] == region)
+            put(4 * count + static_cast<std::uint32_t>(pasted++), TubePart::fork, region);
     }
-    out.part.assign(out.cage.quads.size(), TubePart::side);
     return out;
 }
 

@@ -18,7 +18,7 @@ class Subdivided {
     const MainMesh& main_;
     Buffer<Vec3> positions_, anchors_;
     std::vector<Quad> quads_;
-    std::vector<std::uint32_t> region_;
+    std::vector<std::uint32_t> pasted_;  ///< per quad beyond those of the main mesh: its unit
     std::vector<std::array<std::uint32_t, 8>> boundary_;  ///< per paste: of the lateral
 };
 

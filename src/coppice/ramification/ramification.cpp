@@ -33,25 +33,25 @@ class Timer {
 
 }  // namespace
 
-RamificationMesh build_ramifications(const RamificationInput& input, const ControlOptions& ends, int levels,
+RamificationMesh build_ramifications(const Skeleton& skeleton, const ControlOptions& ends, int levels,
                                      const RamificationOptions& options, const Context& ctx) {
     check_fields(options, "ramifications");
     if (ends.base == BaseShape::open)
         throw InvalidInput("mesh: ramifications make closed surfaces only; choose base flat or round");
-    RamificationMesh out;
+    RamificationReport report;
     Timer timer;
-    const Branches branches(input.skeleton, input.pasted);
-    out.report.branches = branches.count();
-    MainMesh main =
-        build_main_mesh(branches, input.skeleton, ends, widening(levels), options, out.report, ctx);
-    main.control.cage.origin = input.skeleton.origin();
-    main.control.region_node.assign(input.source.begin(), input.source.end());
-    out.report.connection_seconds = timer.lap();
+    const Branches branches(skeleton);
+    report.branches = branches.count();
+    MainMesh main = build_main_mesh(branches, skeleton, ends, widening(levels), options, report, ctx);
+    main.control.cage.origin = skeleton.origin();
+    report.connection_seconds = timer.lap();
     Subdivided subdivided(main, ctx);
-    out.report.subdivision_seconds = timer.lap();
-    out.control = std::move(subdivided).paste(branches, out.report, ctx);
-    out.report.paste_seconds = timer.lap();
-    return out;
+    report.subdivision_seconds = timer.lap();
+    ControlMesh control = std::move(subdivided).paste(branches, report, ctx);
+    report.paste_seconds = timer.lap();
+    control.region_node = main.tubes.source(branches);
+    return {std::move(control), main.tubes.skeleton(skeleton.origin()), main.tubes.sides(),
+            main.tubes.wrapping(branches, skeleton.size()), report};
 }
 
 }  // namespace coppice

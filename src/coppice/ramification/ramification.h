@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
+#include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/cage/cage.h"
@@ -62,15 +64,12 @@ struct RamificationReport {
 
 /// A control mesh, once subdivided, and what was built.
 struct RamificationMesh {
-    ControlMesh control;        ///< as of build_control_mesh, for one level less
-    RamificationReport report;  ///< counts
-};
-
-/// What is wrapped.
-struct RamificationInput {
-    const Skeleton& skeleton;        ///< its branches
-    std::span<const NodeId> source;  ///< per node that of the field's skeleton, as for build_control_mesh
-    std::span<const NodeId> pasted;  ///< nodes, ascending: laterals that leave these are all additional
+    ControlMesh control;  ///< as of build_control_mesh, for one level less; regions are nodes of `tubes`
+    Skeleton tubes;       ///< nodes at the middles of units, at each ring of quads and at each end
+    std::vector<std::array<float, 2>>
+        sides;  ///< per node of `tubes`: between which parameters of the tube's axis its quads lie
+    CompressedRows<NodeId> wrapping;  ///< per node of the skeleton: the tubes about its segment, in order
+    RamificationReport report;        ///< counts
 };
 
 /// Wraps a skeleton in quads by ramification units [Huang2017], once subdivided by Catmull-Clark: closed,
@@ -89,7 +88,7 @@ struct RamificationInput {
 /// Of `ends`, sides are always 4 and the base is never open.
 /// `levels` says for how many subdivisions in all branches are made wider. Throws InvalidInput for an open
 /// base. O(n log n); the same bits always.
-RamificationMesh build_ramifications(const RamificationInput& input, const ControlOptions& ends, int levels,
+RamificationMesh build_ramifications(const Skeleton& skeleton, const ControlOptions& ends, int levels,
                                      const RamificationOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -282,7 +282,7 @@ Lateral find_lateral(const Branches& branches, std::uint32_t lateral) {
     const Path path = branches.path(lateral), parent = branches.path(at.parent);
     const double around = parent.radius(at.joint);
     std::uint32_t segment = parent.segment_at(at.joint);
-    Lateral out{.branch = lateral, .additional = at.pasted};
+    Lateral out{.branch = lateral};
     Path::Near near;
     for (int step = 0; step < kMostSteps; ++step) {
         near = parent.nearest(segment, path.position(out.exit_arc));

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/render/colors.h"
 #include "coppice/render/ring_internal.h"
 #include "coppice/render/scale_bar_internal.h"
 #include "coppice/render/shading_internal.h"
@@ -19,8 +21,19 @@ constexpr long long kMostPixels = 128'000'000;
 constexpr int kTile = 16;           // [pixels] a square of them is traced together, for the caches
 constexpr int kRowsPerReport = 64;  // between two reports of progress
 constexpr float kBuildShare = 0.3f;
-constexpr double kUsual = 0.98;       // of the vertices lie within the range of the colours
-constexpr float kLeastRange = 1e-9f;  // [m]
+
+void check(const PaintedPoints& cloud, float radius) {
+    const std::size_t n = cloud.points.size();
+    if (n == 0) throw InvalidInput("render: the cloud has no points");
+    if (!(radius > 0)) throw InvalidInput("render: the points have no radius");
+    if ((!cloud.colors.empty() && cloud.colors.size() != n) ||
+        (!cloud.distances.empty() && cloud.distances.size() != n))
+        throw InvalidInput("render: colours and distances of points are one for each, or none");
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!is_finite(cloud.points.positions[i]))
+            throw InvalidInput(fmt::format("render: point {} has no finite position", i));
+    }
+}
 
 void check(const RenderScene& scene, const RenderOptions& options) {
     check_fields(options, "render");
@@ -31,7 +44,7 @@ void check(const RenderScene& scene, const RenderOptions& options) {
                         options.width, options.height, kMostPixels / 1'000'000));
     }
     if (scene.view != nullptr) validate(*scene.view, "render: view");
-    if (scene.mesh == nullptr && scene.skeleton == nullptr)
+    if (scene.mesh == nullptr && scene.skeleton == nullptr && scene.cloud == nullptr)
         throw InvalidInput("render: there is nothing to draw");
     if (scene.mesh != nullptr) {
         if (scene.mesh->face_count() == 0) throw InvalidInput("render: the mesh has no faces");
@@ -46,8 +59,13 @@ void check(const RenderScene& scene, const RenderOptions& options) {
         if (f >= faces)
             throw InvalidInput(fmt::format("render: face {} is marked, but there are {}", f, faces));
     }
-    if (options.color == RenderColor::distance &&
-        (scene.mesh == nullptr || scene.distance_to == nullptr || scene.distance_to->boxes().size() == 0)) {
+    if (scene.cloud != nullptr) check(*scene.cloud, scene.point_radius);
+    const bool has_other = scene.distance_to != nullptr && scene.distance_to->boxes().size() > 0;
+    if (options.color == RenderColor::distance && scene.cloud != nullptr && scene.cloud->distances.empty() &&
+        !has_other)
+        throw InvalidInput("render: colour by distance needs points that have it, or a mesh with faces");
+    if (options.color == RenderColor::distance && scene.cloud == nullptr &&
+        (scene.mesh == nullptr || !has_other)) {
         throw InvalidInput("render: colour by distance needs a mesh and another one with faces");
     }
     if (options.color != RenderColor::deviation) return;
@@ -59,29 +77,42 @@ void check(const RenderScene& scene, const RenderOptions& options) {
 
 Image::Pixel encode(const Light& light) {
     if (light.alpha <= 0) return {0, 0, 0, 0};
-    const auto byte = [](float x) { return static_cast<std::uint8_t>(std::lround(255 * x)); };
-    const Vec3 c = light.color / light.alpha;
-    return {byte(to_srgb(c.x)), byte(to_srgb(c.y)), byte(to_srgb(c.z)), byte(std::min(1.0f, light.alpha))};
+    const auto [red, green, blue] = to_srgb(light.color / light.alpha);
+    return {red, green, blue, static_cast<std::uint8_t>(std::lround(255 * std::min(1.0f, light.alpha)))};
 }
 
-/// What most vertices keep below, so that a few far away do not pale the rest.
-float distance_range(const RenderScene& scene, const RenderOptions& options, const Context& ctx) {
-    if (options.color != RenderColor::distance || options.distance_range > 0) return options.distance_range;
+/// [m] from the other surface, of each of the points of a frame.
+std::vector<float> distances_to(const SurfaceTree& surface, std::size_t count, const Context& ctx,
+                                const std::function<Vec3d(std::size_t)>& world) {
     constexpr std::size_t kGrain = 256;
-    std::vector<std::uint32_t> used = scene.mesh->corners;
+    std::vector<float> out(count);
+    const Vec3d origin = surface.mesh().origin;
+    parallel_for(ctx, count, kGrain, [&](std::size_t i) {
+        out[i] = static_cast<float>(surface.signed_distance(world(i) - origin));
+    });
+    return out;
+}
+
+/// Of the vertices that faces have.
+std::vector<float> distances_of_mesh(const PolygonMesh& mesh, const SurfaceTree& surface,
+                                     const Context& ctx) {
+    std::vector<std::uint32_t> used = mesh.corners;
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
-    std::vector<double> distance(used.size());
-    const Vec3d shift = scene.mesh->origin - scene.distance_to->mesh().origin;
-    parallel_for(ctx, used.size(), kGrain, [&](std::size_t i) {
-        if (ctx.stop.stop_requested()) return;
-        distance[i] = scene.distance_to->distance(Vec3d(scene.mesh->positions[used[i]]) + shift);
-    });
-    ctx.throw_if_cancelled();
-    const auto at =
-        distance.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(used.size() - 1));
-    std::nth_element(distance.begin(), at, distance.end());
-    return static_cast<float>(std::max(*at, double{kLeastRange}));
+    return distances_to(surface, used.size(), ctx,
+                        [&](std::size_t i) { return Vec3d(mesh.positions[used[i]]) + mesh.origin; });
+}
+
+/// The cloud with the colours of its distances; chooses their range where none was given.
+PaintedPoints paint(const RenderScene& scene, float& range, const Context& ctx) {
+    PaintedPoints out = *scene.cloud;
+    if (out.distances.empty()) {
+        out.distances = distances_to(*scene.distance_to, out.points.size(), ctx,
+                                     [&](std::size_t i) { return out.points.world(i); });
+    }
+    if (range == 0) range = usual_range(out.distances);
+    out.colors = distance_colors(out.distances, range);
+    return out;
 }
 
 /// Looks at the stop token in each row, because many samples make a tile long.
@@ -116,9 +147,16 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     ctx.throw_if_cancelled();
     ctx.report(0);
     RenderScene shown = scene;
-    if (options.color != RenderColor::plain) shown.skeleton = nullptr;  // it would cover what is to be seen
+    if (options.color == RenderColor::deviation || options.color == RenderColor::distance)
+        shown.skeleton = nullptr;  // it would cover what is to be seen
     RenderOptions chosen = options;
-    chosen.distance_range = distance_range(scene, options, ctx);
+    PaintedPoints painted;
+    if (options.color == RenderColor::distance && scene.cloud != nullptr) {
+        painted = paint(scene, chosen.distance_range, ctx);
+        shown.cloud = &painted;
+    } else if (options.color == RenderColor::distance && options.distance_range == 0) {
+        chosen.distance_range = usual_range(distances_of_mesh(*scene.mesh, *scene.distance_to, ctx));
+    }
     const TracedScene traced(shown, options, ctx);
     ctx.throw_if_cancelled();
     ctx.report(kBuildShare);

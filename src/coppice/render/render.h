@@ -8,6 +8,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/points/painted_points.h"
 #include "coppice/render/image.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/sketch/view.h"
@@ -15,11 +16,16 @@
 namespace coppice {
 
 /// What the colour of a surface shows.
-enum class RenderColor { plain, deviation, distance };
+enum class RenderColor {
+    plain,      ///< clay
+    signal,     ///< magenta, as neither bark nor leaves nor sky are
+    deviation,  ///< see RenderScene
+    distance,   ///< see RenderScene
+};
 
 template <>
 struct EnumNames<RenderColor> {
-    static constexpr std::array<std::string_view, 3> names{"plain", "deviation", "distance"};
+    static constexpr std::array<std::string_view, 4> names{"plain", "signal", "deviation", "distance"};
 };
 
 /// A place to point at.
@@ -30,18 +36,23 @@ struct RenderMark {
 
 /// What to draw; refers to values that must outlive the call.
 ///
-/// A mesh alone is drawn as a solid; a skeleton alone as round cones with its radii; both together as the
-/// solid mesh with the skeleton's axis shining through. Marked faces stand out in magenta on a pale mesh, and
-/// shine through where they are hidden. The origins of all are respected.
+/// A mesh alone is drawn as a solid, points as balls, of more than four million evenly as many as that; a
+/// skeleton alone as round cones with its radii; together with either its axis shines through. Points that
+/// have colours lie on a pale mesh. Marked faces stand out in magenta on a pale mesh, and shine through where
+/// they are hidden. The origins of all are respected.
 struct RenderScene {
-    const PolygonMesh* mesh = nullptr;   ///< the surface, if any
-    const Skeleton* skeleton = nullptr;  ///< the skeleton, if any
+    const PolygonMesh* mesh = nullptr;     ///< the surface, if any
+    const PaintedPoints* cloud = nullptr;  ///< points, if any
+    float point_radius = 0;                ///< [m] of the points; > 0
+    const Skeleton* skeleton = nullptr;    ///< the skeleton, if any
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
     std::span<const std::uint32_t> marked_faces;  ///< of the mesh
     std::span<const RenderMark> marks;            ///< places to draw rings around, large enough to be seen
-    const SurfaceTree* distance_to = nullptr;     ///< another surface, from which the drawn one is measured
-    const SketchView* view = nullptr;             ///< the camera, if it does not frame the object by itself
+    /// Another surface, from which the points are measured that have no distances of their own, or the mesh
+    /// where there are no points.
+    const SurfaceTree* distance_to = nullptr;
+    const SketchView* view = nullptr;  ///< the camera, if it does not frame the object by itself
 };
 
 /// How to draw it. The camera stands where the whole object just fills the picture.
@@ -55,9 +66,11 @@ struct RenderOptions {
     float margin = 0.04f;         ///< of the picture left free on each side
     float sun_azimuth = -0.9f;    ///< [rad] from the camera's side to the sun, counter-clockwise
     float sun_elevation = 0.85f;  ///< [rad] of the sun above the horizon
-    RenderColor color = RenderColor::plain;  ///< `deviation` and `distance` need those of RenderScene
-    float deviation_range = 0.1f;            ///< [radius] deviation drawn in full colour
-    float distance_range = 0;  ///< [m] distance drawn in full colour; 0 = that of 98 % of the vertices
+    /// `deviation` and `distance` need those of RenderScene; `plain` points have the colours of their own.
+    RenderColor color = RenderColor::plain;
+    float deviation_range = 0.1f;  ///< [radius] deviation drawn in full colour
+    float distance_range =
+        0;  ///< [m] distance drawn in full colour; 0 = that of 98 % of the vertices or points
     bool wireframe = false;    ///< draws the edges of the faces
     float wire_width = 1.0f;   ///< [pixels]
     bool flat = false;         ///< shows faces as they are, without smoothing of normals
@@ -86,15 +99,16 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"sun_elevation", "height of the sun above the horizon", Unit::radian, 0.05, 1.5708},
           o.sun_elevation);
     visit(Field{"color",
-                "what the colour of the surface shows; deviation and distance: inside blue, outside red"},
+                "what the colour of the surface shows; signal is magenta, as pictures of trees are nowhere; "
+                "deviation "
+                "and distance: inside blue, outside red"},
           o.color);
     visit(Field{"deviation_range", "deviation from the radius drawn in full colour", Unit::radius, 1e-4, 10},
           o.deviation_range);
-    visit(
-        Field{"distance_range",
-              "distance to the other mesh drawn in full colour; 0 takes what 98 % of the vertices keep below",
-              Unit::metre, 0, 1e6},
-        o.distance_range);
+    visit(Field{"distance_range",
+                "distance drawn in full colour; 0 takes what 98 % of the vertices or points keep below",
+                Unit::metre, 0, 1e6},
+          o.distance_range);
     visit(Field{"wireframe", "draws the edges of the faces"}, o.wireframe);
     visit(Field{"wire_width", "width of those edges in pixels", Unit::none, 0.2, 20}, o.wire_width);
     visit(Field{"flat", "shows faces as they are, without smoothing across edges"}, o.flat);
@@ -104,8 +118,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.axis_width);
 }
 
-/// Draws the scene with sun and sky light [Wald2014]. `distance` shows at every point of the mesh how far
-/// outside of the other surface it lies, after figure 10 of [Zhu2015]; that costs one search for each sample.
+/// Draws the scene with sun and sky light [Wald2014]. `distance` shows at every place of the mesh, or of each
+/// point of the cloud, how far outside of the other surface it lies, after figure 10 of [Zhu2015]; that costs
+/// one search for each sample, or point.
 /// The same bits for any number of threads; the time is that of building a tree over the faces (about n log
 /// n) plus that of up to three rays per sample. Throws InvalidInput for an empty scene, options out of range,
 /// more than 128 million pixels, or positions that are not finite; Cancelled when stopped.

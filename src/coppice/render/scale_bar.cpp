@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "coppice/render/shading_internal.h"
+#include "coppice/render/colors.h"
 
 namespace coppice {
 namespace {
@@ -60,8 +60,8 @@ void draw_text(Image& image, std::string_view text, int left, int top, int dot) 
 }
 
 Image::Pixel encoded(Vec3 linear) {
-    const auto byte = [](float x) { return static_cast<std::uint8_t>(std::lround(255 * to_srgb(x))); };
-    return {byte(linear.x), byte(linear.y), byte(linear.z), 255};
+    const auto [red, green, blue] = to_srgb(linear);
+    return {red, green, blue, 255};
 }
 
 }  // namespace

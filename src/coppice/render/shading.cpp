@@ -23,12 +23,12 @@ constexpr Vec3 kSkyLight{0.62f, 0.68f, 0.76f};
 constexpr Vec3 kEarthLight{0.34f, 0.31f, 0.28f};
 constexpr Vec3 kBounce{0.10f, 0.09f, 0.08f};  // what closed corners still receive from their walls
 constexpr Vec3 kClay{0.42f, 0.345f, 0.27f};
-constexpr Vec3 kUnknown{0.25f, 0.25f, 0.25f};
 constexpr Vec3 kBackground{0.90f, 0.91f, 0.92f};
 constexpr Vec3 kWire{0.03f, 0.03f, 0.04f};
 constexpr Vec3 kAxis{0.90f, 0.22f, 0.03f};
 constexpr float kAxisCover = 0.85f;
 constexpr float kWireCover = 0.8f;
+constexpr Vec3 kSignal{0.85f, 0.02f, 0.45f};
 constexpr Vec3 kPale{0.50f, 0.50f, 0.48f};  // a mesh with marked faces
 constexpr float kMarkCover = 0.95f;
 constexpr float kHiddenMarkCover = 0.7f;
@@ -80,21 +80,6 @@ Light over(Light front, Light back) {
 struct Shading::Draws {
     Pair sun, sky;
 };
-
-Vec3 deviation_color(float t) {
-    static constexpr std::array<Vec3, 5> kStops{Vec3{0.02f, 0.08f, 0.50f}, Vec3{0.14f, 0.38f, 0.75f},
-                                                Vec3{0.72f, 0.72f, 0.70f}, Vec3{0.80f, 0.28f, 0.12f},
-                                                Vec3{0.50f, 0.02f, 0.02f}};
-    if (std::isnan(t)) return kUnknown;
-    const float at = (std::clamp(t, -1.0f, 1.0f) + 1) * 2;
-    const auto i = std::min<std::size_t>(3, static_cast<std::size_t>(at));
-    return lerp(kStops[i], kStops[i + 1], at - static_cast<float>(i));
-}
-
-float to_srgb(float linear) {
-    const float x = std::clamp(linear, 0.0f, 1.0f);
-    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-}
 
 Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options)
     : scene_(scene), camera_(camera), options_(options), ground_height_(scene.bounds().low.z) {
@@ -163,10 +148,12 @@ Vec3 Shading::albedo(const Hit& hit) const {
     if (options_.color == RenderColor::deviation && hit.on_mesh) {
         return deviation_color(scene_.deviation(hit) / options_.deviation_range);
     }
-    if (options_.color == RenderColor::distance && hit.on_mesh) {
+    if (hit.point) return scene_.point_color(*hit.point).value_or(kClay);
+    if (options_.color == RenderColor::distance && hit.on_mesh && scene_.measures_mesh()) {
         return deviation_color(static_cast<float>(scene_.distance_to_other(hit) / options_.distance_range));
     }
-    return scene_.has_marked() ? kPale : kClay;
+    if (options_.color == RenderColor::signal) return kSignal;
+    return scene_.has_marked() || scene_.has_point_colors() ? kPale : kClay;
 }
 
 Light Shading::solid(const Hit& hit, float x, float y, const Draws& draws) const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "coppice/render/colors.h"
 #include "coppice/render/traced_scene_internal.h"
 
 namespace coppice {
@@ -14,12 +15,6 @@ struct Light {
 
 /// Of what is marked: a magenta that no surface has. Linear.
 constexpr Vec3 kMarkColor{0.80f, 0.0f, 0.42f};
-
-/// Red for outside, blue for inside, pale grey for true; `t` runs over [-1, 1]. Linear.
-Vec3 deviation_color(float t);
-
-/// Encodes linear light in [0, 1] as sRGB.
-float to_srgb(float linear);
 
 /// Sun, sky and what the surface makes of them.
 class Shading {

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kGreatestSize = 1e15;  // [m] beyond it squares of floats overflow
 constexpr std::size_t kGrain = 65536;
+constexpr std::size_t kMostPoints = 4'000'000;  // that are drawn
+constexpr float kLeastRadius = 1e-6f;           // of balls, of the diagonal
 
 struct Box3d {
     Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -61,18 +63,37 @@ void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::v
 
 TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx)
     : deviation_(scene.deviation), distance_to_(scene.distance_to) {
-    const float skeleton_width = scene.mesh != nullptr ? options.axis_width : 1;
+    const bool inside = scene.mesh != nullptr || scene.cloud != nullptr;
+    const float skeleton_width = inside ? options.axis_width : 1;
+    if (scene.cloud != nullptr) {
+        cloud_size_ = scene.cloud->points.size();
+        point_count_ = std::min(cloud_size_, kMostPoints);
+        point_colors_ = scene.cloud->colors;
+    }
     place(scene, skeleton_width);
     device_ = new_embree_device(ctx);
-    solid_is_mesh_ = scene.mesh != nullptr;
-    if (scene.mesh != nullptr) {
-        add_faces(*scene.mesh, scene.marked_faces);
-        if (!options.flat) smooth_normals();
-        solid_ = build_mesh(quads_, ctx);
-        if (!marked_quads_.empty()) marked_ = build_mesh(marked_quads_, ctx);
+    if (inside) {
+        solid_.reset(rtcNewScene(device_.get()));
+        if (scene.mesh != nullptr) {
+            add_faces(*scene.mesh, scene.marked_faces);
+            if (!options.flat) smooth_normals();
+            attach_mesh(solid_.get(), quads_, ctx);
+            parts_.push_back(Part::mesh);
+        }
+        if (point_count_ > 0) {
+            attach_points(solid_.get(), scene);
+            parts_.push_back(Part::points);
+        }
+        commit_scene(device_.get(), solid_.get(), ctx);
+        if (!marked_quads_.empty()) {
+            marked_.reset(rtcNewScene(device_.get()));
+            attach_mesh(marked_.get(), marked_quads_, ctx);
+            commit_scene(device_.get(), marked_.get(), ctx);
+        }
         if (scene.skeleton != nullptr) axis_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
     } else {
         solid_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
+        parts_ = {Part::tubes, Part::tubes};  // cones and balls
     }
     collect_frame_points(scene, skeleton_width);
 }
@@ -85,6 +106,8 @@ void TracedScene::place(const RenderScene& scene, float skeleton_width) {
             box.extend(Vec3d(scene.mesh->positions[v]) + scene.mesh->origin, 0);
         }
     }
+    for (std::size_t k = 0; k < point_count_; ++k)
+        box.extend(scene.cloud->points.world(drawn_point(k)), double{scene.point_radius});
     if (scene.skeleton != nullptr) {
         for (const NodeId n : nodes(*scene.skeleton)) {
             box.extend(Vec3d(scene.skeleton->position(n)) + scene.skeleton->origin(),
@@ -144,6 +167,10 @@ void TracedScene::collect_frame_points(const RenderScene& scene, float skeleton_
             if (used[v]) frame_points_.push_back({positions_[v]});
         }
     }
+    for (std::size_t k = 0; k < point_count_; ++k) {
+        frame_points_.push_back(
+            {local(scene.cloud->points.world(drawn_point(k))), local_length(scene.point_radius)});
+    }
     if (scene.skeleton == nullptr) return;
     const Skeleton& s = *scene.skeleton;
     for (const NodeId n : nodes(s)) {
@@ -152,8 +179,7 @@ void TracedScene::collect_frame_points(const RenderScene& scene, float skeleton_
     }
 }
 
-EmbreeScene TracedScene::build_mesh(std::span<const Quad> of, const Context& ctx) {
-    EmbreeScene scene(rtcNewScene(device_.get()));
+void TracedScene::attach_mesh(RTCScene scene, std::span<const Quad> of, const Context& ctx) {
     const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD));
     const auto positions =
         new_embree_buffer<Vec3>(geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions_.size());
@@ -161,14 +187,22 @@ EmbreeScene TracedScene::build_mesh(std::span<const Quad> of, const Context& ctx
         new_embree_buffer<Quad>(geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, of.size());
     parallel_for(ctx, positions.size(), kGrain, [&](std::size_t i) { positions[i] = positions_[i]; });
     parallel_for(ctx, quads.size(), kGrain, [&](std::size_t i) { quads[i] = of[i]; });
-    attach_geometry(scene.get(), geometry.get());
-    commit_scene(device_.get(), scene.get(), ctx);
-    return scene;
+    attach_geometry(scene, geometry.get());
+}
+
+void TracedScene::attach_points(RTCScene scene, const RenderScene& of) {
+    std::vector<Ball> balls;
+    balls.reserve(point_count_);
+    const float radius = std::max(kLeastRadius, local_length(of.point_radius));
+    for (std::size_t k = 0; k < point_count_; ++k)
+        balls.push_back({local(of.cloud->points.world(drawn_point(k))), radius});
+    attach(scene, device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT, balls);
 }
 
 EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Context& ctx) {
     const auto ball = [&](Vec3 p, float radius) {
-        return Ball{local(p, s.origin()), std::max(1e-6f, static_cast<float>(width * radius * scale_))};
+        return Ball{local(p, s.origin()),
+                    std::max(kLeastRadius, static_cast<float>(width * radius * scale_))};
     };
     Tubes tubes;
     for (const NodeId n : nodes(s)) {
@@ -215,7 +249,9 @@ std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 directio
     hit.distance = r.ray.tfar;
     hit.position = origin + direction * hit.distance;
     hit.geometric_normal = normalized(Vec3{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, -direction);
-    hit.on_mesh = solid_is_mesh_ && scene == solid_.get();
+    const bool is_solid = scene == solid_.get();
+    hit.on_mesh = is_solid && parts_[r.hit.geomID] == Part::mesh;
+    if (is_solid && parts_[r.hit.geomID] == Part::points) hit.point = r.hit.primID;
     hit.face = r.hit.primID;
     hit.u = r.hit.u, hit.v = r.hit.v;
     if (dot(hit.geometric_normal, direction) > 0) hit.geometric_normal = -hit.geometric_normal;

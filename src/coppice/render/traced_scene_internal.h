@@ -7,6 +7,7 @@
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/render/camera_internal.h"
+#include "coppice/render/colors.h"
 #include "coppice/render/embree_internal.h"
 #include "coppice/render/render.h"
 
@@ -18,6 +19,7 @@ struct Hit {
     Vec3 normal;            ///< unit, smoothed, on the side of the ray's origin
     Vec3 geometric_normal;  ///< unit, of the face, on the same side
     float distance = 0;
+    std::optional<std::uint32_t> point;  ///< of those drawn, if on one
     bool on_mesh = false;
     std::uint32_t face = 0;  ///< of `quads()`, if on the mesh
     float u = 0, v = 0;      ///< corners 0..3 lie at (0,0), (1,0), (1,1), (0,1)
@@ -37,6 +39,13 @@ class TracedScene {
     Box3 bounds() const { return bounds_; }
     bool has_axis() const { return axis_ != nullptr; }
     bool has_marked() const { return marked_ != nullptr; }
+    bool has_point_colors() const { return !point_colors_.empty(); }
+    /// Linear, of a point drawn.
+    std::optional<Vec3> point_color(std::uint32_t point) const {
+        return has_point_colors() ? std::optional(to_linear(point_colors_[drawn_point(point)]))
+                                  : std::nullopt;
+    }
+    bool measures_mesh() const { return point_count_ == 0; }  ///< and not points
     Vec3 local(Vec3d world) const { return Vec3((world - center_) * scale_); }
     SketchView local(SketchView view) const;  ///< that shows the scene as the view shows the world
     float local_length(double length) const { return static_cast<float>(length * scale_); }
@@ -54,7 +63,10 @@ class TracedScene {
     void add_faces(const PolygonMesh& mesh, std::span<const std::uint32_t> marked);
     void smooth_normals();
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
-    EmbreeScene build_mesh(std::span<const Quad> quads, const Context& ctx);
+    void attach_mesh(RTCScene scene, std::span<const Quad> quads, const Context& ctx);
+    void attach_points(RTCScene scene, const RenderScene& of);
+    /// Which point of the cloud is the one of those drawn with this number.
+    std::size_t drawn_point(std::size_t k) const { return k * cloud_size_ / point_count_; }
     EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
     template <class T>
@@ -72,7 +84,11 @@ class TracedScene {
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_;
     const SurfaceTree* distance_to_ = nullptr;
-    bool solid_is_mesh_ = false;
+    std::span<const Rgb> point_colors_;
+    std::size_t cloud_size_ = 0, point_count_ = 0;  ///< all points, and those drawn
+    /// What the solid scene holds, in the order of Embree's numbers.
+    enum class Part : std::uint8_t { mesh, points, tubes };
+    std::vector<Part> parts_;
     EmbreeDevice device_;
     EmbreeScene solid_, axis_, marked_;
 };

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/edit/selection.h"
+
 namespace coppice {
 namespace {
 
@@ -100,6 +102,8 @@ ArgumentValue parse_argument(const Argument& a, std::string_view text) {
         case ArgumentType::new_name:
             if (!is_object_name(text)) refuse(a, text);
             return {std::string(text), {}};
+        case ArgumentType::selection:
+            return {to_text(parse_selection(text)), {}};
         case ArgumentType::object:
         case ArgumentType::word:
         case ArgumentType::input_file:
@@ -144,6 +148,8 @@ std::string takes_text(const Argument& a) {
         case ArgumentType::input_file:
         case ArgumentType::output_file:
             return "the name of a file";
+        case ArgumentType::selection:
+            return "nodes, such as 12, subtree(12) or tips&!order(0)";
         case ArgumentType::word:
             break;
     }

@@ -31,6 +31,7 @@ enum class ArgumentType {
     section,      ///< "PROFILE at FRACTION", joined by an at sign
     word,         ///< anything
     input_file,   ///< read
+    selection,    ///< nodes of a tree, as parse_selection reads them
     output_file,  ///< written
 };
 

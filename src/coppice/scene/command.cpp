@@ -14,7 +14,7 @@ constexpr double kMebibyte = 1 << 20;
 std::vector<SceneCommand> whole_table() {
     std::vector<SceneCommand> table;
     for (const auto make : {primitive_commands, solid_commands, curve_commands, point_commands, tree_commands,
-                            session_commands}) {
+                            edit_commands, session_commands}) {
         std::ranges::move(make(), std::back_inserter(table));
     }
     return table;

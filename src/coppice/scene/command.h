@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/edit/editable_tree.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/scene/argument.h"
 #include "coppice/scene/object.h"
@@ -155,6 +156,11 @@ struct SceneCommand {
     bool records = true;              ///< whether it makes or changes objects: a recipe keeps it
     std::optional<ObjectKind> makes;  ///< the kind of what it makes, where that is always the same
     std::function<SceneOutcome(const SceneCall&)> run;  ///< does the work; throws what the library throws
+    /// Of commands that edit a tree, which `run` takes from the scene and gives back: the same on a tree that
+    /// is kept.
+    std::function<EditChange(const SceneCall&, EditableTree&)> edit;
+    std::function<std::string(const SceneCall&, const EditableTree&)>
+        show;  ///< of those that only look at it
 };
 
 /// The one table of all commands, in the order of the reference page.

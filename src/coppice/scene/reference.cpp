@@ -112,9 +112,9 @@ void add_commands(std::set<std::string>& out, const std::string& done, std::stri
 }
 
 Json json_of(const Argument& a) {
-    static constexpr std::array<std::string_view, 11> kTypes{
-        "new_name", "object",  "number", "whole",      "flag",       "choice",
-        "tuple",    "section", "word",   "input_file", "output_file"};
+    static constexpr std::array<std::string_view, 12> kTypes{
+        "new_name", "object",  "number", "whole",      "flag",      "choice",
+        "tuple",    "section", "word",   "input_file", "selection", "output_file"};
     Json out{{"name", a.name},
              {"help", a.help},
              {"type", kTypes[static_cast<std::size_t>(a.type)]},
@@ -171,13 +171,14 @@ std::string help_of(std::span<const SceneWord> words) {
     return help_of_command(find_command(words, used));
 }
 
-std::string scene_reference() {
+std::string scene_reference(std::string_view only) {
     std::string text =
         "# Commands of scenes\n\nMade by `coppice run --reference`; [scenes.md](scenes.md) explains the "
         "language. Angles "
         "are degrees.\nWords in capitals are given in order, without their names; all others as "
         "`name=value`.\n\n";
     for (const std::string& group : groups()) {
+        if (!only.empty() && group != only) continue;
         text += fmt::format("## {}\n\n", group);
         for (const SceneCommand& c : scene_commands()) {
             if (c.group == group) text += markdown_of(c);

@@ -16,8 +16,8 @@ std::string help_overview();
 /// InvalidInput with the nearest spelling.
 std::string help_of(std::span<const SceneWord> words);
 
-/// The reference page of all commands in Markdown: docs/user/scene-reference.md.
-std::string scene_reference();
+/// The reference page of all commands in Markdown, docs/user/scene-reference.md, or of one group of them.
+std::string scene_reference(std::string_view group = {});
 
 /// The table as JSON: commands with their arguments, types, units, ranges and defaults.
 Json scene_schema();

@@ -3,40 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <new>
+
+#include "coppice/scene/place_internal.h"
 
 namespace coppice {
+
+using scene_internal::placed;
+
 namespace {
 
 constexpr std::size_t kMostObjects = 10'000;
 constexpr std::size_t kMostSteps = 1000;
 constexpr std::uint64_t kMebibyte = 1 << 20;
-
-/// Some messages of the library begin with the name of the stage, which may be the command's.
-std::string with_place(const std::string& place, std::string_view message) {
-    const std::size_t space = place.rfind(' ');
-    const std::string last = place.substr(space == place.npos ? 0 : space + 1) + ":";
-    if (message.starts_with(last + " ")) message.remove_prefix(last.size() + 1);
-    return place.empty() ? std::string(message) : fmt::format("{}: {}", place, message);
-}
-
-/// Calls work, and puts the place before the message of whatever it throws.
-template <class Work>
-auto placed(const std::string& place, const Work& work) {
-    try {
-        return work();
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const IoError& error) {
-        throw IoError(with_place(place, error.what()));
-    } catch (const Unsupported& error) {
-        throw Unsupported(with_place(place, error.what()));
-    } catch (const Error& error) {
-        throw InvalidInput(with_place(place, error.what()));
-    } catch (const std::bad_alloc&) {
-        throw InvalidInput(with_place(place, "there is not enough memory for this"));
-    }
-}
 
 std::string place_of(const std::string& place, const SceneCommand& command) {
     return place.empty() ? command.name : fmt::format("{}: {}", place, command.name);
@@ -106,6 +84,11 @@ void Scene::put(ObjectKind kind, const std::string& name, const ObjectPtr& objec
     if (!object) return;
     state_.bytes += object->bytes;
     state_.objects[key] = object;
+}
+
+void Scene::hold_tree(const std::string& name, Skeleton tree) {
+    const std::uint64_t bytes = memory_of(tree);
+    put(ObjectKind::skeleton, name, std::make_shared<const SceneObject>(SceneObject{std::move(tree), bytes}));
 }
 
 void Scene::take_back(int count) {

@@ -35,6 +35,10 @@ class Scene {
     /// Runs all lines of a file's text; returns what they have to say. `source` names it in messages.
     std::string run_text(std::string_view text, const std::string& source, const Context& ctx = {});
 
+    /// Gives a skeleton to the scene from outside, in place of one of that name. No command made it, so that
+    /// neither `undo` nor a recipe knows of it.
+    void hold_tree(const std::string& name, Skeleton tree);
+
     const SceneState& state() const { return state_; }           ///< what it holds now
     const SceneSettings& settings() const { return settings_; }  ///< as given
     /// where files to read are looked for

@@ -14,6 +14,7 @@ std::vector<SceneCommand> solid_commands();
 std::vector<SceneCommand> curve_commands();
 std::vector<SceneCommand> point_commands();
 std::vector<SceneCommand> tree_commands();
+std::vector<SceneCommand> edit_commands();
 std::vector<SceneCommand> session_commands();
 
 namespace table {

@@ -16,6 +16,7 @@ struct RawNode {
     Vec3d position;            ///< [m] world
     double radius = 0;         ///< [m]; NaN or less than 1e-12 means missing
     std::uint32_t line = 0;    ///< line (or record) of the file, from 1; 0 = unknown
+    StableId stable_id = {};   ///< see Skeleton::stable_id; all nodes have one, or none
 };
 
 /// A cylinder of a quantitative structure model, before anything is checked.

@@ -97,7 +97,8 @@ class Assembler {
 
     Skeleton run(RepairReport& report) {
         for (std::uint32_t i = 0; i < nodes_.size(); ++i) merged_[i] = place_node(i, report);
-        return Skeleton(std::move(parent_), std::move(position_), std::move(radius_), origin_);
+        return Skeleton(std::move(parent_), std::move(position_), std::move(radius_), origin_,
+                        std::move(stable_id_));
     }
 
   private:
@@ -125,6 +126,7 @@ class Assembler {
         position_.push_back(position);
         radius_.push_back(static_cast<float>(nodes_.radius[i]));
         has_siblings_.push_back(false);
+        if (!nodes_.stable_id.empty()) stable_id_.push_back(nodes_.stable_id[i]);
         return static_cast<std::uint32_t>(radius_.size() - 1);
     }
 
@@ -137,6 +139,7 @@ class Assembler {
     std::vector<NodeId> parent_;
     std::vector<Vec3> position_;
     std::vector<float> radius_;
+    std::vector<StableId> stable_id_;
 };
 
 }  // namespace
@@ -246,8 +249,10 @@ RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source
     for (const std::uint32_t i : order) {
         const std::uint32_t p = parent[i] == kNone ? kNone : new_index[parent[i]];
         new_index[i] = list.add(p, nodes[i].position, nodes[i].radius);
+        if (nodes[i].stable_id) list.stable_id.push_back(nodes[i].stable_id);
         step.push_back(p == kNone ? 0 : distance(nodes[i].position, list.position[p]));
     }
+    COPPICE_ASSERT(list.stable_id.empty() || list.stable_id.size() == list.size());
     report.missing_radii = fill_radii(list.parent, step, extent(list.position), list.radius);
     return {assemble(list, report), report};
 }

@@ -2,18 +2,35 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "coppice/base/error.h"
 
 namespace coppice {
+namespace {
+
+void check_unique(std::vector<StableId> ids) {
+    std::ranges::sort(ids);
+    const auto twin = std::ranges::adjacent_find(ids);
+    if (twin != ids.end()) {
+        throw InvalidInput(
+            fmt::format("the id {} names two nodes; give every node one of its own", twin->index()));
+    }
+}
+
+}  // namespace
 
 Skeleton::Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius,
-                   Vec3d origin)
+                   Vec3d origin, std::vector<StableId> stable_ids)
     : parent_(std::move(parent)),
       position_(std::move(position)),
       radius_(std::move(radius)),
-      origin_(origin) {
+      origin_(origin),
+      stable_id_(std::move(stable_ids)) {
     COPPICE_ASSERT(position_.size() == size() && radius_.size() == size());
+    COPPICE_ASSERT(stable_id_.empty() || stable_id_.size() == size());
     if (size() == 0) throw InvalidInput("the skeleton has no nodes");
+    check_unique(stable_id_);
     first_child_.assign(size() + 1, 0);
     leader_ = Column<NodeId, NodeId>(size());
     for (const NodeId n : nodes(*this)) {

@@ -32,8 +32,9 @@ class Skeleton {
   public:
     /// Takes columns of equal length. Throws InvalidInput naming the node that breaks an invariant. O(n).
     /// `origin` is added back by writers: positions are local, so that georeferenced data keep their digits.
+    /// `stable_ids` is empty or has one for each node, none of them twice, which takes O(n log n).
     Skeleton(std::vector<NodeId> parent, std::vector<Vec3> position, std::vector<float> radius,
-             Vec3d origin = {});
+             Vec3d origin = {}, std::vector<StableId> stable_ids = {});
 
     std::uint32_t size() const { return parent_.size(); }   ///< number of nodes; ids below it are valid
     NodeId parent(NodeId n) const { return parent_[n]; }    ///< none for a root; parent(n) < n always
@@ -43,6 +44,13 @@ class Skeleton {
     std::span<const Vec3> positions() const { return position_.span(); }  ///< [m] relative to origin(), Z up
     std::span<const float> radii() const { return radius_.span(); }       ///< [m] > 0
     Vec3d origin() const { return origin_; }                              ///< [m]
+
+    /// What names the node through edits: the number that it was given, else its index. A NodeId is a place
+    /// in this value; a stable id stays with the node when others come and go, and in JSON files.
+    StableId stable_id(NodeId n) const {
+        return stable_id_.empty() ? StableId(n.index()) : stable_id_[n.index()];
+    }
+    std::span<const StableId> stable_ids() const { return stable_id_; }  ///< by id; empty: the indices
 
     std::span<const NodeId> children(NodeId n) const;            ///< in order of id
     bool is_root(NodeId n) const { return !parent_[n]; }         ///< whether it has no parent
@@ -60,6 +68,7 @@ class Skeleton {
     Column<NodeId, Vec3> position_;
     Column<NodeId, float> radius_;
     Vec3d origin_;
+    std::vector<StableId> stable_id_;         ///< empty: the indices
     std::vector<std::uint32_t> first_child_;  ///< size() + 1 offsets into child_
     std::vector<NodeId> child_;
     Column<NodeId, NodeId> leader_;

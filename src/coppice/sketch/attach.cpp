@@ -7,8 +7,10 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr int kParts = 8;        // of a piece of the parent, that are looked at
-constexpr double kCutShort = 6;  // [noise] the more a stroke lacks beyond this, the less that tells
+constexpr double kMostParts = 1024;  // of a piece of the parent, that are looked at
+constexpr int kParts = 8;            // of the pieces about the best of them
+constexpr double kLeastNoise = 3;    // [pixels] with which strokes begin at least
+constexpr double kCutShort = 6;      // [noise] the more a stroke lacks beyond this, the less that tells
 
 /// Unit, against the way a line begins.
 PicturePoint backwards(const Line& line) {
@@ -16,6 +18,33 @@ PicturePoint backwards(const Line& line) {
     const PicturePoint d = line.points.front() - line.points[few];
     const double size = length(d);
     return size > 1e-9 ? d * (1 / size) : line.direction(0) * -1;
+}
+
+/// Whether a line has the first point of its stroke, from whichever end it was drawn.
+bool begins(const Stroke& stroke, const Line& line) {
+    const int first = line.drawn.front();
+    return first == 0 || first + 1 == static_cast<int>(stroke.points.size()) || first < 0;
+}
+
+/// What a stroke says of where it starts.
+struct Start {
+    const SketchView* view;
+    PicturePoint first, back;  ///< its first point, and unit, against the way it begins
+    double noise;              ///< [pixels]
+    double most;  ///< by which it counts at most, so that one wrong start does not outweigh a right one
+
+    double cost(Vec3d p) const {
+        const PicturePoint off = (project(*view, p) - first) * (1 / noise);
+        const double ahead = dot(off, back), beside = cross(off, back);
+        const double lack = std::max(ahead / kCutShort, 0.0);
+        const double off_squared = beside * beside + ahead * ahead / (1 + lack * lack);
+        return off_squared / (1 + off_squared / most);
+    }
+};
+
+Start start_of(const SketchView& view, const Stroke& stroke, const Line& line) {
+    return {&view, line.points.front(), backwards(line), std::hypot(line.noise, kLeastNoise),
+            begins(stroke, line) ? kWrong : kShort};
 }
 
 }  // namespace
@@ -30,31 +59,33 @@ double Axis::radius_at(Place place) const {
 
 Place place_on(const Axis& parent, std::span<const SketchView> views, std::span<const Stroke> strokes,
                std::span<const Line> lines) {
-    const auto cost = [&](Place place) {
-        const Vec3d p = parent.at(place);
-        double sum = 0;
-        for (std::size_t i = 0; i < strokes.size(); ++i) {
-            const double noise = std::hypot(lines[i].noise, 3.0);
-            const PicturePoint off =
-                (project(views[strokes[i].view], p) - lines[i].points.front()) * (1 / noise);
-            const PicturePoint back = backwards(lines[i]);
-            const double ahead = dot(off, back), beside = cross(off, back);
-            const double lack = std::max(ahead / kCutShort, 0.0);
-            sum += beside * beside + ahead * ahead / (1 + lack * lack);
-        }
-        return sum;
-    };
+    std::vector<Start> starts;
+    for (std::size_t i = 0; i < strokes.size(); ++i)
+        if (lines[i].points.size() >= 2)
+            starts.push_back(start_of(views[strokes[i].view], strokes[i], lines[i]));
     Place best;
     double least = std::numeric_limits<double>::infinity();
-    const auto look = [&](std::size_t node, double low, double high) {
-        for (int part = 0; part <= kParts; ++part) {
-            const Place place{node, std::lerp(low, high, 1.0 * part / kParts)};
-            if (const double c = cost(place); c < least) least = c, best = place;
+    const auto look = [&](std::size_t node, double low, double high, int parts) {
+        for (int part = 0; part <= parts; ++part) {
+            const Place place{node, std::lerp(low, high, 1.0 * part / parts)};
+            double sum = 0;
+            for (const Start& start : starts) sum += start.cost(parent.at(place));
+            if (sum < least) least = sum, best = place;
         }
     };
-    for (std::size_t node = 0; node + 1 < parent.positions.size(); ++node) look(node, 0, 1);
-    for (double wide = 1.0 / kParts; wide > 1e-3; wide *= 2.0 / kParts)
-        look(best.node, std::max(0.0, best.along - wide), std::min(1.0, best.along + wide));
+    for (std::size_t node = 0; node + 1 < parent.positions.size(); ++node) {
+        const Vec3d a = parent.positions[node], b = parent.positions[node + 1];
+        double parts = 1;
+        for (const Start& start : starts)
+            parts = std::max(parts,
+                             length(project(*start.view, b) - project(*start.view, a)) / (2 * start.noise));
+        look(node, 0, 1, static_cast<int>(std::min(parts, kMostParts)));
+    }
+    const std::size_t near = best.node, last = parent.positions.size() - 2;
+    for (std::size_t node = near - std::min<std::size_t>(near, 1); node <= std::min(near + 1, last); ++node)
+        look(node, 0, 1, kParts);
+    for (double wide = 1.0 / kParts; wide > 1e-3; wide *= 0.5)
+        look(best.node, std::max(0.0, best.along - wide), std::min(1.0, best.along + wide), 4);
     return best;
 }
 

@@ -1,33 +1,52 @@
 #include "coppice/sketch/banded_internal.h"
 
 namespace coppice::sketch_internal {
+namespace {
 
-// Blocks are eliminated from the first on: A = L L^T, where L has the bands of A.
-std::vector<Eigen::Vector3d> BandedSystem::solve(double damping) const {
+/// m L^-T, row by row: for vectors of a fixed size Eigen unrolls what it else does in blocks of a large
+/// matrix.
+Eigen::Matrix3d divided(const Eigen::Matrix3d& m, const Eigen::LLT<Eigen::Matrix3d>& l) {
+    Eigen::Matrix3d out;
+    for (int row = 0; row < 3; ++row) {
+        const Eigen::Vector3d right = m.row(row).transpose();
+        out.row(row) = l.matrixL().solve(right).transpose();
+    }
+    return out;
+}
+
+}  // namespace
+
+// Blocks are eliminated from the first on: A = L L^T, where L has the bands of A. Inverses of the blocks
+// would be as fast, but short pieces beside long ones make them too inexact.
+void BandedSystem::solve(double damping, std::vector<Eigen::Vector3d>& x) {
     const std::size_t n = size();
-    std::vector<Eigen::LLT<Eigen::Matrix3d>> l(n);
-    std::vector<Eigen::Matrix3d> below(n), second(n);  // rows i + 1 and i + 2 of column i of L
-    std::vector<Eigen::Vector3d> x = right_;
+    x = right_;
     for (std::size_t i = 0; i < n; ++i) {
-        Eigen::Matrix3d d = diagonal_[i];
+        Eigen::Matrix3d d = diagonal_[i], b = next_[i];
         d.diagonal().array() += damping * d.trace();
-        if (i >= 1) d -= below[i - 1] * below[i - 1].transpose();
-        if (i >= 2) d -= second[i - 2] * second[i - 2].transpose();
-        l[i].compute(d);
-        Eigen::Matrix3d b = next_[i];
-        if (i >= 1) b -= second[i - 1] * below[i - 1].transpose();
-        below[i] = l[i].matrixL().solve(b.transpose()).transpose();
-        second[i] = l[i].matrixL().solve(after_next_[i].transpose()).transpose();
-        if (i >= 1) x[i] -= below[i - 1] * x[i - 1];
-        if (i >= 2) x[i] -= second[i - 2] * x[i - 2];
-        x[i] = l[i].matrixL().solve(x[i]);
+        if (i >= 1) {
+            const Column& one = columns_[i - 1];
+            d.noalias() -= one.below * one.below.transpose();
+            b.noalias() -= one.second * one.below.transpose();
+            x[i].noalias() -= one.below * x[i - 1];
+        }
+        if (i >= 2) {
+            const Column& two = columns_[i - 2];
+            d.noalias() -= two.second * two.second.transpose();
+            x[i].noalias() -= two.second * x[i - 2];
+        }
+        Column& here = columns_[i];
+        here.l.compute(d);
+        here.below = divided(b, here.l);
+        here.second = divided(after_next_[i], here.l);
+        here.l.matrixL().solveInPlace(x[i]);
     }
     for (std::size_t i = n; i-- > 0;) {
-        if (i + 1 < n) x[i] -= below[i].transpose() * x[i + 1];
-        if (i + 2 < n) x[i] -= second[i].transpose() * x[i + 2];
-        x[i] = l[i].matrixL().transpose().solve(x[i]);
+        const Column& here = columns_[i];
+        if (i + 1 < n) x[i].noalias() -= here.below.transpose() * x[i + 1];
+        if (i + 2 < n) x[i].noalias() -= here.second.transpose() * x[i + 2];
+        here.l.matrixU().solveInPlace(x[i]);
     }
-    return x;
 }
 
 }  // namespace coppice::sketch_internal

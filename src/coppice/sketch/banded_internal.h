@@ -10,11 +10,14 @@ namespace coppice::sketch_internal {
 /// and solving are O(points).
 class BandedSystem {
   public:
-    explicit BandedSystem(std::size_t points)
-        : diagonal_(points, Eigen::Matrix3d::Zero()),
-          next_(points, Eigen::Matrix3d::Zero()),
-          after_next_(points, Eigen::Matrix3d::Zero()),
-          right_(points, Eigen::Vector3d::Zero()) {}
+    /// All zero, for so many points; keeps its memory.
+    void reset(std::size_t points) {
+        diagonal_.assign(points, Eigen::Matrix3d::Zero());
+        next_.assign(points, Eigen::Matrix3d::Zero());
+        after_next_.assign(points, Eigen::Matrix3d::Zero());
+        right_.assign(points, Eigen::Vector3d::Zero());
+        columns_.resize(points);
+    }
 
     std::size_t size() const { return diagonal_.size(); }
     Eigen::Matrix3d& diagonal(std::size_t i) { return diagonal_[i]; }      ///< of point i
@@ -23,11 +26,18 @@ class BandedSystem {
     Eigen::Vector3d& right(std::size_t i) { return right_[i]; }            ///< right side
 
     /// The solution, with `damping` times its trace added to the diagonal of every block. Keeps the system.
-    std::vector<Eigen::Vector3d> solve(double damping) const;
+    void solve(double damping, std::vector<Eigen::Vector3d>& x);
 
   private:
+    /// Of L: the block on the diagonal, and rows i + 1 and i + 2 of column i.
+    struct Column {
+        Eigen::LLT<Eigen::Matrix3d> l;
+        Eigen::Matrix3d below, second;
+    };
+
     std::vector<Eigen::Matrix3d> diagonal_, next_, after_next_;
     std::vector<Eigen::Vector3d> right_;
+    std::vector<Column> columns_;
 };
 
 }  // namespace coppice::sketch_internal

@@ -14,15 +14,13 @@
 namespace coppice::sketch_internal {
 namespace {
 
-constexpr double kMostCost = 3;         // of a match, above which strokes are of different things
-constexpr double kLeastMatched = 0.3;   // of the strokes
-constexpr double kHopeless = 1e6;       // odd
-constexpr double kOdd = 1.5;            // cost per node: twice what it usually is
-constexpr double kLeap = 4;             // [pixels] that are as odd as 1
-constexpr double kUsualPiece = 1.8;     // of the median piece between two points
-constexpr double kFarBetter = 0.8;      // of how odd it was before
-constexpr std::size_t kMostTried = 40;  // points of all strokes, of which each is tried
-constexpr double kStartSlack = 2;  // [pixels] a stroke that begins so near its parent's axis begins on it
+constexpr double kMostCost = 3;           // of a match, above which strokes are of different things
+constexpr double kLeastMatched = 0.3;     // of the strokes
+constexpr double kHopeless = 1e6;         // how odd nothing at all is
+constexpr double kFarOut = 3;             // of its noise, and as many pixels: a detour to a wrong point
+constexpr std::size_t kMostTried = 40;    // points of all strokes, of which each is tried where none matches
+constexpr std::size_t kMostSuspects = 6;  // that are tried otherwise
+constexpr double kNear = 3;  // [noise] a stroke that begins so near its parent's axis begins on it
 constexpr double kGuessedStart = 0.6, kGuessedEnd = 0.3;  // of the parent's radius
 
 std::string rounded(double number, int digits) {
@@ -45,13 +43,12 @@ Line shown_in(const SketchView& view, const Axis& axis) {
 
 class BranchMaker {
   public:
-    BranchMaker(const Sketch& sketch, std::span<const SketchView> views, std::uint32_t branch,
-                const Axis* parent, const SketchOptions& options, BranchFit& fit)
-        : sketch_(sketch),
-          views_(views),
-          branch_(sketch.branches[branch]),
+    BranchMaker(const SketchFacts& facts, std::uint32_t branch, const Axis* parent, BranchFit& fit)
+        : facts_(facts),
+          views_(facts.views),
+          branch_(facts.sketch.branches[branch]),
           parent_(parent),
-          options_(options),
+          options_(facts.options),
           fit_(fit) {}
 
     Axis run(const Context& ctx) {
@@ -63,9 +60,9 @@ class BranchMaker {
                 return refuse("all points of its stroke in '" + view_name(i) + "' lie in one place");
         }
         Outcome best = attempt(drawn, ctx);
-        if (best.odd > kOdd && total_left_out(drawn) > 0) keep_better(best, drawn, lines_of(false), ctx);
-        if (best.odd > kOdd && parent_ && !branch_.attach) look_for_start(best, drawn, ctx);
-        while (best.odd > kOdd && leave_out_one(drawn, best, ctx)) {
+        if (!best.suspects.empty() && total_left_out(drawn) > 0)
+            keep_better(best, drawn, lines_of(false), ctx);
+        while (!best.suspects.empty() && leave_out_one(drawn, best, ctx)) {
         }
         fit_ = best.fit;
         return best.why.empty() ? best.axis : refuse(best.why);
@@ -87,18 +84,26 @@ class BranchMaker {
         return {};
     }
 
+    /// A point of a line.
+    struct Suspect {
+        std::size_t line, point;
+        double odd;
+    };
+
     /// What came of some lines.
     struct Outcome {
         Axis axis;
         BranchFit fit;
-        std::string why;  ///< it is refused; or empty
-        double odd = 0;   ///< above kOdd where some point may be wrong
+        std::string why;                ///< it is refused; or empty
+        double odd = 0;                 ///< how unlikely all of it is; less is better
+        std::vector<Suspect> suspects;  ///< points that may be wrong, the oddest first
     };
 
     std::vector<Line> lines_of(bool clean) const {
         std::vector<Line> out;
         for (const Stroke& stroke : branch_.strokes)
-            out.push_back(line_of(sketch_.views[stroke.view], stroke, double{options_.noise}, clean));
+            out.push_back(line_of(facts_.sketch.views[stroke.view], stroke, facts_.hand,
+                                  double{options_.noise}, clean));
         return out;
     }
 
@@ -108,33 +113,12 @@ class BranchMaker {
         return sum;
     }
 
-    /// Tries these lines, and goes on with them where that is far better.
-    bool keep_better(Outcome& best, std::vector<Line>& drawn, std::vector<Line> others, const Context& ctx) {
+    /// Tries these lines, and goes on with them where that is likelier.
+    void keep_better(Outcome& best, std::vector<Line>& drawn, std::vector<Line> others, const Context& ctx) {
         Outcome tried = attempt(others, ctx);
-        if (tried.odd > kFarBetter * best.odd) return false;
+        if (tried.odd >= best.odd) return;
         best = std::move(tried);
         drawn = std::move(others);
-        return true;
-    }
-
-    /// Strokes that lack much of their start say badly where they leave: what of them can be matched without
-    /// knowing that says it better.
-    void look_for_start(Outcome& best, std::vector<Line>& drawn, const Context& ctx) {
-        lines_ = drawn;
-        const auto [i, j] = pair_;
-        const Match match = match_lines(lines_[i], lines_[j], fundamental_matrix(view(i), view(j)), false);
-        if (!matches(match)) return;
-        const Axis* parent = std::exchange(parent_, nullptr);
-        double cost = 0;
-        const std::vector<AxisNode> nodes = fit(match, cost, ctx);
-        parent_ = parent;
-        if (nodes.size() < 2) return;
-        Axis axis;
-        for (const AxisNode& node : nodes) axis.positions.push_back(node.position);
-        std::vector<Line> shown;
-        for (std::size_t k = 0; k < drawn.size(); ++k) shown.push_back(shown_in(view(k), axis));
-        known_start_ = place_on(*parent_, views_, branch_.strokes, shown);
-        if (!keep_better(best, drawn, drawn, ctx)) known_start_.reset();
     }
 
     Outcome attempt(const std::vector<Line>& drawn, const Context& ctx) {
@@ -153,20 +137,24 @@ class BranchMaker {
     }
 
     Axis made(Outcome& out, const Context& ctx) {
+        if (parent_) find_start();
         choose_pair();
         if (fit_.angle < double{options_.least_angle})
             return out.why = "its views are too near to each other", Axis{};
-        if (parent_) find_start();
         const Match match = matched();
         fit_.matched = match.share;
         out.odd = kHopeless * (1 + match.cost);
         if (!matches(match)) {
             out.why = "its strokes do not match: their points do not lie on each other's lines of sight";
+            suspect_all(out);
             return {};
         }
-        double cost = 0;
-        Axis axis = fitted(match, cost, ctx);
-        if (axis.positions.size() < 2) return out.why = "its lines of sight meet behind a camera", Axis{};
+        const std::vector<AxisNode> nodes = fit(match, ctx);
+        if (nodes.size() < 2) {
+            suspect_all(out);
+            return out.why = "its lines of sight meet behind a camera", Axis{};
+        }
+        Axis axis = axis_of(nodes);
         measure_errors(axis);
         double error = 0;
         for (const StrokeFit& stroke : fit_.strokes) error = std::max(error, stroke.rms_error);
@@ -174,43 +162,134 @@ class BranchMaker {
             out.why =
                 "no branch lies near all of its strokes, the best is off by " + rounded(error, 1) + " pixels";
         }
-        const double noise = std::max(lines_[pair_[0]].noise, lines_[pair_[1]].noise);
-        out.odd = cost * std::min(noise * noise, 1.0);
-        if (match.pairs.back().s < 0.95 * lines_[pair_[0]].length() ||
-            match.pairs.back().t < 0.95 * lines_[pair_[1]].length())
-            out.odd += std::max(leap_of(0), leap_of(1)) / kLeap;
+        judge(nodes, match, out);
+        if (!out.why.empty()) {
+            out.odd += kHopeless;
+            suspect_all(out);
+        }
         return axis;
     }
 
-    /// [pixels] by which the last piece of a stroke of the pair is longer than is usual.
-    double leap_of(std::size_t which) const {
-        const Line& line = lines_[pair_[which]];
-        const std::size_t last = line.points.size() - 1;
-        std::vector<double> pieces;
-        for (const std::size_t i : pair_)
-            for (std::size_t p = 1; p < lines_[i].points.size(); ++p)
-                if (&lines_[i] != &line || p != last)
-                    pieces.push_back(lines_[i].along[p] - lines_[i].along[p - 1]);
-        return std::max(line.along[last] - line.along[last - 1] - kUsualPiece * median(pieces), 0.0);
+    /// Where nothing tells which point is wrong, it may be any of a few.
+    void suspect_all(Outcome& out) const {
+        std::size_t points = 0;
+        for (const Line& line : lines_) points += line.points.size();
+        if (points > kMostTried) return;
+        for (std::size_t i = 0; i < lines_.size(); ++i)
+            for (std::size_t p = 0; p < lines_[i].points.size(); ++p) suspect(out, i, p, kWrong);
     }
 
-    /// Tries what comes of the strokes without each of their points, and keeps the best where that is far
-    /// better: of few points none can be told to be wrong by its own stroke.
+    /// A point of the line of an attempt, as a point of the line that it was made of.
+    void suspect(Outcome& out, std::size_t line, std::size_t point, double odd) const {
+        if (lines_[line].drawn[point] >= 0)
+            out.suspects.push_back({line, static_cast<std::size_t>(lines_[line].drawn[point]), odd});
+    }
+
+    /// How odd everything about every point of a line of the pair is.
+    struct Oddness {
+        std::vector<double> all;  ///< its place, the turns about it, how far it is from the points beside it
+        std::vector<double> off;  ///< its place alone
+    };
+
+    /// How odd the axis is, and which points it may be that make it so.
+    void judge(const std::vector<AxisNode>& nodes, const Match& match, Outcome& out) const {
+        out.odd = 0;
+        for (const AxisNode& node : nodes) out.odd += node.odd;
+        for (const Line& line : lines_) out.odd += kWrong * static_cast<double>(line.left_out);
+        for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
+            Oddness odd = oddness_at(nodes, which);
+            const Pair last = match.pairs.back();
+            out.odd += judge_stroke(pair_[which], which == 0 ? last.s : last.t, odd.all);
+            for (std::size_t p = 0; p < odd.all.size(); ++p)
+                if (odd.all[p] > kWrong && (odd.off[p] > 0.5 * kWrong || detours(nodes, which, p)))
+                    suspect(out, pair_[which], p, odd.all[p]);
+        }
+        std::ranges::stable_sort(out.suspects, std::ranges::greater(), &Suspect::odd);
+        if (out.suspects.size() > kMostSuspects) out.suspects.resize(kMostSuspects);
+    }
+
+    Oddness oddness_at(const std::vector<AxisNode>& nodes, std::size_t which) const {
+        const std::size_t count = lines_[pair_[which]].points.size();
+        Oddness out{std::vector<double>(count, 0), std::vector<double>(count, 0)};
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            if (nodes[i].point[which] < 0) continue;
+            const auto p = static_cast<std::size_t>(nodes[i].point[which]);
+            out.off[p] = nodes[i].off;
+            for (std::size_t n = i - std::min<std::size_t>(i, 1); n <= i + 1 && n < nodes.size(); ++n)
+                out.all[p] += nodes[n].odd;
+        }
+        return out;
+    }
+
+    /// How odd the ways from point to point of a stroke are, and that it stops short at its tip, at `matched`
+    /// [pixels], or at its start. Adds to what is known of its points.
+    double judge_stroke(std::size_t stroke, double matched, std::vector<double>& odd) const {
+        const Line& line = lines_[stroke];
+        double sum = 0;
+        for (std::size_t p = 1; p < line.points.size(); ++p) {
+            const double leap = leap_of(stroke, p);
+            sum += leap;
+            odd[p] += leap;
+            odd[p - 1] += leap;
+        }
+        if (line.length() - matched > kNear * line.noise) sum += kShort, odd.back() += kWrong;
+        if (parent_ && line.drawn.front() < 0 && place_in(stroke, 1) == 0) sum += kShort, odd[1] += kShort;
+        return sum;
+    }
+
+    /// Whether the axis goes far out of its way to a point of a line of the pair, or ends there.
+    bool detours(const std::vector<AxisNode>& nodes, std::size_t which, std::size_t point) const {
+        const Line& line = lines_[pair_[which]];
+        if (point == 0 || point + 1 == line.points.size() || line.drawn[point - 1] < 0) return true;
+        const auto node_of = [&](std::size_t p) {
+            return std::ranges::find_if(
+                nodes, [&](const AxisNode& n) { return n.point[which] == static_cast<int>(p); });
+        };
+        const auto from = node_of(point - 1), to = node_of(point + 1);
+        double way = -distance(from->position, to->position);
+        for (auto node = from; node < to; ++node) way += distance(node->position, (node + 1)->position);
+        return way * pixels_per_metre(view(pair_[which]), from->position) > kFarOut * (1 + line.noise);
+    }
+
+    /// Which point of the stroke, counted from where the branch starts, a point of the line is; the first one
+    /// stands for a start that was not drawn.
+    int place_in(std::size_t stroke, std::size_t point) const {
+        const int drawn = lines_[stroke].drawn[point];
+        const auto count = static_cast<int>(branch_.strokes[stroke].points.size());
+        return drawn < 0 ? 0 : fit_.strokes[stroke].reversed ? count - 1 - drawn : drawn;
+    }
+
+    /// How odd it is that a point lies so far from the one before it.
+    double leap_of(std::size_t stroke, std::size_t point) const {
+        if (facts_.hand.piece <= 0) return 0;
+        const Line& line = lines_[stroke];
+        const int pieces = std::max(place_in(stroke, point) - place_in(stroke, point - 1), 1);
+        const double piece = (line.along[point] - line.along[point - 1]) / pieces;
+        if (piece <= facts_.hand.piece) return 0;
+        const double far = std::log(piece / facts_.hand.piece) / facts_.hand.spread;
+        const bool late = line.drawn[point - 1] < 0 && place_in(stroke, point) == 0;
+        return std::min(far * far, late ? kShort : kWrong);
+    }
+
+    /// Tries what comes of the strokes without each of the points that may be wrong, and keeps the best where
+    /// that is likelier: of few points none can be told to be wrong by its own stroke.
     bool leave_out_one(std::vector<Line>& drawn, Outcome& best, const Context& ctx) {
         std::size_t points = 0;
         for (const Line& line : drawn) points += line.points.size();
-        if (points > kMostTried || total_left_out(drawn) > points / 4) return false;
+        // Of long strokes the wrong points were found before, and each trial is dear.
+        if (points > kMostTried && best.why.empty()) return false;
+        if (total_left_out(drawn) > points / 4) return false;
         const Outcome before = best;
         std::vector<Line> kept = drawn;
-        for (std::size_t i = 0; i < drawn.size(); ++i) {
-            if (drawn[i].points.size() <= 2) continue;
-            for (std::size_t p = 0; p < drawn[i].points.size(); ++p) {
-                std::vector<Line> without = drawn;
-                without[i] = without_point(drawn[i], p);
-                Outcome tried = attempt(without, ctx);
-                if (tried.odd < best.odd && tried.odd < kFarBetter * before.odd)
-                    best = std::move(tried), kept = std::move(without);
-            }
+        for (const Suspect& suspect : before.suspects) {
+            const Line& line = drawn[suspect.line];
+            const auto found = std::ranges::find(line.drawn, static_cast<int>(suspect.point));
+            if (line.points.size() <= (parent_ ? 1u : 2u) || found == line.drawn.end()) continue;
+            std::vector<Line> without = drawn;
+            without[suspect.line] = without_point(line, static_cast<std::size_t>(found - line.drawn.begin()));
+            if (std::ranges::none_of(without, [](const Line& l) { return l.points.size() > 1; })) continue;
+            Outcome tried = attempt(without, ctx);
+            if (tried.odd < best.odd) best = std::move(tried), kept = std::move(without);
         }
         drawn = std::move(kept);
         return best.odd < before.odd;
@@ -239,12 +318,15 @@ class BranchMaker {
             const double start = off(lines_[i].points.front()), end = off(lines_[i].points.back());
             if (start > 10 && end < 0.3 * start) turn(i);
         }
-        start_ = branch_.attach ? place_at(*branch_.attach)
-                 : known_start_ ? *known_start_
-                                : place_on(*parent_, views_, branch_.strokes, lines_);
+        start_ =
+            branch_.attach ? place_at(*branch_.attach) : place_on(*parent_, views_, branch_.strokes, lines_);
         for (std::size_t i = 0; i < lines_.size(); ++i) {
             const PicturePoint p = project(view(i), parent_->at(start_));
-            if (length(p - lines_[i].points.front()) > kStartSlack) lines_[i] = with_start(lines_[i], p);
+            // What is drawn within the parent is drawn where it starts, too.
+            const double thick = parent_->radius_at(start_) * pixels_per_metre(view(i), parent_->at(start_));
+            const double near = std::max(kNear * lines_[i].noise, thick);
+            const bool begins = length(p - lines_[i].points.front()) <= near && lines_[i].points.size() > 1;
+            lines_[i] = begins ? with_first(lines_[i], p) : with_start(lines_[i], p);
         }
     }
 
@@ -282,7 +364,7 @@ class BranchMaker {
         return turned;
     }
 
-    std::vector<AxisNode> fit(const Match& match, double& cost, const Context& ctx) const {
+    std::vector<AxisNode> fit(const Match& match, const Context& ctx) const {
         std::vector<Sight> others;
         for (std::size_t i = 0; i < lines_.size(); ++i)
             if (i != pair_[0] && i != pair_[1]) others.push_back({&view(i), &lines_[i]});
@@ -293,17 +375,14 @@ class BranchMaker {
                        .start = {},
                        .bend = double{options_.bend}};
         if (parent_) input.start = parent_->at(start_);
-        FittedAxis found = fit_axis(input, ctx);
-        cost = found.cost;
-        return std::move(found.nodes);
+        return fit_axis(input, ctx).nodes;
     }
 
-    Axis fitted(const Match& match, double& cost, const Context& ctx) {
-        const std::vector<AxisNode> nodes = fit(match, cost, ctx);
+    Axis axis_of(const std::vector<AxisNode>& nodes) {
         Axis axis;
         axis.start = start_;
         for (const AxisNode& node : nodes) axis.positions.push_back(node.position);
-        if (nodes.size() >= 2) set_radii(nodes, axis);
+        set_radii(nodes, axis);
         return axis;
     }
 
@@ -361,7 +440,7 @@ class BranchMaker {
         }
     }
 
-    const Sketch& sketch_;
+    const SketchFacts& facts_;
     std::span<const SketchView> views_;
     const SketchBranch& branch_;
     const Axis* parent_;
@@ -370,14 +449,13 @@ class BranchMaker {
     std::vector<Line> lines_;  ///< one for each stroke
     std::array<std::size_t, 2> pair_{0, 1};
     Place start_;
-    std::optional<Place> known_start_;  ///< that goes before what strokes say by themselves
 };
 
 }  // namespace
 
-Axis make_axis(const Sketch& sketch, std::span<const SketchView> views, std::uint32_t branch,
-               const Axis* parent, const SketchOptions& options, BranchFit& fit, const Context& ctx) {
-    return BranchMaker(sketch, views, branch, parent, options, fit).run(ctx);
+Axis make_axis(const SketchFacts& facts, std::uint32_t branch, const Axis* parent, BranchFit& fit,
+               const Context& ctx) {
+    return BranchMaker(facts, branch, parent, fit).run(ctx);
 }
 
 }  // namespace coppice::sketch_internal

@@ -11,11 +11,12 @@ namespace coppice::sketch_internal {
 namespace {
 
 constexpr int kMostSteps = 30;
-constexpr double kSettled = 1e-3;    // of its noise, by which no node moves any more
+constexpr double kSettled = 1e-2;    // of its noise, by which no node moves any more
 constexpr double kFarOff = 3;        // of its noise, and as many pixels: what is farther off counts less
 constexpr double kAlongOwn = 0.25;   // weight along a stroke of its own points, against across
 constexpr double kAlongOther = 0.1;  // the same of where the other stroke's points were matched
 constexpr double kSharp = 0.5;       // of the usual turn at a node: what turns more is a corner
+constexpr double kOddTurn = 3;       // the same where it is judged whether something is wrong
 constexpr double kStartNoise = 0.1;  // [pixels] of a start that is given
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -23,6 +24,7 @@ Eigen::Vector3d eigen(Vec3d v) { return {v.x, v.y, v.z}; }
 
 /// Where one picture wants one node.
 struct Wish {
+    std::size_t node;
     const SketchView* view;
     PicturePoint target;     ///< [pixels]
     PicturePoint direction;  ///< unit, of the stroke there
@@ -34,7 +36,7 @@ struct Wish {
 struct Node {
     Vec3d position;
     std::array<double, 2> along{kNone, kNone};  // of the two strokes that were matched
-    std::array<bool, 2> own{};                  // whether it is a point of them
+    std::array<int, 2> own{-1, -1};             // the point of them that it is; -1 = none
     bool end = false;                           // where both strokes end
 };
 
@@ -62,8 +64,8 @@ class AxisFit {
         measure_pieces();
         refine(ctx);
         FittedAxis out;
-        for (const Node& node : nodes_) out.nodes.push_back({node.position, node.along});
-        out.cost = cost_ / static_cast<double>(nodes_.size());
+        for (const Node& node : nodes_) out.nodes.push_back({node.position, node.along, node.own});
+        judge(out.nodes);
         return out;
     }
 
@@ -74,10 +76,11 @@ class AxisFit {
     /// A node for every point of both strokes, in the order of the match.
     void place_nodes() {
         for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
-            for (const double s : line(which).along) {
+            for (std::size_t p = 0; p < line(which).along.size(); ++p) {
+                const double s = line(which).along[p];
                 Node node;
                 node.along[which] = s;
-                node.own[which] = true;
+                node.own[which] = static_cast<int>(p);
                 node.along[1 - which] = other_of(*in_.match, s, which == 0);
                 nodes_.push_back(node);
             }
@@ -101,11 +104,11 @@ class AxisFit {
             Node& x = nodes_[a];
             const Node& y = nodes_[b];
             const bool same = !std::isnan(x.along[0]) && !std::isnan(x.along[1]) && !std::isnan(y.along[0]) &&
-                              !std::isnan(y.along[1]) && (x.own[0] ? y.own[1] : y.own[0]) &&
+                              !std::isnan(y.along[1]) && (x.own[0] >= 0 ? y.own[1] : y.own[0]) >= 0 &&
                               std::abs(x.along[0] - y.along[0]) < 1e-6 &&
                               std::abs(x.along[1] - y.along[1]) < 1e-6;
             if (!same || nodes_.size() < 3) return;
-            x.own = {true, true};
+            x.own = {std::max(x.own[0], y.own[0]), std::max(x.own[1], y.own[1])};
             x.end = true;
             nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(b));
         };
@@ -171,34 +174,38 @@ class AxisFit {
         }
     }
 
-    std::vector<Wish> wishes(const Node& node) const {
-        std::vector<Wish> out;
+    void wish_all() {
+        wishes_.clear();
+        for (std::size_t i = 0; i < nodes_.size(); ++i) add_wishes(i);
+    }
+
+    void add_wishes(std::size_t i) {
+        const Node& node = nodes_[i];
         for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
             if (std::isnan(node.along[which])) continue;
             const Line& l = line(which);
-            const double weight = 1 / l.noise;
-            double s = node.along[which];
-            if (!node.own[which]) {
-                // The foot on the stroke, near where it was matched, is what lies across.
-                const double slack = 2 * l.length() / static_cast<double>(l.points.size());
-                s = l.nearest(project(view(which), node.position), std::max(0.0, s - slack),
-                              std::min(l.length(), s + slack));
+            const double weight = 1 / l.noise, matched = node.along[which];
+            if (node.own[which] >= 0) {
+                const double along = node.end ? weight : kAlongOwn * weight;
+                wishes_.push_back(
+                    {i, &view(which), l.at(matched), l.direction(matched), l.noise, weight, along});
+                continue;
             }
-            const double along = node.end ? weight : node.own[which] ? kAlongOwn * weight : 0;
-            out.push_back({&view(which), l.at(s), l.direction(s), l.noise, weight, along});
-            if (node.own[which]) continue;
-            const double matched = node.along[which];
-            out.push_back(
-                {&view(which), l.at(matched), l.direction(matched), l.noise, 0, kAlongOther * weight});
+            // The foot on the stroke, near where it was matched, is what lies across.
+            const double slack = 2 * l.length() / static_cast<double>(l.points.size());
+            const double s = l.nearest(project(view(which), node.position), std::max(0.0, matched - slack),
+                                       std::min(l.length(), matched + slack));
+            wishes_.push_back({i, &view(which), l.at(s), l.direction(s), l.noise, weight, 0});
+            wishes_.push_back(
+                {i, &view(which), l.at(matched), l.direction(matched), l.noise, 0, kAlongOther * weight});
         }
         for (const Sight& other : in_.others) {
             const PicturePoint p = project(*other.view, node.position);
             const double s = other.line->nearest(p, 0, other.line->length());
             if (s <= 0 || s >= other.line->length()) continue;
-            out.push_back({other.view, other.line->at(s), other.line->direction(s), other.line->noise,
-                           1 / other.line->noise, 0});
+            wishes_.push_back({i, other.view, other.line->at(s), other.line->direction(s), other.line->noise,
+                               1 / other.line->noise, 0});
         }
-        return out;
     }
 
     /// Geman and McClure's: rr / (1 + rr / cc), so that what is far off pulls no more; `weight` is its slope.
@@ -209,24 +216,28 @@ class AxisFit {
     }
 
     /// Charbonnier's: from quadratic to linear, so that a sharp corner costs no more than a bow as wide.
-    static double sharp(double bb, double& weight) {
-        const double root = std::sqrt(1 + bb / (kSharp * kSharp));
+    static double sharp(double bb, double knee, double& weight) {
+        const double root = std::sqrt(1 + bb / (knee * knee));
         weight = 1 / root;
-        return 2 * kSharp * kSharp * (root - 1);
+        return 2 * knee * knee * (root - 1);
     }
 
-    double cost_of(const std::vector<Vec3d>& positions, const std::vector<std::vector<Wish>>& wishes) const {
+    /// How far a node is from a wish.
+    struct Miss {
+        double across, along;  ///< in their weights
+        double squared() const { return across * across + along * along; }
+    };
+
+    static Miss miss(const Wish& w, Vec3d position) {
+        const PicturePoint off = project(*w.view, position) - w.target;
+        return {w.across * cross(w.direction, off), w.along * dot(w.direction, off)};
+    }
+
+    double cost_of(const std::vector<Vec3d>& positions) const {
         double sum = 0, weight = 0;
-        for (std::size_t i = 0; i < positions.size(); ++i) {
-            for (const Wish& w : wishes[i]) {
-                const PicturePoint off = project(*w.view, positions[i]) - w.target;
-                const double across = w.across * cross(w.direction, off),
-                             along = w.along * dot(w.direction, off);
-                sum += robust(across * across + along * along, w.noise, weight);
-            }
-        }
+        for (const Wish& w : wishes_) sum += robust(miss(w, positions[w.node]).squared(), w.noise, weight);
         for (std::size_t i = 1; i + 1 < positions.size(); ++i)
-            sum += sharp(length_squared(bend_at(positions, i)), weight);
+            sum += sharp(length_squared(bend_at(positions, i)), kSharp, weight);
         if (in_.start) sum += length_squared((positions.front() - *in_.start) * start_weight());
         return sum;
     }
@@ -242,83 +253,101 @@ class AxisFit {
         return ((p[i + 1] - p[i]) / pieces_[i] - (p[i] - p[i - 1]) / pieces_[i - 1]) * bend_weight(i);
     }
 
-    BandedSystem system_of(const std::vector<Vec3d>& positions,
-                           const std::vector<std::vector<Wish>>& wishes) const {
-        BandedSystem system(positions.size());
-        for (std::size_t i = 0; i < positions.size(); ++i)
-            for (const Wish& w : wishes[i]) add_wish(system, i, w, positions[i]);
-        for (std::size_t i = 1; i + 1 < positions.size(); ++i) add_bend(system, i, positions);
-        if (in_.start) {
-            const double ww = start_weight() * start_weight();
-            system.diagonal(0) += ww * Eigen::Matrix3d::Identity();
-            system.right(0) -= ww * eigen(positions.front() - *in_.start);
-        }
-        return system;
+    /// Sets the system up for a step from these positions, and returns what they cost.
+    double linearise(const std::vector<Vec3d>& positions) {
+        system_.reset(positions.size());
+        double cost = 0;
+        for (const Wish& w : wishes_) cost += add_wish(w, positions[w.node]);
+        for (std::size_t i = 1; i + 1 < positions.size(); ++i) cost += add_bend(i, positions);
+        if (!in_.start) return cost;
+        const double ww = start_weight() * start_weight();
+        const Vec3d off = positions.front() - *in_.start;
+        system_.diagonal(0).diagonal().array() += ww;
+        system_.right(0) -= ww * eigen(off);
+        return cost + ww * length_squared(off);
     }
 
-    static void add_wish(BandedSystem& system, std::size_t i, const Wish& w, Vec3d position) {
-        const PicturePoint off = project(*w.view, position) - w.target;
+    double add_wish(const Wish& w, Vec3d position) {
+        const Miss m = miss(w, position);
         const auto [x, y] = projection_change(*w.view, position);
-        const double across = w.across * cross(w.direction, off), along = w.along * dot(w.direction, off);
         double weight = 0;
-        robust(across * across + along * along, w.noise, weight);
-        const Eigen::Vector3d slope_across = w.across * eigen(y * w.direction.x - x * w.direction.y);
-        const Eigen::Vector3d slope_along = w.along * eigen(x * w.direction.x + y * w.direction.y);
-        system.diagonal(i) +=
-            weight * (slope_across * slope_across.transpose() + slope_along * slope_along.transpose());
-        system.right(i) -= weight * (across * slope_across + along * slope_along);
+        const double cost = robust(m.squared(), w.noise, weight);
+        const Vec3d across = (y * w.direction.x - x * w.direction.y) * w.across,
+                    along = (x * w.direction.x + y * w.direction.y) * w.along;
+        for (const auto& [slope, off] :
+             {std::pair(eigen(across), m.across), std::pair(eigen(along), m.along)}) {
+            const Eigen::Vector3d weighted = weight * slope;
+            system_.diagonal(w.node).noalias() += weighted * slope.transpose();
+            system_.right(w.node) -= off * weighted;
+        }
+        return cost;
     }
 
-    void add_bend(BandedSystem& system, std::size_t i, const std::vector<Vec3d>& positions) const {
+    double add_bend(std::size_t i, const std::vector<Vec3d>& positions) {
         const double w = bend_weight(i), before = w / pieces_[i - 1], behind = w / pieces_[i];
         const double here = -before - behind;
         const Vec3d turn = bend_at(positions, i);
         double weight = 0;
-        sharp(length_squared(turn), weight);
-        const Eigen::Matrix3d one = weight * Eigen::Matrix3d::Identity();
+        const double cost = sharp(length_squared(turn), kSharp, weight);
         const Eigen::Vector3d bend = weight * eigen(turn);
-        system.diagonal(i - 1) += before * before * one;
-        system.diagonal(i) += here * here * one;
-        system.diagonal(i + 1) += behind * behind * one;
-        system.next(i - 1) += before * here * one;
-        system.next(i) += here * behind * one;
-        system.after_next(i - 1) += before * behind * one;
-        system.right(i - 1) -= before * bend;
-        system.right(i) -= here * bend;
-        system.right(i + 1) -= behind * bend;
+        system_.diagonal(i - 1).diagonal().array() += weight * before * before;
+        system_.diagonal(i).diagonal().array() += weight * here * here;
+        system_.diagonal(i + 1).diagonal().array() += weight * behind * behind;
+        system_.next(i - 1).diagonal().array() += weight * before * here;
+        system_.next(i).diagonal().array() += weight * here * behind;
+        system_.after_next(i - 1).diagonal().array() += weight * before * behind;
+        system_.right(i - 1) -= before * bend;
+        system_.right(i) -= here * bend;
+        system_.right(i + 1) -= behind * bend;
+        return cost;
+    }
+
+    std::vector<Vec3d> positions() const {
+        std::vector<Vec3d> out;
+        for (const Node& node : nodes_) out.push_back(node.position);
+        return out;
     }
 
     void refine(const Context& ctx) {
+        std::vector<Vec3d> now = positions(), tried = now;
+        std::vector<Eigen::Vector3d> change;
         double damping = 1e-6;
         for (int step = 0; step < kMostSteps; ++step) {
             ctx.throw_if_cancelled();
-            std::vector<Vec3d> positions;
-            std::vector<std::vector<Wish>> wished;
-            for (const Node& node : nodes_) {
-                positions.push_back(node.position);
-                wished.push_back(wishes(node));
-            }
-            const BandedSystem system = system_of(positions, wished);
-            const double before = cost_of(positions, wished);
+            wish_all();
+            const double before = linearise(now);
             double moved = 0;
             for (;; damping *= 10) {
-                const std::vector<Eigen::Vector3d> change = system.solve(damping);
-                std::vector<Vec3d> tried = positions;
+                system_.solve(damping, change);
                 moved = 0;
-                for (std::size_t i = 0; i < tried.size(); ++i) {
-                    tried[i] += Vec3d{change[i].x(), change[i].y(), change[i].z()};
+                for (std::size_t i = 0; i < now.size(); ++i) {
+                    tried[i] = now[i] + Vec3d{change[i].x(), change[i].y(), change[i].z()};
                     moved = std::max(moved, scale_ * change[i].norm());
                 }
-                const double after = cost_of(tried, wished);
-                if (after <= before && std::ranges::all_of(tried, [](Vec3d p) { return is_finite(p); })) {
-                    for (std::size_t i = 0; i < tried.size(); ++i) nodes_[i].position = tried[i];
-                    cost_ = after;
-                    break;
-                }
+                // What is not finite costs no less.
+                if (cost_of(tried) <= before) break;
                 if (damping > 1e6) return;
             }
+            std::swap(now, tried);
+            for (std::size_t i = 0; i < now.size(); ++i) nodes_[i].position = now[i];
             damping = std::max(damping / 10, 1e-9);
             if (moved < kSettled * std::max(line(0).noise, line(1).noise)) return;
+        }
+    }
+
+    /// What the fit forgives is odd nevertheless: corners up to kOddTurn count by their square.
+    void judge(std::vector<AxisNode>& nodes) {
+        wish_all();
+        const std::vector<Vec3d> at = positions();
+        double weight = 0;
+        for (const Wish& w : wishes_) {
+            const double noise = std::min(w.noise, 1.0);
+            nodes[w.node].off += noise * noise * robust(miss(w, at[w.node]).squared(), w.noise, weight);
+        }
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            nodes[i].odd = nodes[i].off;
+            if (i > 0 && i + 1 < nodes.size())
+                nodes[i].odd += sharp(length_squared(bend_at(at, i)), kOddTurn, weight);
         }
     }
 
@@ -329,7 +358,8 @@ class AxisFit {
     std::vector<double> pieces_;  ///< [m] meant, node to node
     double total_ = 0;            ///< [m] of all pieces
     double scale_ = 1;            ///< [pixels / m]
-    double cost_ = 0;
+    std::vector<Wish> wishes_;
+    BandedSystem system_;
 };
 
 }  // namespace

@@ -20,12 +20,14 @@ struct Sight {
 struct AxisNode {
     Vec3d position;                 ///< [m]
     std::array<double, 2> along{};  ///< [pixels] along both strokes that were matched; NaN beyond their match
+    std::array<int, 2> point{-1, -1};  ///< of these strokes that it is; -1 = none
+    double off = 0;                    ///< squares of how far off its strokes it is, in what they stray
+    double odd = 0;  ///< how ill it fits its strokes and how sharply it turns, as a sum of squares
 };
 
 /// The axis of a branch.
 struct FittedAxis {
     std::vector<AxisNode> nodes;  ///< none where lines of sight do not meet before the cameras
-    double cost = 0;  ///< per node; below 2 where all is well, as squares are of what points stray by
 };
 
 /// What the fit starts from.

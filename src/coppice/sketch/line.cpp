@@ -12,7 +12,9 @@ constexpr std::size_t kMostPoints = 256;             // of a line: more are samp
 constexpr std::size_t kFewestToJudge = 6;            // points, before any is taken for wrong
 constexpr double kWorth = 8, kWorthOfPiece = 0.8;    // [pixels], [median piece] of a point
 constexpr double kLeastNoise = 0.3, kMostNoise = 5;  // [pixels]
-constexpr double kUnknownNoise = 1;                  // [pixels] of lines with few points
+constexpr double kUnknownNoise = 1;                  // [pixels] where no line has as many points
+constexpr std::size_t kFewestPieces = 20;            // of a sketch, before they tell what is usual
+constexpr double kLeastSpread = 0.3;                 // no hand is that even by nature
 
 void measure(Line& line) {
     line.along.assign(1, 0);
@@ -34,6 +36,13 @@ std::vector<double> offsets(const std::vector<PicturePoint>& points) {
     return out;
 }
 
+void erase_point(Line& line, std::size_t i) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    line.points.erase(line.points.begin() + at);
+    line.drawn.erase(line.drawn.begin() + at);
+    if (!line.widths.empty()) line.widths.erase(line.widths.begin() + at);
+}
+
 class Cleaner {
   public:
     explicit Cleaner(Line& line) : line_(line) {}
@@ -46,10 +55,7 @@ class Cleaner {
     }
 
   private:
-    void erase(std::size_t i) {
-        line_.points.erase(line_.points.begin() + static_cast<std::ptrdiff_t>(i));
-        if (!line_.widths.empty()) line_.widths.erase(line_.widths.begin() + static_cast<std::ptrdiff_t>(i));
-    }
+    void erase(std::size_t i) { erase_point(line_, i); }
 
     /// Leaves out points, up to three in a row, where the way along the others is shorter by more than these
     /// are worth: a wrong point is a detour there and back, a corner hardly one.
@@ -111,6 +117,7 @@ Line without_repeats(const SketchView& view, const Stroke& stroke) {
         const PicturePoint p = undistorted(view, stroke.points[i]);
         if (!line.points.empty() && length(p - line.points.back()) < 1e-6) continue;
         line.points.push_back(p);
+        line.drawn.push_back(static_cast<int>(i));
         if (!widths.empty()) line.widths.push_back(widths[i]);
     }
     return line;
@@ -121,9 +128,11 @@ void sample_down(Line& line) {
     Line thin = line;
     thin.points.clear();
     thin.widths.clear();
+    thin.drawn.clear();
     for (std::size_t i = 0; i < kMostPoints; ++i) {
         const double s = line.length() * static_cast<double>(i) / (kMostPoints - 1);
         thin.points.push_back(line.at(s));
+        thin.drawn.push_back(line.drawn[i * (line.drawn.size() - 1) / (kMostPoints - 1)]);
         if (!line.widths.empty()) thin.widths.push_back(line.width_at(s));
     }
     measure(thin);
@@ -136,6 +145,12 @@ std::pair<std::size_t, double> piece_of(const Line& line, double s) {
     const auto i = static_cast<std::size_t>(after - line.along.begin()) - 1;
     const double size = line.along[i + 1] - line.along[i];
     return {i, std::clamp((s - line.along[i]) / std::max(size, 1e-12), 0.0, 1.0)};
+}
+
+/// Of three points of which each strays by s, the middle one is off the others' chord by about 0.82 s in the
+/// median.
+double noise_of(const std::vector<double>& off) {
+    return std::clamp(median(off) / 0.82, kLeastNoise, kMostNoise);
 }
 
 }  // namespace
@@ -157,29 +172,47 @@ PicturePoint Line::direction(double s) const {
 }
 
 double Line::nearest(PicturePoint p, double low, double high) const {
-    double best = low, least = coppice::length(p - at(low));
+    double best = low, least = std::numeric_limits<double>::infinity();
     for (std::size_t i = piece_of(*this, low).first; i + 1 < points.size() && along[i] <= high; ++i) {
         const PicturePoint ab = points[i + 1] - points[i];
         const double size = along[i + 1] - along[i];
         const double s = std::clamp(along[i] + dot(p - points[i], ab) / size, std::max(low, along[i]),
                                     std::min(high, along[i + 1]));
-        if (const double off = coppice::length(p - at(s)); off < least) least = off, best = s;
+        const PicturePoint off = p - points[i] - ab * ((s - along[i]) / size);
+        if (const double squared = dot(off, off); squared < least) least = squared, best = s;
     }
     return best;
 }
 
-Line line_of(const SketchView& view, const Stroke& stroke, double noise, bool clean) {
+Hand hand_of(const Sketch& sketch, double noise) {
+    Hand hand;
+    std::vector<double> off, pieces, above;
+    for (const SketchBranch& branch : sketch.branches) {
+        for (const Stroke& stroke : branch.strokes) {
+            const Line line = without_repeats(sketch.views[stroke.view], stroke);
+            for (std::size_t i = 1; i < line.points.size(); ++i)
+                pieces.push_back(length(line.points[i] - line.points[i - 1]));
+            if (line.points.size() < kFewestToJudge) continue;
+            const std::vector<double> own = offsets(line.points);
+            off.insert(off.end(), own.begin(), own.end());
+        }
+    }
+    hand.noise = noise > 0 ? noise : off.empty() ? kUnknownNoise : noise_of(off);
+    if (pieces.size() < kFewestPieces) return hand;
+    hand.piece = median(pieces);
+    for (const double piece : pieces)
+        if (piece > hand.piece) above.push_back(std::log(piece / hand.piece));
+    // A normal distribution's half above its mean has its median at 0.674 of the deviation.
+    hand.spread = std::max(above.empty() ? 0 : median(above) / 0.674, kLeastSpread);
+    return hand;
+}
+
+Line line_of(const SketchView& view, const Stroke& stroke, const Hand& hand, double noise, bool clean) {
     Line line = without_repeats(view, stroke);
     if (line.points.size() < 2) return line;
     const bool judged = line.points.size() >= kFewestToJudge;
     if (judged && clean) Cleaner(line).run();
-    line.noise = noise > 0 ? noise : kUnknownNoise;
-    if (judged && noise <= 0) {
-        // Of three points of which each strays by s, the middle one is off the others' chord by about 0.82 s
-        // in the median.
-        std::vector<double> off = offsets(line.points);
-        line.noise = std::clamp(median(off) / 0.82, kLeastNoise, kMostNoise);
-    }
+    line.noise = noise > 0 ? noise : judged ? noise_of(offsets(line.points)) : hand.noise;
     measure(line);
     sample_down(line);
     return line;
@@ -191,22 +224,32 @@ Line line_through(std::vector<PicturePoint> points) {
     points.erase(std::unique(points.begin(), points.end(), same), points.end());
     if (points.size() == 1) points.push_back(points.front() + PicturePoint{1e-6, 0});
     line.points = std::move(points);
+    line.drawn.assign(line.points.size(), -1);
     measure(line);
     return line;
 }
 
 Line with_start(const Line& line, PicturePoint start) {
     Line out = line;
+    if (length(start - line.points.front()) < 1e-6) start.x += 1e-6;  // the only point that is left
     out.points.insert(out.points.begin(), start);
+    out.drawn.insert(out.drawn.begin(), -1);
     if (!out.widths.empty()) out.widths.insert(out.widths.begin(), out.widths.front());
+    measure(out);
+    return out;
+}
+
+Line with_first(const Line& line, PicturePoint first) {
+    if (line.points.size() < 2 || length(line.points[1] - first) < 1e-6) return line;
+    Line out = line;
+    out.points.front() = first;
     measure(out);
     return out;
 }
 
 Line without_point(const Line& line, std::size_t point) {
     Line out = line;
-    out.points.erase(out.points.begin() + static_cast<std::ptrdiff_t>(point));
-    if (!out.widths.empty()) out.widths.erase(out.widths.begin() + static_cast<std::ptrdiff_t>(point));
+    erase_point(out, point);
     ++out.left_out;
     measure(out);
     return out;
@@ -216,6 +259,7 @@ Line reversed(const Line& line) {
     Line out = line;
     std::ranges::reverse(out.points);
     std::ranges::reverse(out.widths);
+    std::ranges::reverse(out.drawn);
     measure(out);
     return out;
 }

@@ -44,25 +44,31 @@ Camera camera_of(const SketchView& view) {
     return k * pose;
 }
 
-/// [pixels] along the line to sample i, or to the middle between two.
-double sample_at(const Line& line, double i) {
-    return line.length() * std::clamp(i / (kSamples - 1), 0.0, 1.0);
+/// The line a x + b y + c = 0 in a picture.
+struct PictureLine {
+    Vec3d abc;
+    double normal_squared;
+};
+
+PictureLine picture_line(Vec3d abc) { return {abc, abc.x * abc.x + abc.y * abc.y}; }
+
+/// How far two points are from being the same, with a sign that tells on which side of the epipolar line;
+/// `line_a` and `line_b` are those of b and a.
+double side_distance(const PictureLine& line_b, const PictureLine& line_a, PicturePoint b) {
+    const double across = line_a.normal_squared + line_b.normal_squared;
+    return (b.x * line_b.abc.x + b.y * line_b.abc.y + line_b.abc.z) / std::sqrt(std::max(across, 1e-300));
 }
 
-/// How far two points are from being the same, with a sign that tells on which side of the epipolar line.
 double side_distance(const Matrix3& f, PicturePoint first, PicturePoint second) {
-    const Vec3d a{first.x, first.y, 1}, b{second.x, second.y, 1};
-    const Vec3d line_b = f * a, line_a = transposed(f) * b;
-    const double across =
-        line_a.x * line_a.x + line_a.y * line_a.y + line_b.x * line_b.x + line_b.y * line_b.y;
-    return dot(b, line_b) / std::sqrt(std::max(across, 1e-300));
+    return side_distance(picture_line(f * Vec3d{first.x, first.y, 1}),
+                         picture_line(transposed(f) * Vec3d{second.x, second.y, 1}), second);
 }
 
 /// The cheapest ways to all pairs of samples.
 class Table {
   public:
     Table(const Line& first, const Line& second, const Matrix3& f, bool starts_meet)
-        : starts_meet_(starts_meet) {
+        : starts_meet_(starts_meet), noise_(noise_of(first, second)) {
         weigh(first, second, f);
         for (std::size_t i = 0; i < kSamples; ++i)
             for (std::size_t j = 0; j < kSamples; ++j) reach(i, j);
@@ -97,20 +103,34 @@ class Table {
     }
 
   private:
+    static double noise_of(const Line& first, const Line& second) {
+        return std::max(std::hypot(first.noise, second.noise) / std::sqrt(2.0), 1.0);
+    }
+
+    /// [pixels] along the line to the middle between samples i - 1 and i.
+    static double before_sample(const Line& line, std::size_t i) {
+        const double share = (static_cast<double>(i) - 0.5) / (kSamples - 1);
+        return line.length() * std::clamp(share, 0.0, 1.0);
+    }
+
     /// A sample stands for the line half way to its neighbours: it costs what the best of that costs.
     void weigh(const Line& first, const Line& second, const Matrix3& f) {
-        const double noise = std::max(std::hypot(first.noise, second.noise) / std::sqrt(2.0), 1.0);
-        std::array<PicturePoint, kSamples + 1> a, b;
+        const Matrix3 back = transposed(f);
+        std::array<PicturePoint, kSamples + 1> b;
+        std::array<PictureLine, kSamples + 1> line_a, line_b;
         for (std::size_t i = 0; i <= kSamples; ++i) {
-            a[i] = first.at(sample_at(first, static_cast<double>(i) - 0.5));
-            b[i] = second.at(sample_at(second, static_cast<double>(i) - 0.5));
+            const PicturePoint a = first.at(before_sample(first, i));
+            b[i] = second.at(before_sample(second, i));
+            line_b[i] = picture_line(f * Vec3d{a.x, a.y, 1});
+            line_a[i] = picture_line(back * Vec3d{b[i].x, b[i].y, 1});
         }
         std::array<std::array<double, kSamples + 1>, 2> side{};
         for (std::size_t i = 0; i <= kSamples; ++i) {
-            for (std::size_t j = 0; j <= kSamples; ++j) side[i % 2][j] = side_distance(f, a[i], b[j]) / noise;
+            for (std::size_t j = 0; j <= kSamples; ++j)
+                side[i % 2][j] = side_distance(line_b[i], line_a[j], b[j]) / noise_;
             for (std::size_t j = 0; i > 0 && j < kSamples; ++j) {
-                const std::array corners{side[0][j], side[1][j], side[0][j + 1], side[1][j + 1]};
-                const auto [low, high] = std::ranges::minmax(corners);
+                const double low = std::min({side[0][j], side[1][j], side[0][j + 1], side[1][j + 1]});
+                const double high = std::max({side[0][j], side[1][j], side[0][j + 1], side[1][j + 1]});
                 const double off = low > 0 ? low : high < 0 ? -high : 0;
                 own_[i - 1][j] = std::min(0.5 * off * off, kMostCost);
             }
@@ -132,6 +152,7 @@ class Table {
     }
 
     bool starts_meet_;
+    double noise_;  ///< [pixels] of both lines
     std::array<std::array<double, kSamples>, kSamples> own_, total_;
     std::array<std::array<int, kSamples>, kSamples> from_;
 };
@@ -173,6 +194,10 @@ Matrix3 fundamental_matrix(const SketchView& first, const SketchView& second) {
         }
     }
     return f;
+}
+
+double signed_epipolar_distance(const Matrix3& f, PicturePoint first, PicturePoint second) {
+    return side_distance(f, first, second);
 }
 
 double epipolar_distance(const Matrix3& f, PicturePoint first, PicturePoint second) {

@@ -26,6 +26,9 @@ Matrix3 fundamental_matrix(const SketchView& first, const SketchView& second);
 /// [pixels] how far two points are from being the same, across the lines of the other one (Sampson).
 double epipolar_distance(const Matrix3& f, PicturePoint first, PicturePoint second);
 
+/// The same with a sign that tells on which side.
+double signed_epipolar_distance(const Matrix3& f, PicturePoint first, PicturePoint second);
+
 /// Matches two strokes as wholes by dynamic programming over samples of both: order is kept, points lie near
 /// each other's epipolar line, and where that runs along the stroke both go on at one pace. Ends that only
 /// one stroke has stay unmatched; not at the start when `starts_meet`. O(samples^2), at most 64 each.

@@ -9,6 +9,7 @@
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/resample.h"
 #include "coppice/sketch/branch_internal.h"
+#include "coppice/sketch/cameras_internal.h"
 
 namespace coppice {
 
@@ -117,6 +118,9 @@ SketchResult reconstruct(const Sketch& sketch, const SketchOptions& options, con
     check_stems(sketch, source);
     std::vector<SketchView> views;
     for (const SketchView& view : sketch.views) views.push_back(without_distortion(view));
+    const Hand hand = hand_of(sketch, double{options.noise});
+    if (options.refine_cameras) refine_cameras(sketch, views, hand, ctx);
+    const SketchFacts facts{sketch, views, options, hand};
     std::vector<BranchFit> fits(sketch.branches.size());
     std::vector<Axis> axes(sketch.branches.size());
     const auto orders = by_order(sketch);
@@ -126,7 +130,7 @@ SketchResult reconstruct(const Sketch& sketch, const SketchOptions& options, con
             const std::uint32_t b = order[i];
             const auto& parent = sketch.branches[b].parent;
             fits[b].branch = b;
-            axes[b] = make_axis(sketch, views, b, parent ? &axes[*parent] : nullptr, options, fits[b], ctx);
+            axes[b] = make_axis(facts, b, parent ? &axes[*parent] : nullptr, fits[b], ctx);
         });
         done += order.size();
         ctx.report(static_cast<float>(done) / static_cast<float>(sketch.branches.size()));

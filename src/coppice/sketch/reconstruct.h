@@ -19,6 +19,8 @@ struct SketchOptions {
     float least_angle = 0.05f;  ///< [rad] between views, below which there is no depth to be had from them
     float tolerance =
         0.05f;  ///< [radius] by which nodes that are left out may move the surface; 0 = keep all
+    /// Moves cameras by little until strokes lie on each other's lines of sight; the first one stays.
+    bool refine_cameras = false;
 };
 
 template <class Self, class Visitor>
@@ -39,6 +41,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"tolerance", "greatest shift of the surface by leaving out nodes; 0 keeps all", Unit::radius,
                 0, 1},
           o.tolerance);
+    visit(Field{"refine_cameras",
+                "moves cameras by little until starts and tips lie on each other's lines of sight"},
+          o.refine_cameras);
 }
 
 /// What became of one stroke.

@@ -60,8 +60,31 @@ Vec3d operator*(const Matrix3& m, Vec3d v) {
     return {dot(row(m, 0), v), dot(row(m, 1), v), dot(row(m, 2), v)};
 }
 
+Matrix3 operator*(const Matrix3& a, const Matrix3& b) {
+    Matrix3 out{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
+    return out;
+}
+
 Matrix3 transposed(const Matrix3& m) {
     return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};
+}
+
+Matrix3 rotation_of(double w, Vec3d v) {
+    const double size = std::sqrt(w * w + length_squared(v));
+    w /= size;
+    v = v / size;
+    const auto [x, y, z] = v;
+    return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+             {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+             {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+Matrix3 rotation_about(Vec3d axis) {
+    const double angle = length(axis);
+    return rotation_of(std::cos(0.5 * angle), normalized(axis) * std::sin(0.5 * angle));
 }
 
 double depth(const SketchView& view, Vec3d position) { return (view.r * position + view.t).z; }

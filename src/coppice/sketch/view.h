@@ -34,8 +34,16 @@ using Matrix3 = std::array<std::array<double, 3>, 3>;
 
 /// A row of pixels, or a column, for every row of the matrix.
 Vec3d operator*(const Matrix3& m, Vec3d v);
+/// The product of two matrices.
+Matrix3 operator*(const Matrix3& a, const Matrix3& b);
 /// The matrix with rows and columns exchanged; of a rotation, its inverse.
 Matrix3 transposed(const Matrix3& m);
+
+/// The rotation about an axis by its length [rad] (Rodrigues), as OpenCV writes them.
+Matrix3 rotation_about(Vec3d axis);
+
+/// The rotation of a quaternion, which need not have length 1.
+Matrix3 rotation_of(double w, Vec3d v);
 
 /// How a camera turns space into a picture.
 enum class Projection {

@@ -29,6 +29,7 @@ struct Tube {
 struct Circle {
     Vec3d center, tangent, normal;
     double radius = 0;
+    double way = 0;  // along the axis, from its beginning
 };
 
 /// The axes of all tubes, one after the other: nodes with radii, without those that lie where the one before
@@ -156,6 +157,7 @@ class Circles {
         out.front().normal = perpendicular(out.front().tangent);
         for (std::size_t i = 1; i < out.size(); ++i) {
             const Circle& from = out[i - 1];
+            out[i].way = from.way + distance(from.center, out[i].center);
             out[i].normal = carried(from.normal, from.center, from.tangent, out[i].center, out[i].tangent);
         }
     }
@@ -193,41 +195,69 @@ class Circles {
 /// Writes vertices and faces of one tube.
 class TubeWriter {
   public:
-    TubeWriter(const Tube& tube, PolygonMesh& mesh)
-        : tube_(tube), mesh_(mesh), vertex_(tube.vertex), face_(tube.face), corner_(tube.corner) {}
+    TubeWriter(const Tube& tube, CylinderMesh& out)
+        : tube_(tube),
+          mesh_(out.mesh),
+          texture_(out.texture),
+          vertex_(tube.vertex),
+          face_(tube.face),
+          corner_(tube.corner) {}
 
     void write(std::span<const Circle> circles) {
-        const std::uint32_t start_pole = pole(circles.front(), tube_.start, -1);
+        double greatest = 0;
+        for (const Circle& c : circles) greatest = std::max(greatest, c.radius);
+        circumference_ = 2 * std::numbers::pi * greatest;
+        const Pole start_pole = pole(circles.front(), tube_.start, -1);
         const auto first_ring = static_cast<std::uint32_t>(vertex_);
         for (std::uint32_t k = cap_rings(tube_, tube_.start); k > 0; --k) cap_ring(circles.front(), k, -1);
-        for (const Circle& c : circles) ring(c, 0, 1);
+        for (const Circle& c : circles) ring(c, 0, 1, 0);
         for (std::uint32_t k = 1; k <= cap_rings(tube_, tube_.end); ++k) cap_ring(circles.back(), k, 1);
         const auto last_ring = static_cast<std::uint32_t>(vertex_ - tube_.sides);
-        const std::uint32_t end_pole = pole(circles.back(), tube_.end, 1);
-        cap(tube_.start, first_ring, start_pole, true);
-        for (std::uint32_t r = first_ring; r < last_ring; r += tube_.sides) {
+        const Pole end_pole = pole(circles.back(), tube_.end, 1);
+        cap(tube_.start, first_ring, start_pole, ways_.front(), true);
+        for (std::uint32_t ring = 0; ring + 1 < ways_.size(); ++ring) {
+            const std::uint32_t low = first_ring + ring * tube_.sides, high = low + tube_.sides;
             for (std::uint32_t k = 0; k < tube_.sides; ++k) {
                 const std::uint32_t next = (k + 1) % tube_.sides;
-                add_face({r + k, r + next, r + tube_.sides + next, r + tube_.sides + k});
+                add_face({corner(low + k, k, ways_[ring]), corner(low + next, k + 1, ways_[ring]),
+                          corner(high + next, k + 1, ways_[ring + 1]), corner(high + k, k, ways_[ring + 1])});
             }
         }
-        cap(tube_.end, last_ring, end_pole, false);
+        cap(tube_.end, last_ring, end_pole, ways_.back(), false);
     }
 
   private:
+    struct Corner {
+        std::uint32_t vertex;
+        TexturePoint place;
+    };
+    struct Pole {
+        std::uint32_t vertex = 0;
+        double way = 0;
+    };
+
+    /// `turn` counts in sides.
+    Corner corner(std::uint32_t vertex, double turn, double way) const {
+        return {vertex, {static_cast<float>(turn / tube_.sides), static_cast<float>(way / circumference_)}};
+    }
+
     std::uint32_t add_vertex(Vec3d p) {
         mesh_.positions[vertex_] = Vec3(p);
         return static_cast<std::uint32_t>(vertex_++);
     }
 
-    void add_face(std::initializer_list<std::uint32_t> corners) {
-        std::ranges::copy(corners, mesh_.corners.begin() + static_cast<std::ptrdiff_t>(corner_));
-        corner_ += corners.size();
+    void add_face(std::initializer_list<Corner> corners) {
+        for (const Corner& c : corners) {
+            mesh_.corners[corner_] = c.vertex;
+            texture_[corner_++] = c.place;
+        }
         mesh_.first[++face_] = static_cast<std::uint32_t>(corner_);
     }
 
-    void ring(const Circle& c, double along, double scale) {
+    /// `way` is that over the cap, from the circle on.
+    void ring(const Circle& c, double along, double scale, double way) {
         const Vec3d binormal = cross(c.tangent, c.normal);
+        ways_.push_back(c.way + way);
         for (std::uint32_t k = 0; k < tube_.sides; ++k) {
             const double angle = 2 * std::numbers::pi * k / tube_.sides;
             add_vertex(c.center + c.tangent * (along * c.radius) +
@@ -237,31 +267,39 @@ class TubeWriter {
 
     void cap_ring(const Circle& c, std::uint32_t k, double sign) {
         const double angle = std::numbers::pi / 2 * k / (cap_rings(tube_, Cap::round) + 1);
-        ring(c, sign * std::sin(angle), std::cos(angle));
+        ring(c, sign * std::sin(angle), std::cos(angle), sign * angle * c.radius);
     }
 
-    std::uint32_t pole(const Circle& c, Cap cap, double sign) {
-        if (!has_pole(tube_, cap)) return 0;
-        return add_vertex(c.center + c.tangent * (cap == Cap::round ? sign * c.radius : 0));
+    Pole pole(const Circle& c, Cap cap, double sign) {
+        if (!has_pole(tube_, cap)) return {};
+        const bool round = cap == Cap::round;
+        return {add_vertex(c.center + c.tangent * (round ? sign * c.radius : 0)),
+                c.way + sign * c.radius * (round ? std::numbers::pi / 2 : 1)};
     }
 
     /// Closes a ring: quads about the pole that take two edges each, or one face. Seen from outside the ring
     /// runs backwards at the start.
-    void cap(Cap cap, std::uint32_t ring, std::uint32_t pole, bool backwards) {
+    void cap(Cap cap, std::uint32_t ring, Pole pole, double way, bool backwards) {
         if (cap == Cap::open) return;
         const std::uint32_t n = tube_.sides;
-        const auto at = [&](std::uint32_t k) { return ring + (backwards ? (n - k % n) % n : k % n); };
+        const auto at = [&](std::uint32_t k) {
+            return corner(ring + (backwards ? (n - k % n) % n : k % n), backwards ? n - k : k, way);
+        };
+        const auto middle = [&](double k) { return corner(pole.vertex, backwards ? n - k : k, pole.way); };
         if (!has_pole(tube_, cap)) {
             n == 3 ? add_face({at(0), at(1), at(2)}) : add_face({at(0), at(1), at(2), at(3)});
             return;
         }
-        for (std::uint32_t k = 0; k + 1 < n; k += 2) add_face({pole, at(k), at(k + 1), at(k + 2)});
-        if (n % 2 == 1) add_face({pole, at(n - 1), at(0)});
+        for (std::uint32_t k = 0; k + 1 < n; k += 2) add_face({middle(k + 1), at(k), at(k + 1), at(k + 2)});
+        if (n % 2 == 1) add_face({middle(n - 0.5), at(n - 1), at(n)});
     }
 
     const Tube& tube_;
     PolygonMesh& mesh_;
+    Buffer<TexturePoint>& texture_;
     std::uint64_t vertex_, face_, corner_;
+    std::vector<double> ways_;  // of the rings, along the axis and over the caps
+    double circumference_ = 0;
 };
 
 void check(const CylinderOptions& o) {
@@ -284,12 +322,13 @@ CylinderMesh cylinders(const Skeleton& skeleton, const CylinderOptions& options,
     out.mesh.origin = skeleton.origin();
     out.mesh.positions.resize(size.vertex);
     out.mesh.corners.resize(size.corner);
+    out.texture.resize(size.corner);
     out.mesh.first.resize(size.face + 1);
     parallel_for_ranges(ctx, axes.tubes.size(), kGrain, [&](IndexRange range) {
         std::vector<Circle> circles;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             Circles(axes, axes.tubes[i]).sample(options.rows, circles);
-            TubeWriter(axes.tubes[i], out.mesh).write(circles);
+            TubeWriter(axes.tubes[i], out).write(circles);
         }
     });
     return out;

@@ -8,6 +8,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/cage/cage.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -42,8 +43,9 @@ struct CylinderReport {
 
 /// Tubes, and what they consist of.
 struct CylinderMesh {
-    PolygonMesh mesh;       ///< quads; in caps with an odd number of sides a triangle too
-    CylinderReport report;  ///< counts
+    PolygonMesh mesh;              ///< quads; in caps with an odd number of sides a triangle too
+    Buffer<TexturePoint> texture;  ///< of each corner of the mesh
+    CylinderReport report;         ///< counts
 };
 
 /// Generalized cylinders: a tube for every axis, not joined to the others, as [Huang2017] holds beside its
@@ -57,8 +59,8 @@ struct CylinderMesh {
 /// other at forks, and where an axis bends more tightly than its radius.
 ///
 /// Vertices are stored tube by tube and ring by ring from beginning to end, first the pole of the base; in
-/// each ring the first lies on the seam, so that texture coordinates are the place in the ring and the way
-/// along the axis.
+/// each ring the first lies on the seam. On a texture u is the place in the ring, and v the way along the
+/// axis and over the caps, over the tube's greatest circumference: a square texture is not distorted there.
 ///
 /// Throws InvalidInput naming an option out of range, or when there would be 2^31 vertices or more. O(size of
 /// the mesh); the same bits for any number of threads.

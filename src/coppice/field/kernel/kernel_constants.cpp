@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/field/kernel/ball_kernel.h"
 #include "coppice/field/kernel/cauchy_kernel.h"
 #include "coppice/field/kernel/quartic_kernel.h"
 #include "coppice/field/kernel/scalis_kernel.h"
@@ -18,9 +19,11 @@ constexpr double kBallLength = 0.05;   // [radii]
 constexpr double kLeastRadius = 0.25;  // of a tapering extension, relative to the node's
 constexpr float kSteepest = 1e3f;      // a greater slope is a step: the segment gets its greater radius
 constexpr double kCalibrationSlope = 0.1;
+constexpr float kWidest = 32;  // ratio of radii of one segment up to which balls stand as close as asked for
+constexpr float kMostBalls = 1 << 20;  // of one segment: beyond, floats cannot tell where they are
 
 SegmentConstants<double> along_x(double begin, double end, double radius, double slope) {
-    return {0, 0, 0, 1, 0, 0, begin, end, 0, radius, slope, 1};
+    return {0, 0, 0, 1, 0, 0, begin, end, 0, radius, slope, 1, 1};
 }
 
 }  // namespace
@@ -28,6 +31,7 @@ SegmentConstants<double> along_x(double begin, double end, double radius, double
 KernelConstants kernel_constants(const FieldOptions& o) {
     switch (o.kernel) {
         case Kernel::quartic:
+        case Kernel::balls:
             return {o.kernel, o.support, kernel::QuarticKernel<double>::line_weight(o.support)};
         case Kernel::cauchy:
             return {o.kernel, o.width, kernel::CauchyKernel<double>::line_weight(o.width)};
@@ -52,6 +56,9 @@ kernel::Sample<double> sample_segment(const KernelConstants& constants,
         case Kernel::scalis:
             kernel::ScalisKernel<double>().add(segment, p, sum);
             break;
+        case Kernel::balls:
+            kernel::BallKernel<double>(constants.shape, constants.weight).add(segment, p, sum);
+            break;
     }
     return sum;
 }
@@ -60,6 +67,7 @@ SegmentBuilder::SegmentBuilder(const FieldOptions& options) : options_(options) 
     check_fields(options, "field");
     kernel_ = kernel_constants(options);
     reach_ = options.kernel == Kernel::cauchy ? options.reach : static_cast<float>(kernel_.shape);
+    if (options.kernel == Kernel::balls) chain_ = ball_chain(options.support, options.ball_bulge);
     tip_extension_ = calibrate_tip(0);
     if (options.kernel == Kernel::scalis) {
         tip_extension_slope_ =
@@ -70,12 +78,14 @@ SegmentBuilder::SegmentBuilder(const FieldOptions& options) : options_(options) 
 double SegmentBuilder::calibrate_tip(double slope) const {
     // Along the axis, 1 radius beyond a tip at the origin, the value grows with the length of the line.
     const double before = options_.kernel == Kernel::scalis ? 2.5 : kFar;
+    KernelConstants of_line = kernel_;  // many balls are a line
+    if (of_line.kernel == Kernel::balls) of_line.kernel = Kernel::quartic;
     double low = -1, high = 4;
     for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
         SegmentConstants<double> line = along_x(-before, middle, 1, slope);
         line.weight = slope_weight(slope);
-        (sample_segment(kernel_, line, {1, 0, 0}).value < 1 ? low : high) = middle;
+        (sample_segment(of_line, line, {1, 0, 0}).value < 1 ? low : high) = middle;
     }
     return 0.5 * (low + high);
 }
@@ -114,15 +124,25 @@ SegmentConstants<float> SegmentBuilder::build(const Segment& s, Vec3 fallback, b
     const float begin = is_root ? -extension(options_.root_extension, radius, -slope) : 0.0f;
     const float end =
         length + (is_tip ? extension(options_.tip_extension, radius + slope * length, slope) : 0.0f);
-    return {s.a.x, s.a.y, s.a.z,  u.x,    u.y,   u.z,
-            begin, end,   length, radius, slope, static_cast<float>(slope_weight(slope))};
+    SegmentConstants<float> out{s.a.x, s.a.y, s.a.z,  u.x,    u.y,   u.z,
+                                begin, end,   length, radius, slope, static_cast<float>(slope_weight(slope))};
+    out.balls = ball_count(out);
+    return out;
+}
+
+int SegmentBuilder::ball_count(const SegmentConstants<float>& s) const {
+    if (options_.kernel != Kernel::balls || !(s.end > s.begin)) return 0;
+    const float other = s.radius + s.slope * s.length;
+    const float thin = std::max(std::min(s.radius, other), std::max(s.radius, other) / kWidest);
+    const float count = (s.end - s.begin) / (static_cast<float>(chain_.spacing) * thin);
+    return static_cast<int>(std::ceil(std::clamp(count, 1.0f, kMostBalls)));
 }
 
 SegmentConstants<float> SegmentBuilder::build_ball(Vec3 center, float radius) const {
     const double half = 0.5 * kBallLength;
     const double value = sample_segment(kernel_, along_x(-half, half, 1, 0), {0, 1, 0}).value;
     const float h = static_cast<float>(half) * radius;
-    return {center.x, center.y, center.z, 0, 0, 1, -h, h, 0, radius, 0, static_cast<float>(1 / value)};
+    return {center.x, center.y, center.z, 0, 0, 1, -h, h, 0, radius, 0, static_cast<float>(1 / value), 1};
 }
 
 }  // namespace coppice

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "coppice/field/field_options.h"
+#include "coppice/field/kernel/ball_chain.h"
 #include "coppice/field/kernel/segment_kernel.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -33,6 +34,9 @@ class SegmentBuilder {
     /// [radii] Length of line beyond a tip of constant radius so that the surface ends 1 radius beyond it.
     double tip_extension() const { return tip_extension_; }
 
+    /// How balls stand along the segments; unused for other kernels.
+    const BallChain& chain() const { return chain_; }
+
     /// [radii] How far from a segment its influence counts.
     float reach() const { return reach_; }
 
@@ -48,6 +52,7 @@ class SegmentBuilder {
   private:
     double calibrate_tip(double slope) const;
     double slope_weight(double slope) const;
+    int ball_count(const kernel::SegmentConstants<float>& segment) const;
     float extension(float option, float radius, float slope_outward) const;
 
     FieldOptions options_;
@@ -55,6 +60,7 @@ class SegmentBuilder {
     double tip_extension_ = 0;
     double tip_extension_slope_ = 0;  ///< its change with the slope: SCALIS tapers on beyond the node
     float reach_ = 0;
+    BallChain chain_;
 };
 
 }  // namespace coppice

@@ -44,6 +44,18 @@ COPPICE_HOST_DEVICE inline T value_within(T x, T high, T value) {
     return x > T(0) && x < high ? value : T(0);
 }
 
+/// The least of all numbers of a vector; of one number, itself.
+template <class T>
+COPPICE_HOST_DEVICE inline T least(T x) {
+    return x;
+}
+
+/// The greatest of all numbers of a vector; of one number, itself.
+template <class T>
+COPPICE_HOST_DEVICE inline T greatest(T x) {
+    return x;
+}
+
 /// Angle in [0, pi] of the point (x, y) with y >= 0.
 COPPICE_HOST_DEVICE inline float upper_angle(float y, float x) { return std::atan2(y, x); }
 /// The same in double precision.

@@ -17,12 +17,13 @@ struct SegmentConstants {
     /// @{
     T ux, uy, uz;
     /// @}
-    T begin;   ///< [m] <= 0: where the skeleton line starts, extension included
-    T end;     ///< [m] >= length: where it stops
-    T length;  ///< [m] >= 0, between the nodes
-    T radius;  ///< [m] at the first node
-    T slope;   ///< change of the radius per metre
-    T weight;  ///< factor of the whole
+    T begin;        ///< [m] <= 0: where the skeleton line starts, extension included
+    T end;          ///< [m] >= length: where it stops
+    T length;       ///< [m] >= 0, between the nodes
+    T radius;       ///< [m] at the first node
+    T slope;        ///< change of the radius per metre
+    T weight;       ///< factor of the whole
+    int balls = 0;  ///< that it is divided into by BallKernel, less one
 };
 
 /// Where a field is sampled.

@@ -46,7 +46,8 @@ void set_regions(ConvolutionField& field, std::span<const WeightConstraint> cons
 }
 
 kernel::SegmentConstants<double> widened(const kernel::SegmentConstants<float>& s) {
-    return {s.ax, s.ay, s.az, s.ux, s.uy, s.uz, s.begin, s.end, s.length, s.radius, s.slope, s.weight};
+    return {s.ax,  s.ay,     s.az,     s.ux,    s.uy,     s.uz,   s.begin,
+            s.end, s.length, s.radius, s.slope, s.weight, s.balls};
 }
 
 /// What every segment contributes with its local weight at every constraint; entries may be 0.

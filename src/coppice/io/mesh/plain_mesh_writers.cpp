@@ -18,6 +18,33 @@ void put_obj_vertex(Chunk& chunk, BasicVec3<T> p) {
     chunk.put('\n');
 }
 
+/// The places on the texture as OBJ lists them: each once for every vertex that has it, and their numbers.
+struct TextureTable {
+    std::vector<TexturePoint> places;
+    std::vector<std::uint32_t> of_corner;
+};
+
+TextureTable texture_table(const MeshView& mesh) {
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    TextureTable table;
+    if (mesh.texture.empty()) return table;
+    table.of_corner.resize(mesh.texture.size());
+    std::vector<std::uint32_t> first_of_vertex(mesh.positions.size(), kNone), next_of_place;
+    for (std::size_t i = 0; i < mesh.texture.size(); ++i) {
+        std::uint32_t& first = first_of_vertex[mesh.corners[i]];
+        std::uint32_t found = first;
+        while (found != kNone && table.places[found] != mesh.texture[i]) found = next_of_place[found];
+        if (found == kNone) {
+            found = static_cast<std::uint32_t>(table.places.size());
+            table.places.push_back(mesh.texture[i]);
+            next_of_place.push_back(first);
+            first = found;
+        }
+        table.of_corner[i] = found;
+    }
+    return table;
+}
+
 std::size_t largest_face(const MeshView& mesh) {
     if (mesh.first == nullptr) return mesh.sides;
     std::size_t largest = 0;
@@ -56,13 +83,26 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
         const Vec3 p = mesh.positions[v];
         shifted ? put_obj_vertex(chunk, mesh.origin + Vec3d(p)) : put_obj_vertex(chunk, p);
     });
+    const TextureTable texture = texture_table(mesh);
+    write_items(file, texture.places.size(), {0.6f, 0.6f}, ctx, [&](std::size_t i, Chunk& chunk) {
+        chunk.reserve(5 + 2 * Chunk::kNumber);
+        chunk.put("vt ");
+        chunk.put_number(texture.places[i].u);
+        chunk.put(' ');
+        chunk.put_number(texture.places[i].v);
+        chunk.put('\n');
+    });
     write_items(file, mesh.face_count, {0.6f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
         const auto corners = mesh.face(f);
-        chunk.reserve(2 + corners.size() * (1 + Chunk::kNumber));
+        const std::size_t first = mesh.first_corner(f);
+        chunk.reserve(2 + corners.size() * 2 * (1 + Chunk::kNumber));
         chunk.put('f');
-        for (const std::uint32_t v : corners) {
+        for (std::size_t k = 0; k < corners.size(); ++k) {
             chunk.put(' ');
-            chunk.put_number(std::uint64_t{v} + 1);
+            chunk.put_number(std::uint64_t{corners[k]} + 1);
+            if (mesh.texture.empty()) continue;
+            chunk.put('/');
+            chunk.put_number(std::uint64_t{texture.of_corner[first + k]} + 1);
         }
         chunk.put('\n');
     });

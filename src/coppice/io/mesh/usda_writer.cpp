@@ -25,6 +25,15 @@ void put_tuple(Chunk& chunk, Vec3 v) {
     chunk.put(')');
 }
 
+void put_tuple(Chunk& chunk, TexturePoint p) {
+    chunk.reserve(4 + 2 * Chunk::kNumber);
+    chunk.put('(');
+    chunk.put_number(p.u);
+    chunk.put(", ");
+    chunk.put_number(p.v);
+    chunk.put(')');
+}
+
 void write_head(AtomicFile& file, const MeshView& mesh) {
     file.write(
         "#usda 1.0\n(\n    defaultPrim = \"tree\"\n    metersPerUnit = 1\n    upAxis = \"Z\"\n)\n\n"
@@ -71,6 +80,11 @@ void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
         write_array(file, "normal3f[] normals", normals.size(), {0.7f, 1}, ctx,
                     [&](std::size_t v, Chunk& chunk) { put_tuple(chunk, normals[v]); });
         file.write(" (\n            interpolation = \"vertex\"\n        )\n");
+    }
+    if (!mesh.texture.empty()) {
+        write_array(file, "texCoord2f[] primvars:st", mesh.texture.size(), {1, 1}, ctx,
+                    [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
+        file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
     }
     file.write("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n");
     file.write(fmt::format("        uniform token subdivisionScheme = \"{}\"\n    }}\n}}\n",

@@ -13,6 +13,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/io/file.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
 
 namespace coppice::io_internal {
 
@@ -55,6 +56,7 @@ struct MeshView {
     const std::uint32_t* first = nullptr;  ///< for faces of several sizes
     std::size_t face_count = 0;
     std::size_t sides = 0;
+    std::span<const TexturePoint> texture;  ///< of every corner, or none
 };
 
 /// emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, else a fan.

@@ -106,6 +106,15 @@ void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh, cons
     io_internal::write_view(path, io_internal::MeshView(mesh), options, ctx);
 }
 
+void write_textured_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
+                         std::span<const TexturePoint> texture, const MeshWriteOptions& options,
+                         const Context& ctx) {
+    COPPICE_ASSERT(texture.size() == mesh.corners.size());
+    io_internal::MeshView view(mesh);
+    view.texture = texture;
+    io_internal::write_view(path, view, options, ctx);
+}
+
 void write_cage(const std::filesystem::path& path, const QuadMesh& cage, const Context& ctx) {
     const io_internal::MeshView view(cage);
     io_internal::write_whole(path, view, ctx, [&](AtomicFile& file) {

@@ -2,10 +2,12 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "coppice/base/context.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/texture.h"
 
 namespace coppice {
 
@@ -41,6 +43,12 @@ void write_mesh(const std::filesystem::path& path, const TriMesh& mesh, const Me
 /// The same for faces of any number of corners.
 void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {}, const Context& ctx = {});
+
+/// The same with places on a texture, one for each corner: OBJ and USDA hold them, with vertices as they are;
+/// the others pass them over.
+void write_textured_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
+                         std::span<const TexturePoint> texture, const MeshWriteOptions& options = {},
+                         const Context& ctx = {});
 
 /// Writes a cage as USDA with subdivisionScheme "catmullClark", so that the reading program refines it.
 /// Errors as above.

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "coppice/base/context.h"
-#include "coppice/points/point_set.h"
+#include "coppice/points/painted_points.h"
 
 namespace coppice {
 
@@ -42,6 +42,10 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
 /// LAZ without LASzip; `Cancelled`.
 /// Linear; memory is bounded by a small multiple of the file.
 PointSet read_points(const std::filesystem::path& path, const Context& ctx = {});
+
+/// The same with what a PLY file knows of its points: the property `distance`, and the colour that `red`,
+/// `green` and `blue` of 8 bits give. Other files and PLY files without them have none.
+PaintedPoints read_painted_points(const std::filesystem::path& path, const Context& ctx = {});
 
 /// The same from memory; `source` names it in messages.
 PointSet parse_points(std::string_view bytes, const std::string& source, const Context& ctx = {});

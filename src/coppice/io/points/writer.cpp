@@ -22,27 +22,28 @@ void put_line(Chunk& chunk, BasicVec3<T> p, char separator) {
     chunk.put('\n');
 }
 
-/// fill(chunk, position) for each point: as floats, or as doubles where there is an origin to add.
-template <class Fill>
-void write_each(AtomicFile& file, const PointSet& points, const Context& ctx, const Fill& fill) {
-    const bool shifted = points.origin != Vec3d{};
+/// As floats, or as doubles where there is an origin to add.
+void write_xyz(AtomicFile& file, const PointSet& points, char separator, const Context& ctx) {
+    const bool far = points.origin != Vec3d{};
     io_internal::write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
-        shifted ? fill(chunk, points.world(i)) : fill(chunk, points.positions[i]);
+        far ? put_line(chunk, points.world(i), separator) : put_line(chunk, points.positions[i], separator);
     });
 }
 
-void write_xyz(AtomicFile& file, const PointSet& points, char separator, const Context& ctx) {
-    write_each(file, points, ctx, [separator](Chunk& chunk, auto p) { put_line(chunk, p, separator); });
-}
-
-void write_ply(AtomicFile& file, const PointSet& points, const Context& ctx) {
+void write_ply(AtomicFile& file, const PointSet& points, std::span<const float> distances,
+               std::span<const Rgb> colors, std::string_view note, const Context& ctx) {
+    const bool far = points.origin != Vec3d{};
     file.write(fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, Z up\nelement vertex {0}\n"
-        "property {1} x\nproperty {1} y\nproperty {1} z\nend_header\n",
-        points.size(), points.origin != Vec3d{} ? "double" : "float"));
-    write_each(file, points, ctx, [](Chunk& chunk, auto p) {
-        chunk.reserve(sizeof p);
-        chunk.put_raw(p);
+        "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, Z up\n{2}"
+        "element vertex {0}\nproperty {1} x\nproperty {1} y\nproperty {1} z\n{3}{4}end_header\n",
+        points.size(), far ? "double" : "float", note.empty() ? "" : fmt::format("comment {}\n", note),
+        !distances.empty() ? "property float distance\n" : "",
+        !colors.empty() ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : ""));
+    io_internal::write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
+        chunk.reserve(sizeof(Vec3d) + sizeof(float) + sizeof(Rgb));
+        far ? chunk.put_raw(points.world(i)) : chunk.put_raw(points.positions[i]);
+        if (!distances.empty()) chunk.put_raw(distances[i]);
+        if (!colors.empty()) chunk.put_raw(colors[i]);
     });
 }
 
@@ -64,11 +65,26 @@ void write_points(const std::filesystem::path& path, const PointSet& points, con
     check_positions(path, points);
     AtomicFile file(path);
     if (*format == PointFormat::ply) {
-        write_ply(file, points, ctx);
+        write_ply(file, points, {}, {}, {}, ctx);
     } else {
         const std::string extension = path.extension().string();
         write_xyz(file, points, extension == ".csv" || extension == ".CSV" ? ',' : ' ', ctx);
     }
+    file.commit();
+    ctx.report(1);
+}
+
+void write_painted_points(const std::filesystem::path& path, const PaintedPoints& painted,
+                          std::string_view note, const Context& ctx) {
+    COPPICE_ASSERT(painted.distances.empty() || painted.distances.size() == painted.points.size());
+    COPPICE_ASSERT(painted.colors.empty() || painted.colors.size() == painted.points.size());
+    if (point_format_of_name(path) != PointFormat::ply) {
+        throw Unsupported(
+            fmt::format("cannot write {}: a file of points with colours ends in .ply", path.string()));
+    }
+    check_positions(path, painted.points);
+    AtomicFile file(path);
+    write_ply(file, painted.points, painted.distances, painted.colors, note, ctx);
     file.commit();
     ctx.report(1);
 }

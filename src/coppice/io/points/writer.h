@@ -1,9 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "coppice/base/context.h"
-#include "coppice/points/point_set.h"
+#include "coppice/points/painted_points.h"
 
 namespace coppice {
 
@@ -15,5 +16,11 @@ namespace coppice {
 /// Throws `IoError` for trouble with the file, `Unsupported` for other names, `InvalidInput` for positions
 /// that are not finite, `Cancelled`.
 void write_points(const std::filesystem::path& path, const PointSet& points, const Context& ctx = {});
+
+/// The same as PLY, of which the name must have the ending, with the property `distance` and 8 bits each of
+/// `red`, `green` and `blue`, where there are any: other programs show them. `note` is a comment in the head,
+/// one line.
+void write_painted_points(const std::filesystem::path& path, const PaintedPoints& painted,
+                          std::string_view note, const Context& ctx = {});
 
 }  // namespace coppice

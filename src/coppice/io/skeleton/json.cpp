@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -57,13 +58,14 @@ class Columns {
     }
     bool key(const string_t& name) {
         if (depth_ != 1) return true;
-        column_ = name == "format"     ? Column::format
-                  : name == "version"  ? Column::version
-                  : name == "origin"   ? Column::origin
-                  : name == "parent"   ? Column::parent
-                  : name == "position" ? Column::position
-                  : name == "radius"   ? Column::radius
-                                       : Column::other;
+        column_ = name == "format"      ? Column::format
+                  : name == "version"   ? Column::version
+                  : name == "origin"    ? Column::origin
+                  : name == "parent"    ? Column::parent
+                  : name == "position"  ? Column::position
+                  : name == "radius"    ? Column::radius
+                  : name == "stable_id" ? Column::id
+                                        : Column::other;
         return true;
     }
     bool parse_error(std::size_t position, const std::string& token, const nlohmann::json::exception&) {
@@ -83,6 +85,9 @@ class Columns {
             fail(fmt::format("the columns differ in length: {} parents, {} positions, {} radii", count,
                              position_.size() / 3, radius_.size()));
         }
+        if (!id_.empty() && id_.size() != count)
+            fail(fmt::format("there are {} ids for {} nodes; leave the ids out or give all", id_.size(),
+                             count));
         if (!origin_.empty() && origin_.size() != 3) fail("the origin must have three numbers");
         const Vec3d origin = origin_.empty() ? Vec3d{} : Vec3d{origin_[0], origin_[1], origin_[2]};
         std::vector<RawNode> nodes;
@@ -90,13 +95,13 @@ class Columns {
         for (std::size_t i = 0; i < count; ++i) {
             const Vec3d p{position_[3 * i], position_[3 * i + 1], position_[3 * i + 2]};
             nodes.push_back({static_cast<std::int64_t>(i), parent_[i], origin + p, radius_[i],
-                             static_cast<std::uint32_t>(i + 1)});
+                             static_cast<std::uint32_t>(i + 1), id_.empty() ? StableId() : id_[i]});
         }
         return nodes;
     }
 
   private:
-    enum class Column { other, format, version, origin, parent, position, radius };
+    enum class Column { other, format, version, origin, parent, position, radius, id };
 
     bool number(double value) {
         progress_.at(++numbers_);
@@ -112,7 +117,15 @@ class Columns {
                                  parent_.size(), value));
             parent_.push_back(static_cast<std::int64_t>(value));
         }
+        if (column_ == Column::id && depth_ == 2) id_.push_back(checked_id(value));
         return true;
+    }
+
+    StableId checked_id(double value) const {
+        if (value >= 0 && value < 4294967295.0 && value == std::floor(value))
+            return StableId(static_cast<std::uint32_t>(value));
+        fail(fmt::format("the id of node {} is {}; it must be a whole number from 0 to 4294967294",
+                         id_.size(), value));
     }
 
     bool enter() {
@@ -137,6 +150,7 @@ class Columns {
     double version_ = 1;
     std::vector<double> origin_, position_, radius_;
     std::vector<std::int64_t> parent_;
+    std::vector<StableId> id_;
     std::size_t point_begin_ = 0;
 };
 

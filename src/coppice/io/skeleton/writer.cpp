@@ -111,6 +111,10 @@ std::string encode_json(const Skeleton& s, std::span<const NodeAttribute> attrib
     }
     out.add(FMT_COMPILE("],\n\"radius\": ["));
     for (const NodeId n : nodes(s)) out.add(FMT_COMPILE("{}{}"), separator(n), s.radius(n));
+    if (!s.stable_ids().empty()) {
+        out.add(FMT_COMPILE("],\n\"stable_id\": ["));
+        for (const NodeId n : nodes(s)) out.add(FMT_COMPILE("{}{}"), separator(n), s.stable_id(n).index());
+    }
     for (const NodeAttribute& a : attributes) {
         out.add(FMT_COMPILE("],\n\"{}\": ["), a.name);
         for (const NodeId n : nodes(s)) out.add(FMT_COMPILE("{}{}"), separator(n), a.values[n.index()]);

@@ -39,6 +39,8 @@ struct NodeAttribute {
 /// All formats but `cylinders` keep every node and radius, coincident nodes included. A cylinder stands for a
 /// segment and has one radius, that of equal volume, so it loses taper and trees of a single node.
 ///
+/// Stable ids go into JSON where the skeleton has some, and are read again.
+///
 /// Attributes go into JSON, each an array of its own, and PLY, as properties of the vertices; the other
 /// formats have no place for them. Readers pass over them.
 ///

@@ -60,21 +60,6 @@ void read_camera(const Words& words, const std::string& source, const LineReader
 
 }  // namespace
 
-Matrix3 rotation_of(double w, Vec3d v) {
-    const double size = std::sqrt(w * w + length_squared(v));
-    w /= size;
-    v = v / size;
-    const auto [x, y, z] = v;
-    return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-             {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-             {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
-}
-
-Matrix3 rotation_about(Vec3d axis) {
-    const double angle = length(axis);
-    return rotation_of(std::cos(0.5 * angle), normalized(axis) * std::sin(0.5 * angle));
-}
-
 SketchView read_colmap_view(const std::filesystem::path& folder, const std::string& image) {
     const std::filesystem::path images = folder / "images.txt", cameras = folder / "cameras.txt";
     SketchView view;

@@ -13,10 +13,4 @@ namespace coppice {
 /// than OpenCV's first five.
 SketchView read_colmap_view(const std::filesystem::path& folder, const std::string& image);
 
-/// The rotation about an axis by its length [rad] (Rodrigues), as OpenCV writes them.
-Matrix3 rotation_about(Vec3d axis);
-
-/// The rotation of a quaternion, which need not have length 1.
-Matrix3 rotation_of(double w, Vec3d v);
-
 }  // namespace coppice

@@ -10,6 +10,8 @@
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
 #include "coppice/io/sketch/colmap_internal.h"
+#include "coppice/io/sketch/json_value_internal.h"
+#include "coppice/io/sketch/phenomenal_internal.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/io/text_internal.h"
 #include "coppice/sketch/snapshot.h"
@@ -17,98 +19,9 @@
 namespace coppice {
 namespace {
 
-using Json = nlohmann::json;
+using namespace io_internal;
 
 constexpr std::uint64_t kLargestSketch = std::uint64_t{256} << 20;
-
-/// A value of the file, and what it is called: "tree.sketch.json: branches[3].strokes.front".
-class Value {
-  public:
-    Value(const Json& json, std::string where) : json_(json), where_(std::move(where)) {}
-
-    [[noreturn]] void fail(const std::string& what) const { throw InvalidInput(where_ + " " + what); }
-
-    /// Throws unless it is an object that has no other members than these.
-    void expect_members(std::initializer_list<std::string_view> names) const {
-        if (!json_.is_object()) fail("must be an object with named fields");
-        for (const auto& [key, value] : json_.items()) {
-            if (std::ranges::find(names, key) == names.end())
-                fail(fmt::format("has no field {}; there are {}", in_quotes(key), fmt::join(names, ", ")));
-        }
-    }
-    bool has(const std::string& name) const { return json_.contains(name); }
-    Value member(const std::string& name) const {
-        const auto found = json_.find(name);
-        if (found == json_.end()) throw InvalidInput(field(name) + " is missing");
-        return {*found, field(name)};
-    }
-    std::vector<std::pair<std::string, Value>> members() const {
-        if (!json_.is_object()) fail("must be an object with named fields");
-        std::vector<std::pair<std::string, Value>> out;
-        for (const auto& [key, value] : json_.items()) out.emplace_back(key, Value(value, field(key)));
-        return out;
-    }
-    std::vector<Value> items() const {
-        if (!json_.is_array()) fail("must be a list");
-        std::vector<Value> out;
-        for (std::size_t i = 0; i < json_.size(); ++i)
-            out.emplace_back(json_[i], fmt::format("{}[{}]", where_, i));
-        return out;
-    }
-    std::string text() const {
-        if (!json_.is_string()) fail("must be a text");
-        return json_.get<std::string>();
-    }
-    double number() const {
-        if (!json_.is_number()) fail("must be a number");
-        return json_.get<double>();
-    }
-    int pixels() const {
-        const double n = number();
-        if (!(n >= 1 && n <= 1e6) || n != std::floor(n)) fail("must be a whole number of pixels");
-        return static_cast<int>(n);
-    }
-    std::vector<double> numbers() const {
-        if (!json_.is_array()) fail("must be a list of numbers");
-        std::vector<double> out;
-        for (const Json& number : json_) {
-            if (!number.is_number()) fail("must be a list of numbers");
-            out.push_back(number.get<double>());
-        }
-        return out;
-    }
-    template <std::size_t N>
-    std::array<double, N> numbers_of() const {
-        const std::vector<double> list = numbers();
-        if (list.size() != N) fail(fmt::format("must be a list of {} numbers, not {}", N, list.size()));
-        std::array<double, N> out;
-        std::ranges::copy(list, out.begin());
-        return out;
-    }
-    Matrix3 matrix() const {
-        const std::vector<Value> rows = items();
-        if (rows.size() != 3) fail("must be three rows of three numbers");
-        return {rows[0].numbers_of<3>(), rows[1].numbers_of<3>(), rows[2].numbers_of<3>()};
-    }
-    template <class Choice>
-    Choice choice(std::initializer_list<std::pair<std::string_view, Choice>> choices) const {
-        const std::string word = text();
-        std::string known;
-        for (const auto& [name, value] : choices) {
-            if (name == word) return value;
-            known += (known.empty() ? "" : ", ") + std::string(name);
-        }
-        fail("must be one of " + known);
-    }
-
-  private:
-    std::string field(const std::string& name) const {
-        return where_ + (where_.ends_with(": ") ? "" : where_.ends_with(":") ? " " : ".") + name;
-    }
-
-    const Json& json_;
-    std::string where_;
-};
 
 /// A view as the file has it; of a snapshot the camera follows from the strokes.
 struct ReadView {
@@ -149,6 +62,12 @@ SketchView colmap_of(const Value& value, const std::filesystem::path& folder) {
     return read_colmap_view(folder / value.member("colmap").text(), value.member("image").text());
 }
 
+SketchView phenomenal_of(const Value& value, const std::filesystem::path& folder) {
+    value.expect_members({"name", "image", "phenomenal", "camera", "angle"});
+    return read_phenomenal_view(folder / value.member("phenomenal").text(), value.member("camera").text(),
+                                value.member("angle").number() * std::numbers::pi / 180);
+}
+
 SketchView camera_of(const Value& value) {
     value.expect_members(
         {"name", "image", "width", "height", "projection", "K", "R", "rvec", "t", "distortion"});
@@ -186,10 +105,12 @@ ReadView view_of(const Value& value, const std::filesystem::path& folder) {
         out = photograph_of(value);
     } else if (value.has("colmap")) {
         out.view = colmap_of(value, folder);
+    } else if (value.has("phenomenal")) {
+        out.view = phenomenal_of(value, folder);
     } else if (value.has("K")) {
         out.view = camera_of(value);
     } else {
-        value.fail("needs the camera's K, R and t, or colmap, photograph or orthographic");
+        value.fail("needs the camera's K, R and t, or colmap, phenomenal, photograph or orthographic");
     }
     out.view.name = value.member("name").text();
     if (value.has("image")) out.view.image = value.member("image").text();
@@ -224,11 +145,7 @@ World world_of(const Value& value) {
 }
 
 void bring_home(SketchView& view, const World& world) {
-    Matrix3 r{};
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j)
-            for (std::size_t k = 0; k < 3; ++k) r[i][j] += view.r[i][k] * world.turn[k][j];
-    view.r = r;
+    view.r = view.r * world.turn;
     view.t = view.t * world.metres_per_unit;
 }
 
@@ -274,18 +191,6 @@ Names names_of(const std::vector<Value>& values) {
     for (const Value& value : values)
         names.emplace(value.member("name").text(), static_cast<std::uint32_t>(names.size()));
     return names;
-}
-
-Json parse_json(std::string_view text, const std::string& source) {
-    try {
-        return Json::parse(text);
-    } catch (const Json::parse_error& error) {
-        const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
-        fail_at(source, static_cast<std::size_t>(std::ranges::count(before, '\n')) + 1,
-                "this is not valid JSON");
-    } catch (const Json::exception&) {
-        throw InvalidInput(source + ": this is not valid JSON");
-    }
 }
 
 void check_format(const Json& json, const Value& file, const std::string& source) {

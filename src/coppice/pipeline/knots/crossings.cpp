@@ -130,7 +130,9 @@ class Search {
             const Vec3d c = position(node(t, end));
             const double size = farthest(proof.bounds, c);
             proof.view[end] = points.view(end, c, end == 0 ? axis : -axis, size);
-            if (degree(tubes_, node(t, end)) > 2) count_turns(points, t, end, size);
+            if (!slices_.is_fork(node(t, end))) continue;
+            count_turns(points, t, end, size);
+            if (points.has_fork(end) && !points.is_clear_beyond(end, c, size)) proof.view[end] = {};
         }
         if (!is_alone) return;
         const Vec3d c = 0.5 * (from + to);
@@ -144,7 +146,7 @@ class Search {
             if (degree(tubes_, n) < 2) return;
             bool holds = true;
             for_each_segment_at(tubes_, n, [&](NodeId t) { holds &= view_at(t, n).clear > 0; });
-            if (holds && degree(tubes_, n) > 2) holds = turns_once(n);
+            if (holds && slices_.is_fork(n)) holds = turns_once(n);
             if (!holds) for_each_segment_at(tubes_, n, [&](NodeId t) { view_at(t, n) = {}; });
         });
     }
@@ -153,11 +155,15 @@ class Search {
     // Counts the turns about the vertices of a branch node that the quads of one tube make.
     void count_turns(const TubePoints& points, NodeId t, int end, double size) {
         const CageRun& run = faces_[t.index()].side;
-        points.visit_turns(end, position(node(t, end)), size, [&](std::size_t k, int turns) {
-            const std::uint32_t v = slices_.cage().cage.quads[run.first + k][end == 0 ? 0 : 3];
+        const Vec3d c = position(node(t, end));
+        const auto count = [&](std::size_t quad, std::size_t corner, int turns) {
+            const std::uint32_t v = slices_.cage().cage.quads[quad][corner];
             const std::uint32_t add = turns < 0 ? kUncertain : static_cast<std::uint32_t>(turns);
             if (add != 0) std::atomic_ref(turns_[v]).fetch_add(add, std::memory_order_relaxed);
-        });
+        };
+        points.visit_turns(end, c, size,
+                           [&](std::size_t k, int turns) { count(run.first + k, end == 0 ? 0 : 3, turns); });
+        points.visit_fork_turns(end, c, size, count);
     }
 
     // Whether the quads at each vertex of a branch node turn around it once. The cage's vertices come first
@@ -169,6 +175,11 @@ class Search {
             for (std::uint32_t f = run.first; f < run.first + run.count; ++f)
                 once &= turns_[slices_.cage().cage.quads[f][t == n ? 3 : 0]] == 1;
         });
+        const NodeId owner = slices_.fork_tube(n);
+        const CageRun& between = faces_[owner.index()].fork[owner == n ? 1 : 0];
+        for (std::uint32_t f = between.first; f < between.first + between.count; ++f) {
+            for (const std::uint32_t v : slices_.cage().cage.quads[f]) once &= turns_[v] == 1;
+        }
         return once;
     }
 
@@ -223,9 +234,9 @@ class Search {
             std::clamp((proof.view[0].clear + n - std::min(n, proof.view[1].clear)) / 2, 1u, n - 1);
         const Vec3d c = points.ring_center(row);
         auto [first, last] = points.clear_about(row, c, farthest(proof.bounds, c));
-        // What closes the tube belongs to its outermost slices.
-        if (points.is_closed(0)) first = std::max(first, 1u);
-        if (points.is_closed(1)) last = std::min(last, n - 1);
+        // What lies beyond them belongs to the outermost slices.
+        if (points.is_closed(0) || points.has_fork(0)) first = std::max(first, 1u);
+        if (points.is_closed(1) || points.has_fork(1)) last = std::min(last, n - 1);
         return {first, last};
     }
 
@@ -357,12 +368,12 @@ class Search {
 }  // namespace
 
 std::vector<std::uint32_t> unproved_quads(const QuadMesh& mesh, const Slices& slices, const Context& ctx) {
-    const auto faces = faces_of_tubes(slices.cage(), slices.tubes().size());
+    const auto faces = faces_of_tubes(slices);
     return Search(mesh, slices, faces, ctx).suspects();
 }
 
 SliceCrossings slice_crossings(const QuadMesh& mesh, const Slices& slices, const Context& ctx) {
-    TubeQuads tubes{mesh, slices, faces_of_tubes(slices.cage(), slices.tubes().size()), {}};
+    TubeQuads tubes{mesh, slices, faces_of_tubes(slices), {}};
     Search search(mesh, slices, tubes.faces, ctx);
     std::vector<FacePair> pairs = crossings_among(mesh, search.suspects(), kMostPairs, ctx).pairs;
     tubes.boxes = search.boxes();

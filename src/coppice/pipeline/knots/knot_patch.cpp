@@ -48,7 +48,15 @@ Vec3 mean(const Loop& loop, std::span<const Vec3> x) {
     return sum / static_cast<float>(loop.size());
 }
 
-// Whether vertices lie beyond a seam, or too near to it.
+// The point of a node's segment that is nearest to p.
+Vec3 foot_on(const Skeleton& s, NodeId n, Vec3 p) {
+    if (s.is_root(n)) return s.position(n);
+    const auto axis = round_cone<float>(s.segment(n));
+    return axis.point(axis.foot(p).t);
+}
+
+// Whether vertices lie beyond a seam, or too near to it. What is about another axis than the one through the
+// seam only passes by.
 std::vector<std::uint8_t> beyond_seams(const KnotSurface& surface, std::span<const Vec3> positions,
                                        const BoxTree& reaches, const Context& ctx) {
     std::vector<std::uint8_t> beyond(positions.size(), 0);
@@ -64,7 +72,9 @@ std::vector<std::uint8_t> beyond_seams(const KnotSurface& surface, std::span<con
             const Seam& s = surface.group.seams[i];
             const float reach = kSeamReach * s.radius;
             const Vec3 way = p - s.center;
-            is_beyond |= length_squared(way) < reach * reach && dot(way, s.outward) > -kGap * s.radius;
+            if (length_squared(way) >= reach * reach || dot(way, s.outward) <= -kGap * s.radius) return;
+            const Vec3 foot = foot_on(surface.knot.skeleton, near, p) - s.center;
+            is_beyond |= length(foot - s.outward * dot(foot, s.outward)) < s.radius;
         });
         beyond[v] = is_beyond ? 1 : 0;
     });

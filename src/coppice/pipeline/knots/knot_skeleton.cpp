@@ -30,10 +30,14 @@ struct CutSkeleton {
     }
 };
 
+// A node that is so near to the end of a segment, in radii, is the same.
+constexpr float kSameNode = 0.25f;
+
 // Where seams lie, as parameters of their tubes' axes.
 struct SeamPlace {
     NodeId tube;
     float t;
+    bool at_node = false;  // where the tube begins
     friend auto operator<=>(const SeamPlace&, const SeamPlace&) = default;
 };
 
@@ -42,8 +46,8 @@ std::vector<SeamPlace> seam_places(std::span<const Seam> seams, const Slices& sl
     for (const Seam& seam : seams) {
         const Slice upper = seam.to_tip ? seam.kept : seam.gone;
         const NodeId t = slices.tube(upper);
-        if (slices.row(upper) == 0) continue;  // at a node
-        out.push_back({t, round_cone<float>(slices.tubes().segment(t)).line_parameter(seam.center)});
+        const float at = round_cone<float>(slices.tubes().segment(t)).line_parameter(seam.center);
+        out.push_back({t, at, slices.row(upper) == 0});
     }
     std::sort(out.begin(), out.end());
     return out;
@@ -92,22 +96,33 @@ class Neighbourhood {
     std::vector<NodeId> queue_;
 };
 
-// Where seams cut a segment of a tube, as parameters of it, ascending; and 1, where it ends.
-std::vector<float> cuts_of(const BasicRoundCone<float>& segment, NodeId tube, const Skeleton& tubes,
-                           std::span<const SeamPlace> places) {
+// Where seams cut a segment of some tubes, as parameters of it, ascending; and 1, where it ends.
+std::vector<float> cuts_of(const BasicRoundCone<float>& segment, std::span<const NodeId> wrapping,
+                           const Skeleton& tubes, std::span<const SeamPlace> places) {
     std::vector<float> cuts;
-    if (tube && !tubes.is_root(tube)) {
+    for (const NodeId tube : wrapping) {
+        if (tubes.is_root(tube)) continue;
         const auto axis = round_cone<float>(tubes.segment(tube));
         const float t0 = axis.line_parameter(segment.a), t1 = axis.line_parameter(segment.b());
         auto p = std::lower_bound(places.begin(), places.end(), SeamPlace{tube, -1e30f});
         for (; p != places.end() && p->tube == tube; ++p) {
             const float f = (p->t - t0) / (t1 - t0);
-            if (f > 0 && f < 1) cuts.push_back(f);
+            const float end = p->at_node ? kSameNode * segment.radius(0.5f) / length(segment.axis) : 0;
+            if (f > end && f < 1 - end) cuts.push_back(f);
         }
-        if (t1 < t0) std::reverse(cuts.begin(), cuts.end());
     }
+    std::sort(cuts.begin(), cuts.end());
     cuts.push_back(1);
     return cuts;
+}
+
+// Of the tubes about a segment the one about a point of it, or none.
+NodeId tube_at(std::span<const NodeId> wrapping, const Skeleton& tubes, Vec3 p) {
+    for (const NodeId tube : wrapping) {
+        const bool is_last = tube == wrapping.back();
+        if (is_last || round_cone<float>(tubes.segment(tube)).line_parameter(p) <= 1) return tube;
+    }
+    return NodeId::none();
 }
 
 // Marks what no tube wraps beside segments that go as going too.
@@ -128,11 +143,11 @@ void spread_to_bare(const Skeleton& s, std::span<const Slice> slice, std::vector
 }  // namespace
 
 KnotSkeletons::KnotSkeletons(const TubeMap& map, const Slices& slices) : map_(map), slices_(slices) {
-    std::vector<std::uint32_t> tube(map.tube.size(), kNoRow);
-    for (std::size_t n = 0; n < tube.size(); ++n) {
-        if (map.tube[n]) tube[n] = map.tube[n].index();
-    }
-    wrapped_ = group_by(tube, map.tubes.size());
+    wrapped_ = compress_rows<std::uint32_t>(map.tubes.size(), [&](const auto& put) {
+        for (std::uint32_t n = 0; n < map.wrapping.size(); ++n) {
+            for (const NodeId tube : map.wrapping[n]) put(tube.index(), n);
+        }
+    });
 }
 
 std::vector<NodeId> KnotSkeletons::segments_near(const KnotGroup& group, float margin) const {
@@ -179,18 +194,21 @@ KnotSkeleton KnotSkeletons::of(const KnotGroup& group, bool wide) const {
         return place[n.index()] = cut.append(NodeId::none(), s.position(n), widest, Slices::kNone);
     };
     for (const NodeId n : segments) {
-        const NodeId tube = map_.tube[n.index()];
+        const std::span<const NodeId> wrapping = map_.wrapping[n.index()];
         if (s.is_root(n)) {
-            if (s.is_tip(n) && tube)
-                place[n.index()] = cut.append(NodeId::none(), s.position(n), s.radius(n), slices_.last(tube));
+            if (s.is_tip(n) && !wrapping.empty())
+                place[n.index()] =
+                    cut.append(NodeId::none(), s.position(n), s.radius(n), slices_.last(wrapping.back()));
             continue;
         }
         NodeId from = root_of(s.parent(n));
         const auto first = static_cast<std::uint32_t>(cut.parent.size());
         const auto segment = round_cone<float>(s.segment(n));
         float begin = 0;
-        for (const float f : cuts_of(segment, tube, slices_.tubes(), places)) {
-            const Slice slice = tube ? slices_.near(tube, segment.point((begin + f) / 2)) : Slices::kNone;
+        for (const float f : cuts_of(segment, wrapping, slices_.tubes(), places)) {
+            const Vec3 middle = segment.point((begin + f) / 2);
+            const NodeId tube = tube_at(wrapping, slices_.tubes(), middle);
+            const Slice slice = tube ? slices_.near(tube, middle) : Slices::kNone;
             from = f == 1 ? cut.append(from, s.position(n), s.radius(n), slice)
                           : cut.append(from, segment.point(f), segment.radius(f), slice, f);
             begin = f;

@@ -111,7 +111,7 @@ void Knots::take_trees(std::span<const NodeId> trees, std::span<const NodeId> ro
 
 // All slices at a branch node, once one of them goes.
 void Knots::close_branch_node(NodeId n) {
-    if (degree(map_.tubes, n) < 3) return;
+    if (!slices_.is_fork(n)) return;
     for_each_segment_at(map_.tubes, n, [&](NodeId t) { take(slices_.at(t, n)); });
 }
 
@@ -176,14 +176,18 @@ bool Knots::lies_well(const Seam& seam) const {
             const bool is_near = way < kWindow * seam.radius;
             const float ratio = s.radius(node) / seam.radius;
             if (is_near && (ratio > kGreatestRatio || ratio * kGreatestRatio < 1)) return false;
-            if (degree(s, node) != 2) {
-                if (is_near) return false;
-                break;
-            }
             NodeId onward;
-            for_each_segment_at(s, node, [&](NodeId t) {
-                if (t != tube) onward = t;
-            });
+            if (slices_.is_fork(node) || degree(s, node) != 2) {
+                if (is_near) return false;
+                // What goes on at a branch node is not in the way.
+                if (up) onward = s.leader(node);
+                if (!up && !s.is_root(node) && s.leader(node) == tube) onward = node;
+                if (!onward) break;
+            } else {
+                for_each_segment_at(s, node, [&](NodeId t) {
+                    if (t != tube) onward = t;
+                });
+            }
             up = onward != node;
             tube = onward;
             at = s.position(node);
@@ -232,7 +236,7 @@ std::vector<KnotGroup> Knots::groups() {
         const NodeId t = slices_.tube(i);
         if (s.is_root(t)) continue;
         for (const NodeId n : {s.parent(t), t}) {
-            if (slices_.at(t, n) != i || degree(s, n) < 3) continue;
+            if (slices_.at(t, n) != i || !slices_.is_fork(n)) continue;
             for_each_segment_at(s, n, [&](NodeId other) { join(i, slices_.at(other, n)); });
         }
     }

@@ -44,14 +44,15 @@ bool is_steep(const Segment& s) { return std::abs(s.radius_a - s.radius_b) > kSt
 bool is_too_thick(const TubeMap& map, NodeId n) {
     const Skeleton& s = map.skeleton;
     float widest = 0;
-    if (const NodeId tube = map.tube[n.index()]) {
+    if (const auto wrapping = map.wrapping[n.index()]; !wrapping.empty()) {
+        const NodeId tube = wrapping.back();
         // A tree that lies within one node has the ball of that for a tube.
         widest = map.tubes.is_root(tube)
                      ? map.tubes.radius(tube)
                      : round_cone<float>(map.tubes.segment(tube)).foot(s.position(n)).radius;
     } else {
         for_each_segment_at(s, s.parent(n), [&](NodeId beside) {
-            if (map.tube[beside.index()]) widest = std::max(widest, s.radius(beside));
+            if (!map.wrapping[beside.index()].empty()) widest = std::max(widest, s.radius(beside));
         });
     }
     return s.radius(n) > kThick * widest;

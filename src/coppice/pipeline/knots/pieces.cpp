@@ -45,9 +45,9 @@ NumberSet drop_gone(QuadMesh& mesh, const Slices& slices, const Knots& knots) {
     NumberSet gone(mesh.positions.size());
     std::size_t kept = 0;
     const std::uint32_t per_face = 1u << (2 * slices.levels());
-    const auto& region = slices.cage().region;
-    for (std::uint32_t f = 0, q = 0; f < region.size(); ++f) {
-        if (is_touched[region[f]] == 0) {
+    const auto count = static_cast<std::uint32_t>(slices.cage().region.size());
+    for (std::uint32_t f = 0, q = 0; f < count; ++f) {
+        if (is_touched[slices.tube_of(f).index()] == 0) {
             std::copy_n(mesh.quads.begin() + q, per_face,
                         mesh.quads.begin() + static_cast<std::ptrdiff_t>(kept));
             kept += per_face;
@@ -239,7 +239,7 @@ std::uint32_t count_bodies(const Slices& slices, const Knots& knots, const Piece
         }
     }
     for (const NodeId n : nodes(s)) {
-        if (degree(s, n) < 3) continue;
+        if (!slices.is_fork(n)) continue;
         const Slice first = slices.at(s.children(n)[0], n);
         for_each_segment_at(s, n, [&](NodeId t) {
             if (is_kept(first) && is_kept(slices.at(t, n))) join(first, slices.at(t, n));

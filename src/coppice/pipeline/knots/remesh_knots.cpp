@@ -188,15 +188,6 @@ class Remeshing {
     std::vector<Care> care_;  // per slice, and one more for what is near none
 };
 
-// The tubes by node of the field's skeleton, less those that are only a branch node at a root.
-std::vector<NodeId> real_tubes(const TubeMap& map) {
-    std::vector<NodeId> out(map.tube.begin(), map.tube.end());
-    for (NodeId& t : out) {
-        if (t && map.tubes.is_root(t) && !map.tubes.is_tip(t)) t = NodeId::none();
-    }
-    return out;
-}
-
 // Of the quads that could not be unfolded, those that are inverted, ascending.
 std::vector<std::uint32_t> folded_quads(const QuadSurface& surface) {
     std::vector<std::uint32_t> out;
@@ -208,22 +199,20 @@ std::vector<std::uint32_t> folded_quads(const QuadSurface& surface) {
 
 }  // namespace
 
-KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, const MeshOptions& options,
+KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, const MeshOptions& options,
                         const Context& ctx) {
-    if (options.remesh_rounds == 0 || options.overlaps == Overlaps::keep || options.levels == 0 ||
+    if (options.remesh_rounds == 0 || options.overlaps == Overlaps::keep || levels == 0 ||
         options.project.method == ProjectionMethod::none || options.control.base == BaseShape::open) {
         return {};
     }
-    const std::vector<NodeId> wrapping = real_tubes(map);
-    const TubeMap real{map.tubes, map.skeleton, map.source, wrapping};
-    const Slices slices(surface.cage, map.tubes, options.levels);
+    const Slices slices(surface.cage, map.tubes, levels, map.sides);
     const SliceCrossings found = slice_crossings(surface.mesh, slices, ctx);
     const std::size_t count = found.pairs.size();
     if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
-    const std::vector<Slice> lossy = lossy_slices(real, found.tubes, ctx);
+    const std::vector<Slice> lossy = lossy_slices(map, found.tubes, ctx);
     const std::vector<std::uint32_t> folded = folded_quads(surface);
     if (found.pairs.empty() && lossy.empty() && folded.empty()) return {};
-    Remeshing remeshing(found.tubes, real, options, ctx);
+    Remeshing remeshing(found.tubes, map, options, ctx);
     KnotReport report = remeshing.run(found.pairs, lossy, folded);
     remeshing.finish(surface.mesh, report);
     return report;

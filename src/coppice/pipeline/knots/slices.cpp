@@ -6,10 +6,18 @@
 
 namespace coppice::pipeline_internal {
 
-Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels)
-    : cage_(&cage), tubes_(&tubes), levels_(levels), first_side_(tubes.size(), kNone) {
+Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels,
+               std::span<const std::array<float, 2>> sides)
+    : cage_(&cage),
+      tubes_(&tubes),
+      levels_(levels),
+      side_(sides),
+      first_side_(tubes.size(), kNone),
+      has_fork_(tubes.size(), 0) {
+    for (const NodeId n : nodes(tubes)) has_fork_[n.index()] = degree(tubes, n) > 2 ? 1 : 0;
     for (std::uint32_t f = static_cast<std::uint32_t>(cage.region.size()); f-- > 0;) {
         if (cage.part[f] == TubePart::side) first_side_[cage.region[f]] = f;
+        if (cage.part[f] == TubePart::fork) has_fork_[cage.region[f]] = 1;
     }
     for (std::uint32_t f = 0; f < cage.region.size() && sides_ == 0; ++f) {
         if (cage.part[f] != TubePart::side) continue;
@@ -22,12 +30,14 @@ Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels)
 
 Slice Slices::of_quad(std::uint32_t quad) const {
     const std::uint32_t f = quad >> (2 * levels_);
-    const NodeId tube(cage_->region[f]);
+    const NodeId tube = tube_of(f);
     switch (cage_->part[f]) {
         case TubePart::start:
             return first(tube);
         case TubePart::end:
             return last(tube);
+        case TubePart::fork:
+            return at(tube, NodeId(cage_->region[f]));
         case TubePart::side:
             break;
     }
@@ -38,8 +48,13 @@ Slice Slices::of_quad(std::uint32_t quad) const {
 Slice Slices::near(NodeId tube, Vec3 p) const {
     if (tubes_->is_root(tube)) return last(tube);
     const Vec3 a = tubes_->position(tubes_->parent(tube)), axis = tubes_->position(tube) - a;
-    const float t = closest_parameter(p, a, axis, 1.0f) * static_cast<float>(per_tube());
-    return first(tube) + std::min(static_cast<std::uint32_t>(t), per_tube() - 1);
+    float t = closest_parameter(p, a, axis, 1.0f);
+    if (!side_.empty()) {
+        const auto [from, to] = side_[tube.index()];
+        t = to > from ? std::clamp((t - from) / (to - from), 0.0f, 1.0f) : 0;
+    }
+    const auto row = static_cast<std::uint32_t>(t * static_cast<float>(per_tube()));
+    return first(tube) + std::min(row, per_tube() - 1);
 }
 
 Slice Slices::next(Slice s, bool towards_tip) const {
@@ -48,7 +63,7 @@ Slice Slices::next(Slice s, bool towards_tip) const {
     const NodeId here = tube(s);
     if (tubes_->is_root(here)) return kNone;
     const NodeId node = towards_tip ? here : tubes_->parent(here);
-    if (degree(*tubes_, node) != 2) return kNone;
+    if (is_fork(node) || degree(*tubes_, node) != 2) return kNone;
     Slice found = kNone;
     for_each_segment_at(*tubes_, node, [&](NodeId t) {
         if (t != here) found = at(t, node);

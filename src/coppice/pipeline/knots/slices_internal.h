@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/remesh/boundary.h"
 #include "coppice/skeleton/skeleton.h"
@@ -15,11 +17,14 @@ struct TubeMap {
     const Skeleton& tubes;           ///< a tube is named by its child node, the ball of a lone node by that
     const Skeleton& skeleton;        ///< of the field
     std::span<const NodeId> source;  ///< per node of `tubes`: the node of `skeleton` it stands for
-    std::span<const NodeId> tube;    ///< per node of `skeleton`: the tube that wraps its segment, or none
+    const CompressedRows<NodeId>&
+        wrapping;  ///< per node of `skeleton`: the tubes about its segment, in order
+    std::span<const std::array<float, 2>> sides = {};  ///< see Slices
 };
 
 /// A row of refined quads around a tube, numbered tube by tube from its beginning to its end; what closes a
-/// tube belongs to its outermost row.
+/// tube belongs to its outermost row, and what lies between those at a branch node to that of the tube that
+/// ends there, or to the first that begins where none does.
 using Slice = std::uint32_t;
 
 /// The refined quads by slice.
@@ -27,8 +32,10 @@ class Slices {
   public:
     static constexpr Slice kNone = 0xffffffffu;  ///< no slice
 
-    /// All must outlive this. O(cage).
-    Slices(const ControlMesh& cage, const Skeleton& tubes, int levels);
+    /// All must outlive this. `sides`: per tube between which parameters of its axis the quads lie, where
+    /// they do not along the whole. O(cage).
+    Slices(const ControlMesh& cage, const Skeleton& tubes, int levels,
+           std::span<const std::array<float, 2>> sides = {});
 
     std::uint32_t count() const { return tubes_->size() << levels_; }  ///< some have no quads
     std::uint32_t per_tube() const { return 1u << levels_; }
@@ -41,8 +48,17 @@ class Slices {
     NodeId tube(Slice s) const { return NodeId(s >> levels_); }
     std::uint32_t row(Slice s) const { return s & (per_tube() - 1); }
 
+    /// The tube to which a cage quad belongs.
+    NodeId tube_of(std::uint32_t cage_quad) const {
+        const NodeId n(cage_->region[cage_quad]);
+        return cage_->part[cage_quad] == TubePart::fork ? fork_tube(n) : n;
+    }
     /// That of a refined quad.
     Slice of_quad(std::uint32_t quad) const;
+    /// Whether a node is a branch node: three tubes or more meet there, or such as have quads between them.
+    bool is_fork(NodeId n) const { return has_fork_[n.index()] != 0; }
+    /// The tube to which quads between those at a branch node belong.
+    NodeId fork_tube(NodeId n) const { return tubes_->is_root(n) ? tubes_->children(n)[0] : n; }
     /// The slice of a tube at one of its two nodes.
     Slice at(NodeId tube, NodeId node) const { return node == tube ? last(tube) : first(tube); }
     /// The slice at a place of the field's skeleton that a tube wraps.
@@ -58,7 +74,9 @@ class Slices {
     const ControlMesh* cage_;
     const Skeleton* tubes_;
     int levels_;
-    std::vector<std::uint32_t> first_side_;  ///< per tube: its first cage quad that is a side
+    std::span<const std::array<float, 2>> side_;  ///< per tube, or none
+    std::vector<std::uint32_t> first_side_;       ///< per tube: its first cage quad that is a side
+    std::vector<std::uint8_t> has_fork_;          ///< per node: whether it is a branch node
     std::uint32_t sides_ = 0;
 };
 

@@ -64,17 +64,18 @@ void TubePoints::load(const TubeFaces& faces) {
         sides_.pad();
     }
     for (int end = 0; end < 2; ++end) {
-        const CageRun& run = faces.cap[end];
-        auto& caps = caps_[end];
-        cap_count_[end] = run.count;
-        if (caps.size() < run.count) caps.resize(run.count);
+        const CageRun& run = faces.beyond(end);
+        auto& patches = beyond_[end];
+        count_[end] = run.count;
+        if (patches.size() < run.count) patches.resize(run.count);
         for (std::uint32_t f = 0; f < run.count; ++f) {
-            caps[f].resize(n, n);
-            load_patch(caps[f], run.first + f, 0);
+            RowPoints& patch = patches[f];
+            patch.resize(n, n);
+            load_patch(patch, run.first + f, 0);
             const Quad* quad = mesh_->quads.data() + (std::size_t{run.first + f} << (2 * slices_->levels()));
-            for (std::size_t j = 0; j < n; ++j) caps[f].set(j, n, mesh_->positions[quad[j * n + n - 1][1]]);
-            caps[f].set(n, n, mesh_->positions[quad[n * n - 1][2]]);
-            caps[f].pad();
+            for (std::size_t j = 0; j < n; ++j) patch.set(j, n, mesh_->positions[quad[j * n + n - 1][1]]);
+            patch.set(n, n, mesh_->positions[quad[n * n - 1][2]]);
+            patch.pad();
         }
     }
 }
@@ -89,8 +90,8 @@ void TubePoints::reach(const Directions& directions, std::vector<Reach>& out) co
     }
     for (int end = 0; end < 2; ++end) {
         Reach& outermost = end == 0 ? out.front() : out.back();
-        for (std::size_t f = 0; f < cap_count_[end]; ++f)
-            extend_reach(caps_[end][f], {0, caps_[end][f].size()}, directions, outermost);
+        for (std::size_t f = 0; f < count_[end]; ++f)
+            extend_reach(beyond_[end][f], {0, beyond_[end][f].size()}, directions, outermost);
     }
 }
 
@@ -106,10 +107,11 @@ void TubePoints::collect(std::uint32_t row, const Directions& directions, const 
     }
     for (int end = 0; end < 2; ++end) {
         if (row != (end == 0 ? 0 : n - 1)) continue;
-        for (std::size_t f = 0; f < cap_count_[end]; ++f) {
+        for (std::size_t f = 0; f < count_[end]; ++f) {
             for (std::size_t j = 0; j < n; ++j) {
-                visit_meeting(caps_[end][f], j, directions, other, margin,
-                              [&](std::size_t i) { out.push_back(number(faces_.cap[end].first + f, j, i)); });
+                visit_meeting(beyond_[end][f], j, directions, other, margin, [&](std::size_t i) {
+                    out.push_back(number(faces_.beyond(end).first + f, j, i));
+                });
             }
         }
     }
@@ -123,10 +125,11 @@ Vec3d TubePoints::ring_center(std::size_t row) const {
     return sum / static_cast<double>(sides_.columns);
 }
 
-bool TubePoints::cap_is_clear(int end, Vec3d c, double margin) const {
+bool TubePoints::is_clear_beyond(int end, Vec3d c, double size) const {
+    const double margin = kRounding * size * size * size;
     turns_.resize(rows());
-    for (std::size_t f = 0; f < cap_count_[end]; ++f) {
-        mark_rows_that_turn(caps_[end][f], c, margin, turns_.data());
+    for (std::size_t f = 0; f < count_[end]; ++f) {
+        mark_rows_that_turn(beyond_[end][f], c, margin, turns_.data());
         if (std::any_of(turns_.begin(), turns_.end(), [](std::int32_t t) { return t != 0; })) return false;
     }
     return true;
@@ -139,8 +142,8 @@ void TubePoints::visit_rest(int end, std::uint32_t row, const Visit& visit) cons
             visit(Vec3d{points.x[k], points.y[k], points.z[k]});
     };
     look(sides_, end == 0 ? row * sides_.stride() : 0, (rows() + 1 - row) * sides_.stride());
-    for (std::size_t f = 0; f < cap_count_[1 - end]; ++f)
-        look(caps_[1 - end][f], 0, caps_[1 - end][f].size());
+    for (std::size_t f = 0; f < count_[1 - end]; ++f)
+        look(beyond_[1 - end][f], 0, beyond_[1 - end][f].size());
 }
 
 // Whether all slices from number `clear` on lie in the opening of the ring they begin with.
@@ -165,7 +168,7 @@ Bounds TubePoints::bounds(Vec3d a, Vec3d d, double length) const {
     Bounds out;
     if (has_sides_) extend_bounds(sides_, a, d, length, out);
     for (int end = 0; end < 2; ++end) {
-        for (std::size_t f = 0; f < cap_count_[end]; ++f) extend_bounds(caps_[end][f], a, d, length, out);
+        for (std::size_t f = 0; f < count_[end]; ++f) extend_bounds(beyond_[end][f], a, d, length, out);
     }
     return out;
 }
@@ -190,7 +193,9 @@ View TubePoints::view(int end, Vec3d c, Vec3d d, double size) const {
     std::uint32_t clear = 0;
     while (clear < n && turns_[end == 0 ? clear : n - 1 - clear] == 0) ++clear;
     if (clear == n && is_closed(1 - end)) {
-        if (cap_is_clear(1 - end, c, margin)) return {.clear = n, .is_apart = true};
+        if (is_clear_beyond(1 - end, c, size)) return {.clear = n, .is_apart = true};
+        --clear;
+    } else if (clear == n && has_fork(1 - end)) {
         --clear;
     }
     View best;
@@ -217,11 +222,10 @@ std::array<std::uint32_t, 2> TubePoints::clear_about(std::uint32_t row, Vec3d c,
 }
 
 bool TubePoints::is_star(Vec3d c, double size) const {
-    const double margin = kRounding * size * size * size;
-    if (!cap_is_clear(0, c, margin) || !cap_is_clear(1, c, margin)) return false;
+    if (!is_clear_beyond(0, c, size) || !is_clear_beyond(1, c, size)) return false;
     if (!has_sides_) return true;
     turns_.resize(rows());
-    mark_rows_that_turn(sides_, c, margin, turns_.data());
+    mark_rows_that_turn(sides_, c, kRounding * size * size * size, turns_.data());
     return is_closed(0) && is_closed(1) &&
            std::all_of(turns_.begin(), turns_.end(), [](std::int32_t t) { return t == 0; });
 }

@@ -38,9 +38,11 @@ class TubePoints {
     const RowPoints& sides() const { return sides_; }           ///< one row per slice
     std::uint32_t rows() const { return slices_->per_tube(); }  ///< slices
     /// Whether quads close the tube at its beginning (0) or its end (1).
-    bool is_closed(int end) const { return cap_count_[end] > 0; }
+    bool is_closed(int end) const { return faces_.cap[end].count > 0; }
+    /// Whether quads between the tubes at a branch node there are among its own.
+    bool has_fork(int end) const { return faces_.fork[end].count > 0; }
 
-    /// How far the slices reach, caps with the outermost: one entry per slice.
+    /// How far the slices reach, with what lies beyond the outermost: one entry per slice.
     void reach(const Directions& directions, std::vector<Reach>& out) const;
 
     /// Adds those refined quads of a slice that reach into what something else reaches; touching counts, and
@@ -58,6 +60,8 @@ class TubePoints {
     /// within it, without caps, and end in rings that run around once; none when these are not on both sides
     /// of it.
     std::array<std::uint32_t, 2> clear_about(std::uint32_t row, Vec3d c, double size) const;
+    /// Whether what lies beyond an end faces away from c.
+    bool is_clear_beyond(int end, Vec3d c, double size) const;
     /// Whether a tube closed at both ends faces away from c everywhere.
     bool is_star(Vec3d c, double size) const;
 
@@ -66,6 +70,10 @@ class TubePoints {
     /// the cage quad among the sides and -1 where that is not certain.
     template <class Visit>
     void visit_turns(int end, Vec3d c, double size, const Visit& visit) const;
+    /// The same of the quads between the tubes at a branch node, by corner: `visit(cage_quad, corner,
+    /// turns)`.
+    template <class Visit>
+    void visit_fork_turns(int end, Vec3d c, double size, const Visit& visit) const;
 
     /// The mean of the ring with which slice `row` begins.
     Vec3d ring_center(std::size_t row) const;
@@ -74,7 +82,6 @@ class TubePoints {
     // The points of slices from number `row` on, counted from an end, and of what closes them.
     template <class Visit>
     void visit_rest(int end, std::uint32_t row, const Visit& visit) const;
-    bool cap_is_clear(int end, Vec3d c, double margin) const;
     // Of a ring seen from a point: whether its directions are star-shaped about its centre, the direction of
     // that, and the square of the tangent of the greatest angle from there that the ring encloses all around.
     struct Opening {
@@ -92,14 +99,54 @@ class TubePoints {
     TubeFaces faces_;
     bool has_sides_ = false;
     RowPoints sides_;
-    std::array<std::vector<RowPoints>, 2> caps_;
-    std::array<std::size_t, 2> cap_count_{};
+    std::array<std::vector<RowPoints>, 2> beyond_;  // by end: a patch for each cage quad beyond it
+    std::array<std::size_t, 2> count_{};            // of these
     mutable std::vector<std::int32_t> turns_;
 };
 
+/// On which side of a plane through x and c, the same for all that ask, edges of x lie: their ends'
+/// distances, and whether those are certain.
+template <std::size_t N>
+struct Sides {
+    std::array<double, N> at;
+    bool is_certain;
+
+    Sides(Vec3d x, Vec3d c, double size, const std::array<Vec3d, N>& ends) : at(), is_certain(true) {
+        constexpr Vec3d kAside{0.3713906763541037, 0.5570860145311556, 0.7427813527082074};
+        const Vec3d plane = cross(x - c, kAside);
+        for (std::size_t i = 0; i < N; ++i) {
+            at[i] = dot(ends[i] - x, plane);
+            is_certain &= std::fabs(at[i]) > kTurnRounding * size * size;
+        }
+    }
+    /// Whether the way from one edge to the next passes it forward.
+    int passes(std::size_t from) const { return at[from] < 0 && at[from + 1] >= 0 ? 1 : 0; }
+};
+
+template <class Visit>
+void TubePoints::visit_fork_turns(int end, Vec3d c, double size, const Visit& visit) const {
+    const std::size_t n = rows();
+    constexpr std::array<std::array<int, 2>, 4> kCorner{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};  // row and column
+    for (std::size_t f = 0; has_fork(end) && f < count_[end]; ++f) {
+        const RowPoints& patch = beyond_[end][f];
+        const auto at = [&](std::size_t j, std::size_t i) {
+            const std::size_t k = j * patch.stride() + i;
+            return Vec3d{patch.x[k], patch.y[k], patch.z[k]};
+        };
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::size_t j = kCorner[k][0] == 0 ? 0 : n, i = kCorner[k][1] == 0 ? 0 : n;
+            const std::size_t inner_j = j == 0 ? 1 : n - 1, inner_i = i == 0 ? 1 : n - 1;
+            const Vec3d across = at(j, inner_i), along = at(inner_j, i);
+            // From the edge to the next corner to that to the one before.
+            const bool is_even = k % 2 == 0;
+            const Sides<2> sides(at(j, i), c, size, {is_even ? across : along, is_even ? along : across});
+            visit(faces_.fork[end].first + f, k, sides.is_certain ? sides.passes(0) : -1);
+        }
+    }
+}
+
 template <class Visit>
 void TubePoints::visit_turns(int end, Vec3d c, double size, const Visit& visit) const {
-    constexpr Vec3d kAside{0.3713906763541037, 0.5570860145311556, 0.7427813527082074};
     const std::size_t n = rows(), around = sides_.columns;
     const std::size_t row = end == 0 ? 0 : n, inner = end == 0 ? 1 : n - 1;
     const auto at = [&](std::size_t j, std::size_t k) {
@@ -107,15 +154,10 @@ void TubePoints::visit_turns(int end, Vec3d c, double size, const Visit& visit) 
         return Vec3d{sides_.x[i], sides_.y[i], sides_.z[i]};
     };
     for (std::size_t k = 0; k < around; k += n) {
-        const Vec3d x = at(row, k), plane = cross(x - c, kAside);
         const Vec3d after = at(row, k + 1), before = at(row, k == 0 ? around - 1 : k - 1);
-        const std::array<double, 3> side{dot((end == 0 ? after : before) - x, plane),
-                                         dot(at(inner, k) - x, plane),
-                                         dot((end == 0 ? before : after) - x, plane)};
-        const bool certain = std::all_of(
-            side.begin(), side.end(), [&](double s) { return std::fabs(s) > kTurnRounding * size * size; });
-        const int turns = (side[0] < 0 && side[1] >= 0 ? 1 : 0) + (side[1] < 0 && side[2] >= 0 ? 1 : 0);
-        visit(k / n, certain ? turns : -1);
+        const Sides<3> sides(at(row, k), c, size,
+                             {end == 0 ? after : before, at(inner, k), end == 0 ? before : after});
+        visit(k / n, sides.is_certain ? sides.passes(0) + sides.passes(1) : -1);
     }
 }
 

@@ -19,15 +19,26 @@ void extend(CageRun& run, std::uint32_t face) {
 
 }  // namespace
 
-std::vector<TubeFaces> faces_of_tubes(const ControlMesh& cage, std::uint32_t tube_count) {
-    std::vector<TubeFaces> out(tube_count);
-    for (std::uint32_t f = 0; f < cage.region.size(); ++f) {
-        TubeFaces& tube = out[cage.region[f]];
-        extend(cage.part[f] == TubePart::side    ? tube.side
-               : cage.part[f] == TubePart::start ? tube.cap[0]
-                                                 : tube.cap[1],
-               f);
-    }
+std::vector<TubeFaces> faces_of_tubes(const Slices& slices) {
+    const ControlMesh& cage = slices.cage();
+    std::vector<TubeFaces> out(slices.tubes().size());
+    const auto run = [&](TubePart part, NodeId region) -> CageRun& {
+        TubeFaces& tube = out[region.index()];
+        switch (part) {
+            case TubePart::side:
+                return tube.side;
+            case TubePart::start:
+                return tube.cap[0];
+            case TubePart::end:
+                return tube.cap[1];
+            case TubePart::fork:
+                break;
+        }
+        const NodeId owner = slices.fork_tube(region);
+        return out[owner.index()].fork[owner == region ? 1 : 0];
+    };
+    for (std::uint32_t f = 0; f < cage.region.size(); ++f)
+        extend(run(cage.part[f], NodeId(cage.region[f])), f);
     return out;
 }
 
@@ -41,7 +52,7 @@ std::vector<std::uint32_t> quads_near(const TubeQuads& tubes, const BoxTree& tre
         for (std::size_t t = range.begin; t < range.end; ++t) {
             if (tubes.boxes[t].empty() || !tree.meets(tubes.boxes[t])) continue;
             const TubeFaces& faces = tubes.faces[t];
-            for (const CageRun& run : {faces.cap[0], faces.side, faces.cap[1]}) {
+            for (const CageRun& run : {faces.beyond(0), faces.side, faces.beyond(1)}) {
                 const std::uint32_t end = (run.first + run.count) << shift;
                 for (std::uint32_t q = run.first << shift; q < end; ++q) {
                     if (tree.meets(mesh.box(q))) own.push_back(q);

@@ -23,10 +23,15 @@ struct CageRun {
 struct TubeFaces {
     CageRun side;                ///< around it
     std::array<CageRun, 2> cap;  ///< that close its beginning and its end
+    std::array<CageRun, 2>
+        fork;  ///< at branch nodes where it begins and ends, as far as they count as its own
+
+    /// At an end: no tube has both.
+    const CageRun& beyond(int end) const { return cap[end].count > 0 ? cap[end] : fork[end]; }
 };
 
 /// The cage quads of all tubes. O(cage).
-std::vector<TubeFaces> faces_of_tubes(const ControlMesh& cage, std::uint32_t tube_count);
+std::vector<TubeFaces> faces_of_tubes(const Slices& slices);
 
 /// A surface of refined quads, tube by tube.
 struct TubeQuads {

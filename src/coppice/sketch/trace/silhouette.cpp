@@ -76,18 +76,15 @@ bool is_corner(const Mask& mask, int x, int y) {
     return count >= 2 && runs == 1;
 }
 
-}  // namespace
-
-std::vector<float> distance_to_outside(const Mask& mask) {
+/// [pixels] from the middle of every pixel to the nearest one that is inside, or outside.
+std::vector<float> distances(const Mask& mask, bool to_inside) {
     // A frame of pixels outside, so that what touches the picture's edge ends there.
     const int width = mask.width + 2, height = mask.height + 2;
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
     constexpr double kFar = 1e12;
-    std::vector<double> squared(columns * rows, 0);
-    for (int y = 0; y < mask.height; ++y)
-        for (int x = 0; x < mask.width; ++x)
-            if (mask.at(x, y))
-                squared[static_cast<std::size_t>(y + 1) * columns + static_cast<std::size_t>(x + 1)] = kFar;
+    std::vector<double> squared;
+    for (int y = -1; y <= mask.height; ++y)
+        for (int x = -1; x <= mask.width; ++x) squared.push_back(mask.at(x, y) == to_inside ? 0 : kFar);
     Envelope envelope;
     std::vector<double> line;
     for (std::size_t x = 0; x < columns; ++x) {
@@ -107,6 +104,12 @@ std::vector<float> distance_to_outside(const Mask& mask) {
     }
     return out;
 }
+
+}  // namespace
+
+std::vector<float> distance_to_outside(const Mask& mask) { return distances(mask, false); }
+
+std::vector<float> distance_to_inside(const Mask& mask) { return distances(mask, true); }
 
 Mask thinned(Mask mask, const Context& ctx) {
     std::vector<std::array<int, 2>> left;

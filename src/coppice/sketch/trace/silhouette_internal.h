@@ -14,6 +14,9 @@ namespace coppice::sketch_internal {
 
 /// [pixels] per pixel, how far its middle is from the nearest one outside. Exact. O(pixels).
 std::vector<float> distance_to_outside(const Mask& mask);
+/// [pixels] per pixel, how far its middle is from the nearest one inside; very far where there is none.
+/// Exact. O(pixels).
+std::vector<float> distance_to_inside(const Mask& mask);
 
 /// The mask thinned to lines of one pixel, about in its middle, that are joined as it is (Zhang and Suen).
 /// O(pixels of the mask times half its width).

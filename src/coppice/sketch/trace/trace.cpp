@@ -5,8 +5,11 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
+#include "coppice/skeleton/resample.h"
 #include "coppice/sketch/branch_internal.h"
+#include "coppice/sketch/draw.h"
 #include "coppice/sketch/match_internal.h"
+#include "coppice/sketch/trace/hull_internal.h"
 #include "coppice/sketch/trace/silhouette_internal.h"
 
 namespace coppice {
@@ -99,7 +102,7 @@ class Tracer {
             if (!seen.pieces[p].is_tip) continue;
             seen.tips.push_back(p);
             const Stroke way = stroke_along(seen.pieces, seen.chain_to(p), seen.mask, seen.distance);
-            seen.ways.push_back(line_of(sketch_.views[v], way, 1, false));
+            seen.ways.push_back(line_of(sketch_.views[v], way, {}, 1, false));
         }
         seen.taken.assign(seen.tips.size(), 0);
     }
@@ -197,8 +200,8 @@ class Tracer {
         }
         Sketch one{.views = sketch_.views, .branches = {branch}};
         BranchFit fit;
-        Axis axis = make_axis(one, views_, 0, parent ? &axes_[*parent] : nullptr,
-                              {.noise = 1, .max_error = static_cast<float>(kMostError)}, fit, ctx_);
+        const SketchOptions options{.noise = 1, .max_error = static_cast<float>(kMostError)};
+        Axis axis = make_axis({one, views_, options, {}}, 0, parent ? &axes_[*parent] : nullptr, fit, ctx_);
         if (axis.positions.empty()) return;
         for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
             seen_[v].taken[pair.tips[v]] = 1;
@@ -221,6 +224,32 @@ class Tracer {
 
 }  // namespace
 
+namespace {
+
+constexpr float kTracedTolerance = 0.1f;  // [radius] by which nodes left out may move the surface
+constexpr float kTracedSpacing = 16;      // [pixels] between points of a stroke
+
+/// Three silhouettes and more leave little of space but the tree.
+TraceResult trace_hull(const std::vector<SketchView>& views, std::span<const Mask> silhouettes,
+                       const Context& ctx) {
+    std::vector<SilhouetteField> fields;
+    for (const Mask& mask : silhouettes) fields.emplace_back(mask);
+    const Hull hull = hull_of(views, fields, ctx);
+    const std::vector<HullPiece> pieces = pieces_of(hull, ctx);
+    const std::vector<RawNode> nodes =
+        nodes_of(hull, explaining(hull, pieces, views, fields, silhouettes, ctx));
+    if (nodes.size() < 2)
+        throw InvalidInput("trace: the silhouettes have nothing in common; are these the right cameras?");
+    const Skeleton skeleton =
+        resample(repair(nodes, "trace").skeleton,
+                 {.tolerance = kTracedTolerance, .min_spacing = 0, .max_length = 1e6f, .bend_angle = 3.15f})
+            .skeleton;
+    const auto tips = std::ranges::count_if(pieces, &HullPiece::is_tip);
+    return {draw_sketch(skeleton, views, {.spacing = kTracedSpacing}), {static_cast<std::uint32_t>(tips)}};
+}
+
+}  // namespace
+
 Stroke extent_of(const Mask& silhouette, const std::string& where) {
     const Mask mask = largest_part(silhouette);
     Stroke out;
@@ -239,9 +268,9 @@ Stroke extent_of(const Mask& silhouette, const std::string& where) {
 
 TraceResult trace(const std::vector<SketchView>& views, std::span<const Mask> silhouettes,
                   const Context& ctx) {
-    if (views.size() != 2 || silhouettes.size() != 2)
-        throw InvalidInput("trace: two views with a silhouette each are needed");
-    for (std::size_t v = 0; v < 2; ++v) {
+    if (views.size() < 2 || silhouettes.size() != views.size())
+        throw InvalidInput("trace: two views or more with a silhouette each are needed");
+    for (std::size_t v = 0; v < views.size(); ++v) {
         validate(views[v], "trace: " + views[v].name);
         const Mask& mask = silhouettes[v];
         if (views[v].width > 0 && (views[v].width != mask.width || views[v].height != mask.height)) {
@@ -251,6 +280,7 @@ TraceResult trace(const std::vector<SketchView>& views, std::span<const Mask> si
                                std::to_string(views[v].height));
         }
     }
+    if (views.size() > 2) return trace_hull(views, silhouettes, ctx);
     return Tracer(views, silhouettes, ctx).run();
 }
 

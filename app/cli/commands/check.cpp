@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/io/points/writer.h"
+#include "coppice/measure/cloud_distance.h"
+#include "coppice/measure/surface_report.h"
+#include "coppice/render/colors.h"
+#include "figures.h"
+#include "files.h"
+#include "messages.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr const char* kCloudGroup = "Measuring points";
+
+struct CheckFlags {
+    std::filesystem::path mesh, skeleton, cloud, distances;
+    bool json = false;
+    CheckOptions check;
+    CloudDistanceOptions cloud_options;
+    ReadSkeletonOptions read;
+};
+
+std::string torn_off(const TreePartsReport& parts, const CheckFlags& flags) {
+    return fmt::format(
+        "'{}' is in {} parts, {} too many for the trees of '{}' ({}); the largest is torn off at node {}",
+        flags.mesh.string(), grouped(parts.parts), grouped(parts.loose), flags.skeleton.string(),
+        grouped(parts.trees), parts.largest.front().node.index());
+}
+
+std::string name_of(const CrossingPlace& place) {
+    if (!place.node)
+        return fmt::format("({:.6g}, {:.6g}, {:.6g})", place.place.x, place.place.y, place.place.z);
+    if (place.node == place.other_node) return fmt::format("node {}", place.node.index());
+    return fmt::format("nodes {} and {}", place.node.index(), place.other_node.index());
+}
+
+std::string crosses_itself(const SurfaceReport& report, const CheckFlags& flags) {
+    constexpr std::size_t kMostListed = 3;
+    const CrossingPlaces& places = *report.crossing_places;
+    std::string text =
+        fmt::format("'{}' crosses itself at {} place{}{}", flags.mesh.string(), grouped(places.total),
+                    places.total == 1 ? "" : "s", report.intersections->complete ? "" : " or more");
+    const std::size_t listed = std::min(kMostListed, places.largest.size());
+    for (std::size_t k = 0; k < listed; ++k) {
+        const CrossingPlace& place = places.largest[k];
+        text += fmt::format("{} {} ({}{})", k == 0 ? ":" : ",", name_of(place), grouped(place.pairs),
+                            k > 0              ? ""
+                            : place.pairs == 1 ? " pair of faces"
+                                               : " pairs of faces");
+    }
+    if (listed > 0 && listed < places.total)
+        text += fmt::format(", and {} more", grouped(places.total - listed));
+    return text;
+}
+
+/// Without points these would do nothing.
+void check_cloud_options(const GivenOptions& given, const CheckFlags& flags) {
+    for (const Option* option : given) {
+        if (flags.cloud.empty() && option->group == kCloudGroup)
+            throw UsageError(
+                fmt::format("{} needs points to measure: coppice check MESH --cloud POINTS", option->name));
+    }
+}
+
+void check_distances_output(const std::filesystem::path& path) {
+    if (path.empty()) return;
+    if (path.extension() != ".ply" && path.extension() != ".PLY")
+        throw UsageError(
+            fmt::format("'{}' is no name of points with distances; use the ending .ply", path.string()));
+    check_output_folder(path);
+}
+
+/// Measures the cloud, and writes it with what was found where that is asked for.
+CloudDistanceReport measure_cloud(Run& run, const PolygonMesh& mesh, PointSet cloud, const Skeleton* skeleton,
+                                  const CheckFlags& flags) {
+    CloudDistances found = run.stage("distances", [&](const Context& ctx) {
+        return cloud_distances(mesh, cloud, skeleton, flags.cloud_options, ctx);
+    });
+    if (!flags.distances.empty()) {
+        run.stage("write", [&](const Context& ctx) {
+            const float range = usual_range(found.of_points);
+            PaintedPoints painted{std::move(cloud), {}, distance_colors(found.of_points, range)};
+            painted.distances = std::move(found.of_points);
+            const std::string note =
+                fmt::format("distance in metres: blue inside, red outside, full at {:.4g}", range);
+            write_painted_points(flags.distances, painted, note, ctx);
+            run.counts()["full_color_m"] = range;
+        });
+    }
+    return found.report;
+}
+
+ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
+    if (flags.mesh.empty())
+        throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON] [--cloud POINTS]");
+    check_cloud_options(given, flags);
+    check_distances_output(flags.distances);
+    const PolygonMesh mesh = load_mesh(run, flags.mesh);
+    std::optional<SkeletonFile> skeleton;
+    if (!flags.skeleton.empty()) skeleton = load_skeleton(run, flags.skeleton, flags.read);
+    std::optional<PointSet> cloud;
+    if (!flags.cloud.empty()) cloud = load_points(run, flags.cloud);
+    const Skeleton* nodes = skeleton ? &skeleton->skeleton : nullptr;
+    const SurfaceReport report =
+        run.stage("check", [&](const Context& ctx) { return check_surface(mesh, nodes, flags.check, ctx); });
+    Figures figures = figures_of(report);
+    if (cloud) figures.append(figures_of(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
+    fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));
+    run.counts()["figures"] = figures;
+    run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
+                           report.sound() ? "sound" : "not sound"));
+    if (report.crossing_places && report.crossing_places->total > 0) say(crosses_itself(report, flags));
+    if (!report.covers_skeleton()) {
+        say(fmt::format(
+            "{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
+            grouped(report.coverage->missing), grouped(report.coverage->judged), flags.skeleton.string(),
+            flags.mesh.string()));
+    } else if (!report.is_whole()) {
+        say(torn_off(*report.parts, flags));
+    } else if (!report.holds_volume()) {
+        say(fmt::format("{:.3g} % of the volume of '{}' is missing in '{}', most of it at node {}",
+                        report.volume->missing_percent(), flags.skeleton.string(), flags.mesh.string(),
+                        report.volume->lumps.front().node.index()));
+    }
+    const bool good =
+        report.sound() && report.covers_skeleton() && report.is_whole() && report.holds_volume();
+    return good ? kDone : kCheckFailed;
+}
+
+}  // namespace
+
+Command check_command() {
+    const auto flags = std::make_shared<CheckFlags>();
+    OptionList options;
+    options.file("mesh", "MESH", flags->mesh, "mesh to judge (.obj, .ply, .off, .stl, .glb)");
+    options.file("-s,--skeleton", "FILE", flags->skeleton, "skeleton to hold its radii against");
+    options.file("--cloud", "POINTS", flags->cloud,
+                 "points to measure from the mesh, and the mesh from them (.ply, .las, .laz, .xyz, .pcd)");
+    options.flag("--json", flags->json, "print JSON instead of a table");
+    options.fields(flags->check, "Checks");
+    options.file("--distances", "PLY", flags->distances,
+                 "also write the points with their distances and colours for them", kCloudGroup);
+    options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
+    options.fields(flags->read, "Reading the skeleton");
+    return {"check",
+            "Judge a mesh: watertight, manifold, self-intersections, shape, radii; exit code 1 when it is "
+            "not sound",
+            options, [flags](Run& run, const GivenOptions& given) { return check(run, given, *flags); }};
+}
+
+}  // namespace coppice::cli

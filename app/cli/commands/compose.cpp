@@ -1,0 +1,217 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "command.h"
+#include "coppice/base/parallel.h"
+#include "coppice/compose/compose.h"
+#include "coppice/io/library/tree_library.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/measure.h"
+#include "files.h"
+#include "options.h"
+#include "pictures.h"
+#include "scene_files.h"
+#include "surfaces.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr std::size_t kBatch = 64;  // trees held at once
+
+struct ComposeFlags {
+    std::filesystem::path host, library, output, mesh_output, sheet, crown;
+    int seed = 1, count = 1, picture_size = 256;
+    ComposeOptions compose;
+    LibraryFilter which;
+    ReadSkeletonOptions read;
+    WriteSkeletonOptions write;
+    MeshOptions mesh;
+};
+
+void check_flags(const ComposeFlags& flags) {
+    if (flags.host.empty() || flags.library.empty() || flags.output.empty())
+        throw UsageError(
+            "name template, library and output: coppice compose TEMPLATE --library LIBRARY -o SKELETON");
+    flags.write.format == SkeletonFormat::automatic ? check_skeleton_output(flags.output)
+                                                    : check_output_folder(flags.output);
+    if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
+    if (flags.sheet.empty()) return;
+    if (!is_picture_name(flags.sheet))
+        throw UsageError(
+            fmt::format("'{}' is no name of a picture; use the ending .png", flags.sheet.string()));
+    check_output_folder(flags.sheet);
+}
+
+/// tree.swc of the only one; else tree_001.swc and so on.
+std::filesystem::path numbered(const std::filesystem::path& path, std::size_t i, int count) {
+    if (count == 1) return path;
+    const std::size_t digits = std::max<std::size_t>(3, std::to_string(count).size());
+    return path.parent_path() /
+           fmt::format("{}_{:0{}}{}", path.stem().string(), i + 1, digits, path.extension().string());
+}
+
+/// The solid that the crown may fill, in the coordinates of the template.
+std::optional<SolidField> crown_of(Run& run, const ComposeFlags& flags, Vec3d origin) {
+    if (flags.crown.empty()) return {};
+    const Solid solid = solid_of_scene(run, flags.crown.string());
+    return SolidField(origin == Vec3d{} ? solid : translated(solid, Vec3(-origin)));
+}
+
+/// How much a measure differs from tree to tree.
+Figures spread(std::vector<double> values) {
+    const auto [least, greatest] = std::ranges::minmax(values);
+    double sum = 0, squares = 0;
+    for (const double v : values) sum += v;
+    const double mean = sum / static_cast<double>(values.size());
+    for (const double v : values) squares += (v - mean) * (v - mean);
+    Figures out;
+    out["mean"] = mean;
+    out["deviation"] = std::sqrt(squares / static_cast<double>(values.size()));
+    out["least"] = least;
+    out["greatest"] = greatest;
+    return out;
+}
+
+/// What is known of all trees.
+struct Totals {
+    ComposeReport report;
+    std::vector<double> length, volume, tips, height, nodes;
+
+    void add(const ComposeResult& made) {
+        const ComposeReport& r = made.report;
+        report.chosen += r.chosen;
+        report.replaced += r.replaced;
+        report.unmatched += r.unmatched;
+        report.crossed += r.crossed;
+        report.outside += r.outside;
+        report.blocked += r.blocked;
+        report.depth = std::max(report.depth, r.depth);
+        const SkeletonMeasures m = measure(made.skeleton);
+        length.push_back(m.length);
+        volume.push_back(m.volume);
+        tips.push_back(m.tips);
+        height.push_back(double{m.bounds.size().z});
+        nodes.push_back(m.nodes);
+    }
+
+    void fill(Figures& counts) const {
+        counts["trees"] = length.size();
+        counts["chosen"] = report.chosen;
+        counts["replaced"] = report.replaced;
+        counts["unmatched"] = report.unmatched;
+        counts["crossed_tries"] = report.crossed;
+        counts["outside_tries"] = report.outside;
+        counts["blocked"] = report.blocked;
+        counts["depth"] = report.depth;
+        Figures variety;
+        variety["length_m"] = spread(length);
+        variety["volume_m3"] = spread(volume);
+        variety["tips"] = spread(tips);
+        variety["height_m"] = spread(height);
+        variety["nodes"] = spread(nodes);
+        counts["variety"] = variety;
+    }
+};
+
+/// Trees first .. first + count - 1, the seed of each one more than that of the one before.
+std::vector<ComposeResult> compose_some(Run& run, const ComposeFlags& flags, const TreeComposer& composer,
+                                        const Skeleton& host, const SolidField* crown, std::size_t first,
+                                        std::size_t count) {
+    return run.stage("compose", [&](const Context& ctx) {
+        std::vector<std::optional<ComposeResult>> made(count);
+        parallel_for(ctx, count, 1, [&](std::size_t i) {
+            const auto seed = static_cast<std::uint64_t>(flags.seed) + first + i;
+            made[i] = composer.compose(host, seed, crown, {.threads = 1, .stop = ctx.stop});
+            write_skeleton(numbered(flags.output, first + i, flags.count), made[i]->skeleton, flags.write);
+        });
+        std::vector<ComposeResult> out;
+        for (auto& m : made) out.push_back(*std::move(m));
+        return out;
+    });
+}
+
+ExitCode compose(Run& run, const ComposeFlags& flags) {
+    check_flags(flags);
+    const SkeletonFile host = load_skeleton(run, flags.host, flags.read);
+    const std::optional<SolidField> crown = crown_of(run, flags, host.skeleton.origin());
+    std::vector<ChildTree> library;
+    for (LibraryEntry& e : run.stage("read library", [&](const Context& ctx) {
+             return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);
+         }))
+        library.push_back(std::move(e.tree));
+    if (library.empty())
+        throw InvalidInput(fmt::format("{}: there are no such trees", flags.library.string()));
+    const TreeComposer composer(std::move(library), flags.compose);
+    Totals totals;
+    std::vector<Skeleton> drawn;
+    std::string surfaces;
+    const auto count = static_cast<std::size_t>(flags.count);
+    for (std::size_t first = 0; first < count; first += kBatch) {
+        const std::vector<ComposeResult> made =
+            compose_some(run, flags, composer, host.skeleton, crown ? &*crown : nullptr, first,
+                         std::min(kBatch, count - first));
+        for (std::size_t i = 0; i < made.size(); ++i) {
+            totals.add(made[i]);
+            if (!flags.sheet.empty()) drawn.push_back(made[i].skeleton);
+            if (flags.mesh_output.empty()) continue;
+            const MeshResult surface = run.stage(
+                "mesh", [&](const Context& ctx) { return mesh_skeleton(made[i].skeleton, flags.mesh, ctx); });
+            const auto name = numbered(flags.mesh_output, first + i, flags.count);
+            run.stage("write mesh", [&](const Context& ctx) { write_surface(name, surface, ctx); });
+            surfaces = fmt::format("; {}: {}", name.string(), count_surface(run, surface));
+        }
+    }
+    if (!flags.sheet.empty()) {
+        std::vector<const Skeleton*> trees;
+        for (const Skeleton& s : drawn) trees.push_back(&s);
+        const std::vector<Image> pictures = draw_each(run, trees, flags.picture_size);
+        run.stage("write", [&](const Context&) { write_sheet(flags.sheet, pictures); });
+    }
+    totals.fill(run.counts());
+    const ComposeReport& r = totals.report;
+    if (r.chosen > 0 && r.replaced == 0)
+        run.warn(
+            "nothing was replaced; look at unmatched and blocked in the report, or try a greater "
+            "--tolerance");
+    run.finish(fmt::format("{}: {} trees, {} of {} branches replaced, {} blocked, {} without a match{}",
+                           numbered(flags.output, count - 1, flags.count).string(), grouped(count),
+                           grouped(r.replaced), grouped(r.chosen), grouped(r.blocked), grouped(r.unmatched),
+                           surfaces));
+    return kDone;
+}
+
+}  // namespace
+
+Command compose_command() {
+    const auto flags = std::make_shared<ComposeFlags>();
+    OptionList options;
+    options.file("template", "TEMPLATE", flags->host, "skeleton whose branches are replaced");
+    options.file("-o,--output", "SKELETON", flags->output,
+                 "skeleton to write; of several, tree.swc becomes tree_001.swc, tree_002.swc, ...");
+    options.file("--library", "LIBRARY", flags->library, "branches to put in, as coppice library keeps them");
+    options.value(
+        {{"seed", "of the first tree; each further one has the next", Unit::none, 0, 2e9}, &flags->seed});
+    options.value({{"count", "number of trees to make", Unit::none, 1, 1e6}, &flags->count});
+    options.file("--crown", "SCENE[:SOLID]", flags->crown,
+                 "no branch that is put in may leave this solid of a scene, as crown.coppice:s; else the one "
+                 "made last");
+    options.file("--sheet", "PNG", flags->sheet, "also draw all trees on one sheet");
+    options.value(
+        {{"picture_size", "width and height of each picture on the sheet in pixels", Unit::none, 16, 4096},
+         &flags->picture_size});
+    options.file("--then-mesh", "MESH", flags->mesh_output,
+                 "also turn every tree into a surface; numbered as -o is");
+    options.fields(flags->compose, "Composing");
+    options.fields(flags->which, "Which trees of the library", library_flag_names());
+    options.fields(flags->read, "Reading the template");
+    options.fields(flags->write, "Writing", {.names = {{"format", "--output-format"}}});
+    options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
+    return {"compose", "Make new trees of a template by replacing branches by those of a library", options,
+            [flags](Run& run, const GivenOptions&) { return compose(run, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "coppice/io/file.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/scene/edit_session.h"
+#include "coppice/scene/reference.h"
+#include "files.h"
+#include "options.h"
+#include "scene_files.h"
+
+namespace coppice::cli {
+namespace {
+
+struct EditFlags {
+    std::filesystem::path tree;
+    std::vector<std::filesystem::path> commands;  // texts, not files
+    std::vector<std::filesystem::path> scenes, scripts, edits, outputs;
+    std::filesystem::path save_edits;
+    bool reference = false;
+    ReadSkeletonOptions read;
+};
+
+void check_outputs(const EditFlags& flags) {
+    for (const auto& output : flags.outputs) {
+        if (kind_to_write(output, FileKind::skeleton) != FileKind::skeleton)
+            throw UsageError(
+                fmt::format("'{}' is no name of a skeleton; use .json, which keeps the ids, .swc, .csv, "
+                            ".ply or .obj",
+                            output.string()));
+        check_output_folder(output);
+    }
+    if (!flags.save_edits.empty()) check_output_folder(flags.save_edits);
+}
+
+/// Makes saved edits again; returns how many did not bind, of which each is warned.
+std::size_t replay(Run& run, EditSession& session, const std::filesystem::path& path) {
+    const EditSession::Replayed replayed = run.stage("edits", [&](const Context& ctx) {
+        return session.replay(read_file(path, kLargestScene), path.string(), ctx);
+    });
+    for (const EditSession::Unbound& edit : replayed.unbound) {
+        run.warn(fmt::format("{}: edit {} of {}, '{}', was left out: {}", path.string(), edit.index + 1,
+                             replayed.edits, edit.command, edit.reason));
+    }
+    return replayed.unbound.size();
+}
+
+void write_results(Run& run, const EditFlags& flags, const EditSession& session) {
+    run.stage("write", [&](const Context& ctx) {
+        const Skeleton edited = session.tree().skeleton();
+        for (const auto& output : flags.outputs) write_skeleton(output, edited, {}, {}, ctx);
+        if (flags.save_edits.empty()) return;
+        AtomicFile file(flags.save_edits);
+        file.write(session.saved());
+        file.commit();
+    });
+}
+
+ExitCode edit(Run& run, const EditFlags& flags) {
+    if (flags.reference) {
+        fmt::print("{}", scene_reference("Editing trees"));
+        run.finish("reference printed");
+        return kDone;
+    }
+    if (flags.tree.empty()) throw UsageError("name the tree: coppice edit TREE 'COMMANDS' -o OUT");
+    check_outputs(flags);
+    const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
+    EditSession session(file.skeleton, {.max_memory = run.max_memory(SceneSettings{}.max_memory)});
+    const auto run_files = [&](const std::vector<std::filesystem::path>& files, const char* stage,
+                               auto&& text) {
+        for (const auto& path : files)
+            fmt::print("{}", run.stage(stage, [&](const Context& ctx) {
+                return text(read_file(path, kLargestScene), path.string(), ctx);
+            }));
+    };
+    run_files(flags.scenes, "scene", [&](const auto&... all) { return session.run_scene(all...); });
+    std::size_t unbound = 0;
+    for (const auto& path : flags.edits) unbound += replay(run, session, path);
+    run_files(flags.scripts, "edit", [&](const auto&... all) { return session.run_text(all...); });
+    for (const auto& commands : flags.commands) {
+        fmt::print("{}", run.stage("edit", [&](const Context& ctx) {
+            return session.run_text(commands.string(), "COMMANDS", ctx);
+        }));
+    }
+    write_results(run, flags, session);
+    run.counts()["edits"] = session.history().size();
+    run.counts()["unbound_edits"] = unbound;
+    run.counts()["nodes_after"] = session.tree().size();
+    run.finish(fmt::format("{}: {} edits, {} nodes", flags.tree.string(), session.history().size(),
+                           grouped(session.tree().size())));
+    return unbound == 0 ? kDone : kCheckFailed;
+}
+
+}  // namespace
+
+Command edit_command() {
+    const auto flags = std::make_shared<EditFlags>();
+    OptionList options;
+    options.file("tree", "TREE", flags->tree, "skeleton to edit");
+    options.files("commands", "COMMANDS", flags->commands,
+                  "edits as text, with semicolons between them: 'bend subtree(12) 30; prune radius=0.002'");
+    options.files("-o,--output", "OUT", flags->outputs,
+                  "skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
+    options.files("--script", "FILE", flags->scripts, "edits from a file, one a line; before COMMANDS");
+    options.files("--scene", "SCENE", flags->scenes, "scene to run first, for the solids that edits name");
+    options.files(
+        "--edits", "FILE", flags->edits,
+        "saved edits to make again first, where they bind; the others are warned of, and the exit code is 1");
+    options.file("--save-edits", "FILE", flags->save_edits,
+                 "write all edits with the places of the nodes they name");
+    options.flag("--reference", flags->reference, "print the reference page of the edits");
+    options.fields(flags->read, "Reading a skeleton");
+    return {"edit", "Edit a tree by commands: cut, bend, graft, draw, thicken branches, with ids that stay",
+            options, [flags](Run& run, const GivenOptions&) { return edit(run, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,259 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <numbers>
+
+#include "command.h"
+#include "coppice/io/library/tree_library.h"
+#include "files.h"
+#include "options.h"
+#include "pictures.h"
+
+namespace coppice::cli {
+namespace {
+
+enum class Action { add, list, tag, remove, draw };
+constexpr std::array<std::string_view, 5> kActions{"add", "list", "tag", "remove", "draw"};
+constexpr const char* kAddGroup = "Adding";
+constexpr const char* kTagGroup = "Tags to give and take";
+constexpr const char* kDrawGroup = "Drawing";
+constexpr const char* kWhichGroup = "Which trees of the library";
+
+struct LibraryFlags {
+    std::filesystem::path action, library, output;
+    std::vector<std::filesystem::path> trees;
+    std::vector<std::string> nodes, set_tags, clear_tags;
+    int picture_size = 256;
+    ChildTreeOptions take;
+    LibraryFilter which;
+    ReadSkeletonOptions read;
+};
+
+Action action_of(const LibraryFlags& flags) {
+    const auto found = std::ranges::find(kActions, flags.action.string());
+    if (flags.library.empty() || found == kActions.end()) {
+        throw UsageError(fmt::format("say what to do, and name the library: coppice library {} LIBRARY",
+                                     fmt::join(kActions, "|")));
+    }
+    return static_cast<Action>(found - kActions.begin());
+}
+
+/// An option that is for something else would do nothing.
+void check_groups(const GivenOptions& given, Action action) {
+    for (const Option* option : given) {
+        const std::string& group = option->group;
+        const bool fits = group == kAddGroup   ? action == Action::add
+                          : group == kTagGroup ? action == Action::tag ||
+                                                     (action == Action::add && option->name == "--set-tag")
+                          : group == kDrawGroup  ? action == Action::draw
+                          : group == kWhichGroup ? action != Action::add
+                                                 : true;
+        if (!fits)
+            throw UsageError(fmt::format("{} does nothing with coppice library {}", option->name,
+                                         kActions[static_cast<std::size_t>(action)]));
+    }
+}
+
+std::vector<NodeId> nodes_of(const LibraryFlags& flags) {
+    std::vector<NodeId> out;
+    for (const std::string& word : flags.nodes) {
+        std::uint32_t n = 0;
+        const char* const end = word.data() + word.size();
+        const auto [at, error] = std::from_chars(word.data(), end, n);
+        if (error != std::errc{} || at != end)
+            throw UsageError(
+                fmt::format("--node takes the number of a node, as in --node 12, and not '{}'", word));
+        out.emplace_back(n);
+    }
+    return out;
+}
+
+ExitCode add(Run& run, const LibraryFlags& flags) {
+    if (flags.trees.empty())
+        throw UsageError("name the trees to take branches of: coppice library add LIBRARY TREE");
+    const std::vector<NodeId> chosen = nodes_of(flags);
+    if (!chosen.empty() && flags.trees.size() > 1) throw UsageError("--node is for one tree alone");
+    check_output_folder(flags.library);
+    // All are read before anything is written.
+    std::vector<std::vector<ChildTree>> trees;
+    for (const auto& path : flags.trees) {
+        const SkeletonFile file = load_skeleton(run, path, flags.read);
+        trees.push_back(run.stage("cut", [&](const Context& ctx) {
+            return chosen.empty() ? child_trees(file.skeleton, flags.take, ctx)
+                                  : child_trees_at(file.skeleton, chosen);
+        }));
+        if (trees.back().empty())
+            run.warn(fmt::format("{}: no branch is like that, so none was taken", path.string()));
+    }
+    std::size_t added = 0;
+    std::uint32_t known = 0;
+    run.stage("write", [&](const Context& ctx) {
+        TreeLibrary library(flags.library, LibraryAccess::create, ctx);
+        for (std::size_t i = 0; i < trees.size(); ++i) {
+            const auto done = library.add(trees[i], flags.trees[i].filename().string(), flags.set_tags);
+            added += done.ids.size();
+            known += done.known;
+        }
+    });
+    run.counts()["added"] = added;
+    run.counts()["known"] = known;
+    run.finish(fmt::format("{}: {} branches added{}", flags.library.string(), grouped(added),
+                           known > 0 ? fmt::format(", {} were there already", grouped(known)) : ""));
+    return kDone;
+}
+
+double degrees(float angle) { return double{angle} * 180 / std::numbers::pi; }
+
+Figures figures_of(const LibraryEntry& e) {
+    Figures out;
+    out["id"] = e.id;
+    out["source"] = e.source;
+    out["node"] = e.tree.source_node;
+    Figure::List tags;
+    for (const std::string& tag : e.tags) tags.emplace_back(tag);
+    out["tags"] = tags;
+    out["leads"] = e.tree.leads;
+    out["length_m"] = e.measures.length;
+    out["volume_m3"] = e.measures.volume;
+    out["extent_m"] = e.measures.extent;
+    out["nodes"] = e.measures.nodes;
+    out["tips"] = e.measures.tips;
+    out["orders"] = e.measures.orders;
+    out["radius_m"] = e.measures.radius;
+    out["host_radius_m"] = e.tree.host_radius;
+    out["inclination_degrees"] = degrees(e.tree.inclination);
+    return out;
+}
+
+ExitCode list(Run& run, const LibraryFlags& flags) {
+    const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
+        return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
+    });
+    fmt::print("{:>6} {:>10} {:>10} {:>9} {:>6} {:>6} {:>8} {:>8} {:>5} {:>5}  {}\n", "id", "length m",
+               "volume l", "extent m", "nodes", "tips", "orders", "radius", "incl", "leads", "source, tags");
+    Figure::List figures;
+    for (const LibraryEntry& e : entries) {
+        const ChildTreeMeasures& m = e.measures;
+        fmt::print("{:>6} {:>10.3f} {:>10.4f} {:>9.3f} {:>6} {:>6} {:>8} {:>8.4f} {:>5.0f} {:>5}  {}{}{}\n",
+                   e.id, m.length, 1000 * m.volume, m.extent, m.nodes, m.tips, m.orders, double{m.radius},
+                   degrees(e.tree.inclination), e.tree.leads ? "yes" : "no", e.source,
+                   e.tags.empty() ? "" : ", ", fmt::join(e.tags, ", "));
+        figures.emplace_back(figures_of(e));
+    }
+    run.counts()["trees"] = entries.size();
+    run.counts()["entries"] = figures;
+    run.finish(fmt::format("{}: {} branches", flags.library.string(), grouped(entries.size())));
+    return kDone;
+}
+
+void check_chosen(const LibraryFlags& flags, std::string_view what) {
+    if (flags.which.empty())
+        throw UsageError(
+            fmt::format("say which trees to {}, as with --id 7, --tag oak or --from oak.swc", what));
+}
+
+ExitCode tag(Run& run, const LibraryFlags& flags) {
+    if (flags.set_tags.empty() && flags.clear_tags.empty())
+        throw UsageError("say which tags: --set-tag oak, --clear-tag elm");
+    check_chosen(flags, "tag");
+    const std::uint32_t changed = run.stage("write", [&](const Context& ctx) {
+        return TreeLibrary(flags.library, LibraryAccess::write, ctx)
+            .tag(flags.which, flags.set_tags, flags.clear_tags);
+    });
+    run.counts()["tagged"] = changed;
+    run.finish(fmt::format("{}: {} branches tagged", flags.library.string(), grouped(changed)));
+    return kDone;
+}
+
+ExitCode remove(Run& run, const LibraryFlags& flags) {
+    check_chosen(flags, "remove");
+    const std::uint32_t removed = run.stage("write", [&](const Context& ctx) {
+        return TreeLibrary(flags.library, LibraryAccess::write, ctx).remove(flags.which);
+    });
+    run.counts()["removed"] = removed;
+    run.finish(fmt::format("{}: {} branches removed", flags.library.string(), grouped(removed)));
+    return kDone;
+}
+
+ExitCode draw(Run& run, const LibraryFlags& flags) {
+    if (flags.output.empty())
+        throw UsageError("name a sheet or a folder: coppice library draw LIBRARY -o SHEET.png");
+    const bool sheet = is_picture_name(flags.output);
+    check_output_folder(flags.output);
+    const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
+        return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);
+    });
+    if (entries.empty())
+        throw InvalidInput(fmt::format("{}: there are no such trees", flags.library.string()));
+    std::vector<const Skeleton*> trees;
+    for (const LibraryEntry& e : entries) trees.push_back(&e.tree.skeleton);
+    const std::vector<Image> pictures = draw_each(run, trees, flags.picture_size);
+    run.stage("write", [&](const Context&) {
+        if (sheet) {
+            write_sheet(flags.output, pictures);
+            return;
+        }
+        std::filesystem::create_directories(flags.output);
+        for (std::size_t i = 0; i < entries.size(); ++i)
+            write_picture(flags.output / fmt::format("{}.png", entries[i].id), pictures[i]);
+    });
+    run.counts()["drawn"] = entries.size();
+    run.finish(fmt::format("{}: {} branches", flags.output.string(), grouped(entries.size())));
+    return kDone;
+}
+
+ExitCode use_library(Run& run, const GivenOptions& given, const LibraryFlags& flags) {
+    const Action action = action_of(flags);
+    check_groups(given, action);
+    if (action != Action::add && !flags.trees.empty())
+        throw UsageError(fmt::format("'{}': only coppice library add takes trees", flags.trees[0].string()));
+    if (action != Action::draw && !flags.output.empty())
+        throw UsageError("-o is for the pictures of coppice library draw");
+    switch (action) {
+        case Action::add:
+            return add(run, flags);
+        case Action::list:
+            return list(run, flags);
+        case Action::tag:
+            return tag(run, flags);
+        case Action::remove:
+            return remove(run, flags);
+        case Action::draw:
+            break;
+    }
+    return draw(run, flags);
+}
+
+}  // namespace
+
+FlagNames library_flag_names() { return {.names = {{"ids", "--id"}, {"tags", "--tag"}}}; }
+
+Command library_command() {
+    const auto flags = std::make_shared<LibraryFlags>();
+    OptionList options;
+    options.file("action", "ACTION", flags->action, "add, list, tag, remove or draw");
+    options.file("library", "LIBRARY", flags->library,
+                 "the library: one file, which 'add' makes where it is missing");
+    options.files("trees", "TREE", flags->trees, "skeletons to take branches of (add)");
+    options.file("-o,--output", "PNG", flags->output,
+                 "a sheet of pictures (.png), or a folder for one of each (draw)");
+    options.value(
+        {{"node", "take the branch that begins at this node, numbered from 0 as in reports; may be repeated"},
+         &flags->nodes},
+        kAddGroup);
+    options.fields(flags->take, kAddGroup, {.names = {{"least_length", "--take-least-length"}}});
+    options.value({{"set_tag", "gives the trees this tag; may be repeated"}, &flags->set_tags}, kTagGroup);
+    options.value({{"clear_tag", "takes this tag from the trees; may be repeated"}, &flags->clear_tags},
+                  kTagGroup);
+    options.value({{"picture_size", "width and height of each picture in pixels", Unit::none, 16, 4096},
+                   &flags->picture_size},
+                  kDrawGroup);
+    options.fields(flags->which, kWhichGroup, library_flag_names());
+    options.fields(flags->read, "Reading a skeleton");
+    return {"library", "Keep branches of trees in a library, to compose new trees of", options,
+            [flags](Run& run, const GivenOptions& given) { return use_library(run, given, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "command.h"
+#include "coppice/io/file.h"
+#include "coppice/io/mesh/solid_writer.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/io/points/reader.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/restore.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+#include "surfaces.h"
+
+namespace coppice::cli {
+namespace {
+
+struct MeshFlags {
+    std::filesystem::path skeleton, cage, volume, constraints, original, offsets;
+    std::vector<std::filesystem::path> outputs;
+    MeshOptions mesh;
+    RestoreOptions restore;
+    ReadSkeletonOptions read;
+};
+
+bool makes_quads(MeshMethod method) {
+    return method != MeshMethod::tetrahedra && method != MeshMethod::cylinders;
+}
+
+void check_volume(const MeshFlags& flags) {
+    if (flags.mesh.method != MeshMethod::tetrahedra) throw UsageError("--volume needs --method tetrahedra");
+    if (flags.mesh.fit != Fit::surface) throw UsageError("--volume needs --fit surface");
+    if (!solid_format_of_name(flags.volume)) {
+        throw UsageError(fmt::format("--volume writes VTU and Gmsh; end the name '{}' in .vtu or .msh",
+                                     flags.volume.string()));
+    }
+    check_output_folder(flags.volume);
+}
+
+void check_flags(const MeshFlags& flags) {
+    if (flags.skeleton.empty() || (flags.outputs.empty() && flags.cage.empty() && flags.volume.empty())) {
+        throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
+    }
+    for (const auto& output : flags.outputs) check_mesh_output(output);
+    if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
+        throw UsageError("--constraints are for global weights; add --weights global");
+    }
+    if (!flags.original.empty() && !makes_quads(flags.mesh.method)) {
+        throw UsageError("--restore needs --method quads");
+    }
+    if (!flags.offsets.empty()) {
+        if (flags.original.empty()) throw UsageError("--offsets are those of --restore MESH; add it");
+        check_output_folder(flags.offsets);
+    }
+    if (!flags.volume.empty()) check_volume(flags);
+    if (flags.cage.empty()) return;
+    if (!makes_quads(flags.mesh.method)) throw UsageError("--cage needs --method quads");
+    check_mesh_output(flags.cage);
+    if (mesh_format_of_name(flags.cage) != MeshFormat::usda) {
+        throw UsageError(fmt::format("--cage writes USDA; end the name '{}' in .usda", flags.cage.string()));
+    }
+}
+
+/// Options that would do nothing.
+void check_given(const GivenOptions& given, const MeshOptions& mesh) {
+    const auto has = [&](std::string_view name) {
+        return std::ranges::any_of(given, [&](const Option* o) { return o->name == name; });
+    };
+    const bool bmesh = mesh.method == MeshMethod::bmesh;
+    if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
+        throw UsageError("--ball-bulge is for metaballs; add --method bmesh");
+    if (has("--blend") && bmesh)
+        throw UsageError("--method bmesh sums all balls; leave --blend out, or take --kernel balls for it");
+}
+
+void report_weights(Figures& counts, const GlobalWeights& weights) {
+    counts["constraints"] = weights.constraints;
+    counts["weights_zero"] = weights.zero;
+    counts["weights_unseen"] = weights.unseen;
+    counts["weights_converged"] = weights.converged;
+    counts["weights_pivots"] = weights.pivots;
+    counts["weights_sweeps"] = weights.sweeps;
+    counts["residual_rms"] = weights.global.rms;
+    counts["residual_max"] = weights.global.greatest;
+    counts["residual_rms_of_local_weights"] = weights.local.rms;
+    counts["residual_max_of_local_weights"] = weights.local.greatest;
+}
+
+/// One number per line, in the order of the vertices.
+void write_offsets(const std::filesystem::path& path, std::span<const float> offsets) {
+    AtomicFile file(path);
+    for (const float offset : offsets) file.write(fmt::format("{}\n", offset));
+    file.commit();
+}
+
+/// Moves the surface back to the original; returns what to say of it.
+std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& original, const Skeleton& skeleton,
+                    QuadMesh& mesh) {
+    const RestoreResult result = run.stage("restore", [&](const Context& ctx) {
+        return restore_offsets(mesh, original, skeleton, flags.restore, ctx);
+    });
+    if (result.report.found == 0) {
+        throw InvalidInput(fmt::format(
+            "no face of '{}' lies within --restore-reach of the surface and looks the same way; is it in "
+            "the skeleton's units and coordinates?",
+            flags.original.string()));
+    }
+    run.counts()["restored"] = figures_of(result.report);
+    if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
+    return fmt::format("; {} restored, {} held back", grouped(result.report.found),
+                       grouped(result.report.pulled_back));
+}
+
+ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
+    check_flags(flags);
+    check_given(given, flags.mesh);
+    const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
+    PointSet constraints;
+    if (!flags.constraints.empty()) constraints = load_points(run, flags.constraints);
+    PolygonMesh original;
+    if (!flags.original.empty()) original = load_mesh(run, flags.original);
+    MeshResult result = run.stage("mesh", [&](const Context& ctx) {
+        return flags.volume.empty() ? mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx)
+                                    : mesh_solid(file.skeleton, constraints, flags.mesh, ctx);
+    });
+    for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
+    std::string restored;
+    if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
+    run.stage("write", [&](const Context& ctx) {
+        for (const auto& output : flags.outputs) write_surface(output, result, ctx);
+        if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
+        if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
+    });
+    if (result.weights) report_weights(run.counts(), *result.weights);
+    const std::string figures = count_surface(run, result);
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}", flags.skeleton.string(),
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, restored));
+    return kDone;
+}
+
+}  // namespace
+
+FlagNames surface_flag_names() {
+    return {.names = {{"project.method", "--project-method"}, {"project.tolerance", "--project-tolerance"}}};
+}
+
+FlagNames then_mesh_flag_names() {
+    FlagNames surface = surface_flag_names();
+    surface.names.insert(
+        surface.names.end(),
+        {{"method", "--mesh-method"}, {"fit", "--mesh-fit"}, {"prepare.tolerance", "--prepare-tolerance"}});
+    return surface;
+}
+
+Command mesh_command() {
+    const auto flags = std::make_shared<MeshFlags>();
+    OptionList options;
+    options.file("skeleton", "SKELETON", flags->skeleton,
+                 "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)");
+    options.files("-o,--output", "MESH", flags->outputs,
+                  "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
+    options.file("--cage", "FILE", flags->cage,
+                 "also write the control cage, for subdivision elsewhere (.usda)");
+    options.file("--volume", "FILE", flags->volume,
+                 "also write the tetrahedra inside, for finite elements (.vtu, .msh)");
+    options.file("--constraints", "POINTS", flags->constraints,
+                 "points of the surface that global weights are fitted to (.xyz, .ply)");
+    options.file("--restore", "MESH", flags->original,
+                 "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)");
+    options.file("--offsets", "FILE", flags->offsets,
+                 "also write how far --restore moved each vertex along its normal, in metres, line by line");
+    options.fields(flags->mesh, "Surface", surface_flag_names());
+    options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
+    options.fields(flags->read, "Reading the skeleton");
+    return {"mesh", "Turn a skeleton with radii into one closed surface of quads or triangles", options,
+            [flags](Run& run, const GivenOptions& given) { return mesh(run, given, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,275 @@
+#include "coppice/render/render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "command.h"
+#include "coppice/base/fields.h"
+#include "coppice/io/file.h"
+#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/measure/radius.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/pipeline/option_fields.h"
+#include "coppice/points/spacing.h"
+#include "coppice/render/picture.h"
+#include "files.h"
+#include "options.h"
+#include "pictures.h"
+
+namespace coppice::cli {
+
+/// What stands out in the picture of a mesh.
+enum class Marked { none, crossings };
+
+}  // namespace coppice::cli
+
+namespace coppice {
+
+template <>
+struct EnumNames<cli::Marked> {
+    static constexpr std::array<std::string_view, 2> names{"none", "crossings"};
+};
+
+}  // namespace coppice
+
+namespace coppice::cli {
+namespace {
+
+struct RenderFlags {
+    std::filesystem::path input, second, output, distance_to, over;
+    std::filesystem::path camera;  ///< SKETCH:VIEW
+    float opacity = 0.7f;          ///< of what is drawn over a photograph
+    Marked mark = Marked::none;
+    float point_size = 0;  ///< [m] width of points; 0 = from their spacing
+    RenderOptions render;
+    ReadSkeletonOptions read;
+};
+
+struct Inputs {
+    std::optional<PolygonMesh> mesh;
+    std::optional<PaintedPoints> cloud;
+    float point_radius = 0;  ///< [m]
+    std::optional<SkeletonFile> skeleton;
+    std::optional<PolygonMesh> other;
+    std::optional<SurfaceTree> surface;  ///< of the other mesh
+};
+
+/// What stands out.
+struct Crossings {
+    std::vector<std::uint32_t> faces;
+    std::vector<RenderMark> places;
+};
+
+/// [m] Half of the distance between points, but as large that they are seen in the picture; or what was asked
+/// for.
+float point_radius(Run& run, const PointSet& points, const RenderFlags& flags) {
+    if (flags.point_size > 0) return flags.point_size / 2;
+    const double spacing =
+        run.stage("points", [&](const Context& ctx) { return median_spacing(points, ctx); });
+    constexpr double kSeen = 1.0 / 400;  // of the diagonal: some two pixels
+    const double least = std::max(kSeen * double{bounds(points).diagonal()}, 1e-6);
+    return static_cast<float>(std::max(spacing, least) / 2);
+}
+
+Inputs load(Run& run, const RenderFlags& flags) {
+    Inputs in;
+    for (const auto& path : {flags.input, flags.second}) {
+        if (path.empty()) continue;
+        const FileKind kind = kind_of_input(path, flags.read.format);
+        const bool is_second = kind == FileKind::skeleton ? in.skeleton.has_value()
+                               : kind == FileKind::points ? in.cloud.has_value()
+                                                          : in.mesh.has_value();
+        if (is_second)
+            throw UsageError("give coppice render two files of different kinds: a mesh, points, a skeleton");
+        if (kind == FileKind::skeleton) {
+            in.skeleton = load_skeleton(run, path, flags.read);
+        } else if (kind == FileKind::points) {
+            in.cloud = load_painted_points(run, path);
+            in.point_radius = point_radius(run, in.cloud->points, flags);
+        } else {
+            in.mesh = load_mesh(run, path);
+            validate(*in.mesh);
+        }
+    }
+    return in;
+}
+
+void check_flags(const RenderFlags& flags) {
+    if (flags.input.empty() || flags.output.empty())
+        throw UsageError("name the files: coppice render IN [IN2] -o PNG");
+    if (!is_picture_name(flags.output)) {
+        throw UsageError(
+            fmt::format("'{}' is no name of a picture; use the ending .png", flags.output.string()));
+    }
+    check_output_folder(flags.output);
+}
+
+/// The mesh that the drawn one is measured from; the surface refers to it.
+void load_other(Run& run, const RenderFlags& flags, Inputs& in) {
+    if (!in.mesh && !in.cloud)
+        throw UsageError(
+            "--distance-to needs a mesh or points to draw: coppice render MESH --distance-to OTHER -o PNG");
+    in.other = load_mesh(run, flags.distance_to);
+    if (in.cloud) in.cloud->distances.clear();  // those that count are from this mesh
+    in.surface = run.stage("index", [&](const Context& ctx) {
+        validate(*in.other);
+        return SurfaceTree(*in.other, ctx);
+    });
+}
+
+Crossings find_crossings(Run& run, const Inputs& in) {
+    constexpr std::uint32_t kMostPairs = 1'000'000;
+    constexpr std::size_t kMostPlaces = 1000;
+    if (!in.mesh)
+        throw UsageError("--mark crossings needs a mesh: coppice render MESH --mark crossings -o PNG");
+    return run.stage("crossings", [&](const Context& ctx) {
+        Crossings out;
+        const FacePairs found = crossing_faces(SurfaceTree(*in.mesh, ctx), kMostPairs, ctx);
+        for (const FacePair& p : found.pairs) out.faces.insert(out.faces.end(), {p.first, p.second});
+        const CrossingPlaces places = crossing_places(found, *in.mesh, nullptr, nullptr, kMostPlaces, ctx);
+        for (const CrossingPlace& p : places.largest) out.places.push_back({p.place, p.radius});
+        run.counts()["crossings"] = found.pairs.size();
+        run.counts()["crossing_places"] = places.total;
+        return out;
+    });
+}
+
+/// The view that --camera SKETCH:VIEW names.
+SketchView load_view(Run& run, const std::string& named) {
+    const std::size_t colon = named.rfind(':');
+    if (colon == std::string::npos || !is_sketch_name(named.substr(0, colon))) {
+        throw UsageError(fmt::format(
+            "'{}' names no camera; write the sketch and its view, as in tree.sketch.json:front", named));
+    }
+    const std::string file = named.substr(0, colon), name = named.substr(colon + 1);
+    const std::vector<SketchView> views = run.stage("read", [&](const Context& ctx) {
+        // What was drawn tells the cameras that nobody measured.
+        const SketchCameras cameras = read_cameras(file, ctx);
+        const bool measured =
+            std::ranges::none_of(cameras.snapshots, [](const auto& s) { return s.has_value(); });
+        return measured ? cameras.views : read_sketch(file, ctx).views;
+    });
+    std::vector<std::string> names;
+    for (const SketchView& view : views) {
+        if (view.name == name) return view;
+        names.push_back(view.name);
+    }
+    throw UsageError(fmt::format("'{}' has no view '{}'; there are {}", file, name, fmt::join(names, ", ")));
+}
+
+/// A picture that a camera took, if any, and what follows from it for the drawing.
+struct Backdrop {
+    std::optional<SketchView> view;
+    std::optional<Image> photograph;
+};
+
+Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& options) {
+    Backdrop out;
+    if (flags.camera.empty()) {
+        if (flags.over.empty()) return out;
+        throw UsageError("--over needs the camera that took the picture: --camera tree.sketch.json:front");
+    }
+    out.view = load_view(run, flags.camera.string());
+    if (out.view->width > 0 && out.view->height > 0) {
+        options.width = out.view->width;
+        options.height = out.view->height;
+    }
+    if (flags.over.empty()) return out;
+    out.photograph = run.stage("read", [&](const Context& ctx) {
+        return decode_picture(read_file(flags.over, kLargestFile, ctx), flags.over.string());
+    });
+    const Image& picture = *out.photograph;
+    if (out.view->width > 0 && (picture.width != out.view->width || picture.height != out.view->height)) {
+        throw InvalidInput(fmt::format(
+            "{}: the picture has {} x {} pixels, but that of the view '{}' {} x {}", flags.over.string(),
+            picture.width, picture.height, out.view->name, out.view->width, out.view->height));
+    }
+    if (options.color == RenderColor::plain) options.color = RenderColor::signal;
+    options.width = picture.width;
+    options.height = picture.height;
+    options.ground = false;
+    options.transparent = true;
+    return out;
+}
+
+ExitCode render_file(Run& run, const RenderFlags& flags) {
+    check_flags(flags);
+    RenderOptions options = flags.render;
+    const Backdrop backdrop = load_backdrop(run, flags, options);
+    Inputs in = load(run, flags);
+    if (!flags.distance_to.empty()) {
+        load_other(run, flags, in);
+        options.color = RenderColor::distance;
+    }
+    if (options.color == RenderColor::distance && flags.distance_to.empty() &&
+        (!in.cloud || in.cloud->distances.empty())) {
+        throw UsageError(
+            "--color distance needs another mesh, or points that have distances: coppice render MESH "
+            "--distance-to OTHER -o PNG");
+    }
+    const bool by_deviation = options.color == RenderColor::deviation;
+    if (by_deviation && !(in.mesh && in.skeleton)) {
+        throw UsageError(
+            "--color deviation needs a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
+    }
+    std::vector<float> deviation;
+    if (by_deviation) {
+        deviation = run.stage("measure", [&](const Context& ctx) {
+            return vertex_deviations(*in.mesh, in.skeleton->skeleton, ctx);
+        });
+    }
+    const Crossings crossings = flags.mark == Marked::crossings ? find_crossings(run, in) : Crossings{};
+    const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
+                            .cloud = in.cloud ? &*in.cloud : nullptr,
+                            .point_radius = in.point_radius,
+                            .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
+                            .deviation = deviation,
+                            .marked_faces = crossings.faces,
+                            .marks = crossings.places,
+                            .distance_to = in.surface ? &*in.surface : nullptr,
+                            .view = backdrop.view ? &*backdrop.view : nullptr};
+    Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
+    if (backdrop.photograph) image = overlay(*backdrop.photograph, image, flags.opacity);
+    run.stage("write", [&](const Context&) { write_picture(flags.output, image); });
+    run.counts()["pixels"] = image.pixels.size();
+    run.finish(fmt::format("{}: {} x {} pixels", flags.output.string(), image.width, image.height));
+    return kDone;
+}
+
+}  // namespace
+
+Command render_command() {
+    const auto flags = std::make_shared<RenderFlags>();
+    OptionList options;
+    options.file("input", "IN", flags->input, "mesh, cloud of points or skeleton");
+    options.file("second", "IN2", flags->second,
+                 "what else is to be seen: points over a mesh, or the skeleton of either");
+    options.file("-o,--output", "PNG", flags->output, "picture to write");
+    options.file(
+        "--distance-to", "MESH", flags->distance_to,
+        "colour the points, or else the mesh, by the distance from this mesh: inside blue, outside red");
+    options.file("--camera", "SKETCH:VIEW", flags->camera,
+                 "the camera of a view of a sketch, as tree.sketch.json:front; else the object is framed");
+    options.file("--over", "PHOTO", flags->over,
+                 "draws in magenta over this picture (.png, .jpg), which the camera took");
+    options.value({{"opacity", "of what is drawn over a picture", Unit::none, 0, 1}, &flags->opacity},
+                  "Picture");
+    options.value(
+        {{"mark", "what stands out: crossings are faces of the mesh that cross, with rings around them"},
+         choice_of(flags->mark)},
+        "Picture");
+    options.value(
+        {{"point_size", "width of the points of a cloud; 0 = their spacing, or what is seen of all of it",
+          Unit::metre, 0, 1e6},
+         &flags->point_size},
+        "Picture");
+    options.fields(flags->render, "Picture");
+    options.fields(flags->read, "Reading a skeleton");
+    return {"render", "Draw a mesh or points, a skeleton, or both with sun and sky light", options,
+            [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "command.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/scene/reference.h"
+#include "coppice/scene/save.h"
+#include "files.h"
+#include "options.h"
+#include "scene_files.h"
+
+namespace coppice::cli {
+namespace {
+
+struct RunFlags {
+    std::vector<std::filesystem::path> scenes, outputs;
+    bool reference = false;
+};
+
+ExitCode run_scenes(Run& run, const RunFlags& flags) {
+    if (flags.reference) {
+        fmt::print("{}", scene_reference());
+        run.finish("reference printed");
+        return kDone;
+    }
+    if (flags.scenes.empty()) throw UsageError("name the scene: coppice run SCENE [-o FILE]");
+    const auto commands = commands_of_files(flags.scenes);
+    for (const auto& output : flags.outputs) {
+        check_output_folder(output);
+        if (commands) check_scene_output(*commands, output);
+    }
+    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory)});
+    for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
+    run.stage("write", [&](const Context& ctx) {
+        std::vector<ObjectPtr> objects;
+        for (const auto& output : flags.outputs)
+            objects.push_back(object_for_file(scene.state(), {}, output));
+        for (std::size_t i = 0; i < objects.size(); ++i) save_object(*objects[i], flags.outputs[i], ctx);
+    });
+    count_objects(run, scene);
+    run.finish(fmt::format("{}: {} objects", flags.scenes.back().string(), scene.state().objects.size()));
+    return kDone;
+}
+
+struct GrowFlags {
+    std::filesystem::path scene;
+    std::vector<std::filesystem::path> outputs;
+};
+
+[[noreturn]] void refuse_without_tree(const std::filesystem::path& scene) {
+    throw InvalidInput(
+        fmt::format("{}: the scene grows no tree; add a line: grow TREE POINTS", scene.string()));
+}
+
+ExitCode grow_scene(Run& run, const GrowFlags& flags) {
+    if (flags.scene.empty() || flags.outputs.empty())
+        throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
+    for (const auto& output : flags.outputs) check_skeleton_output(output);
+    const auto commands = commands_of_files({&flags.scene, 1});
+    const auto grows = [](const SceneCommand* c) { return c->name == "grow"; };
+    if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
+    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory), .outputs = false});
+    run_scene_file(run, scene, flags.scene);
+    const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
+    if (grown == scene.state().objects.end()) refuse_without_tree(flags.scene);
+    run.stage("write", [&](const Context& ctx) {
+        for (const auto& output : flags.outputs) save_object(*grown->second, output, ctx);
+    });
+    const Skeleton& tree = std::get<Skeleton>(grown->second->value);
+    run.counts()["nodes"] = tree.size();
+    run.counts()["trees"] = tree.tree_count();
+    run.finish(fmt::format("{}: {} nodes", flags.scene.string(), grouped(tree.size())));
+    return kDone;
+}
+
+}  // namespace
+
+Command run_command() {
+    const auto flags = std::make_shared<RunFlags>();
+    OptionList options;
+    options.files("scenes", "SCENE", flags->scenes, "scenes to run, one after the other (.coppice)");
+    options.files("-o,--output", "FILE", flags->outputs,
+                  "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
+    options.flag("--reference", flags->reference, "print the reference page of all commands");
+    return {"run", "Run scenes: crowns, points, growth and meshes by commands, one a line", options,
+            [flags](Run& run, const GivenOptions&) { return run_scenes(run, *flags); }};
+}
+
+Command grow_command() {
+    const auto flags = std::make_shared<GrowFlags>();
+    OptionList options;
+    options.file("scene", "SCENE", flags->scene, "scene to run (.coppice)");
+    options.files("-o,--output", "SKELETON", flags->outputs,
+                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    return {"grow", "Run a scene and write the tree that it grows last; it draws and saves nothing", options,
+            [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "coppice/compose/compose.h"
+#include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/measure/cloud_distance.h"
+#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/surface_report.h"
+#include "coppice/pipeline/json.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/restore.h"
+#include "coppice/render/render.h"
+#include "coppice/render/scan.h"
+#include "coppice/scene/reference.h"
+#include "coppice/sketch/draw.h"
+#include "coppice/sketch/reconstruct.h"
+
+namespace coppice::cli {
+namespace {
+
+template <OptionStruct Options>
+Json described() {
+    Options defaults;
+    return schema_of(option_fields(defaults));
+}
+
+/// Adds what describes the value of an option: files have no more than their type.
+struct DescribeTarget {
+    Json& entry;
+    const Option& option;
+
+    void operator()(std::filesystem::path*) const { entry["type"] = "file"; }
+    void operator()(std::vector<std::filesystem::path>*) const { entry["type"] = "files"; }
+    template <class Value>
+    void operator()(const Value& value) const {
+        describe_value(entry, {{option.name, option.help, option.unit, option.low, option.high}, value});
+    }
+};
+
+/// The options of a command as they are called on the command line.
+Json options_of(const Command& command) {
+    Json out = Json::array();
+    for (const Option& option : command.options.all()) {
+        Json entry{{"name", option.name}, {"help", option.help}};
+        if (!option.letter.empty()) entry["letter"] = option.letter;
+        if (!option.field.empty()) entry["field"] = option.field;
+        if (!option.group.empty()) entry["group"] = option.group;
+        std::visit(DescribeTarget{entry, option}, option.target);
+        out.push_back(std::move(entry));
+    }
+    return out;
+}
+
+ExitCode schema(Run& run) {
+    CommonFlags common;
+    Json commands = Json::object();
+    for (const Command& command : all_commands(common)) commands[command.name] = options_of(command);
+    const Json all{{"mesh", described<MeshOptions>()},
+                   {"restore", described<RestoreOptions>()},
+                   {"extract_mesh", described<FromMeshOptions>()},
+                   {"extract_cloud", described<CloudOptions>()},
+                   {"sketch", described<SketchOptions>()},
+                   {"draw_sketch", described<DrawOptions>()},
+                   {"compose", described<ComposeOptions>()},
+                   {"check", described<CheckOptions>()},
+                   {"check_cloud", described<CloudDistanceOptions>()},
+                   {"compare", described<CompareOptions>()},
+                   {"render", described<RenderOptions>()},
+                   {"scan", described<ScanOptions>()},
+                   {"read_skeleton", described<ReadSkeletonOptions>()},
+                   {"write_skeleton", described<WriteSkeletonOptions>()},
+                   {"scene", scene_schema()},
+                   {"commands", std::move(commands)}};
+    fmt::print("{}\n", all.dump(2));
+    run.finish("schema printed");
+    return kDone;
+}
+
+}  // namespace
+
+Command schema_command() {
+    return {"schema",
+            "Print every option with type, unit, range and default as JSON",
+            {},
+            [](Run& run, const GivenOptions&) { return schema(run); }};
+}
+
+}  // namespace coppice::cli

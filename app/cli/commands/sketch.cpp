@@ -1,0 +1,216 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "command.h"
+#include "coppice/io/file.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/io/sketch/sketch_file.h"
+#include "coppice/render/picture.h"
+#include "coppice/render/silhouette.h"
+#include "coppice/sketch/draw.h"
+#include "coppice/sketch/reconstruct.h"
+#include "coppice/sketch/trace/trace.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+constexpr const char* kSketchGroup = "From a sketch";
+constexpr const char* kDrawGroup = "From a skeleton to a sketch";
+
+struct SketchFlags {
+    std::filesystem::path input, output;
+    bool trace = false;
+    SketchOptions sketch;
+    DrawOptions draw;
+    ReadSkeletonOptions read;
+    WriteSkeletonOptions write;
+};
+
+void check_flags(const GivenOptions& given, const SketchFlags& flags) {
+    if (flags.input.empty() || flags.output.empty())
+        throw UsageError("name both files: coppice sketch FILE.sketch.json -o SKELETON");
+    check_output_folder(flags.output);
+    const bool draws = is_sketch_name(flags.output);
+    if (flags.trace) {
+        if (!draws || !is_sketch_name(flags.input)) {
+            throw UsageError(
+                "--trace makes a sketch of the pictures that another one names: coppice sketch "
+                "VIEWS.sketch.json -o "
+                "NEW.sketch.json --trace");
+        }
+        for (const Option* option : given) {
+            if (option->group == kSketchGroup || option->group == kDrawGroup)
+                throw UsageError(fmt::format("{} does nothing with --trace", option->name));
+        }
+        return;
+    }
+    if (is_sketch_name(flags.input) == draws) {
+        throw UsageError(fmt::format(
+            "'{}' and '{}': one has to be a sketch, which ends with .sketch.json, and the other one a "
+            "skeleton",
+            flags.input.string(), flags.output.string()));
+    }
+    if (!draws && flags.write.format == SkeletonFormat::automatic &&
+        kind_to_write(flags.output, FileKind::skeleton) != FileKind::skeleton) {
+        throw UsageError(fmt::format("'{}' is no name of a skeleton", flags.output.string()));
+    }
+    for (const Option* option : given) {
+        if (option->group == (draws ? kSketchGroup : kDrawGroup)) {
+            throw UsageError(fmt::format("{} is for making {}", option->name,
+                                         draws ? "a skeleton of a sketch" : "a sketch of a skeleton"));
+        }
+    }
+}
+
+Figures figures_of(const Sketch& sketch, const StrokeFit& stroke) {
+    Figures out;
+    out["view"] = sketch.views[stroke.view].name;
+    out["points"] = stroke.points;
+    out["left_out"] = stroke.left_out;
+    out["reversed"] = stroke.reversed;
+    out["rms_error_pixels"] = stroke.rms_error;
+    out["max_error_pixels"] = stroke.max_error;
+    return out;
+}
+
+Figures figures_of(const Sketch& sketch, const BranchFit& fit) {
+    Figures out;
+    out["name"] = sketch.branches[fit.branch].name;
+    out["made"] = fit.refused.empty();
+    out["angle_degrees"] = fit.angle * 180 / std::numbers::pi;
+    out["matched"] = fit.matched;
+    out["length_m"] = fit.length;
+    out["guessed_radius"] = fit.guessed_radius;
+    Figure::List strokes;
+    for (const StrokeFit& stroke : fit.strokes) strokes.emplace_back(figures_of(sketch, stroke));
+    out["strokes"] = strokes;
+    return out;
+}
+
+/// Fills the report; returns the greatest error of a stroke [pixels].
+double fill_report(Run& run, const Sketch& sketch, const SketchResult& result) {
+    Figure::List branches;
+    std::uint64_t refused = 0, left_out = 0, reversed = 0, guessed = 0;
+    double most = 0;
+    for (const BranchFit& fit : result.branches) {
+        branches.emplace_back(figures_of(sketch, fit));
+        guessed += fit.guessed_radius ? 1 : 0;
+        for (const StrokeFit& stroke : fit.strokes) {
+            left_out += stroke.left_out;
+            reversed += stroke.reversed ? 1 : 0;
+            if (fit.refused.empty()) most = std::max(most, stroke.rms_error);
+        }
+        if (fit.refused.empty()) continue;
+        ++refused;
+        run.warn(fit.refused);
+    }
+    run.counts()["nodes"] = result.skeleton.size();
+    run.counts()["trees"] = result.skeleton.tree_count();
+    run.counts()["branches"] = sketch.branches.size();
+    run.counts()["refused"] = refused;
+    run.counts()["guessed_radii"] = guessed;
+    run.counts()["rms_error_pixels"] = most;
+    run.counts()["strokes"] = branches;
+    run.repairs()["points_left_out"] = left_out;
+    run.repairs()["strokes_reversed"] = reversed;
+    return most;
+}
+
+ExitCode make_skeleton(Run& run, const SketchFlags& flags) {
+    const Sketch sketch =
+        run.stage("read", [&](const Context& ctx) { return read_sketch(flags.input, ctx); });
+    const SketchResult result = run.stage("sketch", [&](const Context& ctx) {
+        return reconstruct(sketch, flags.sketch, flags.input.string(), ctx);
+    });
+    run.stage("write", [&](const Context& ctx) {
+        write_skeleton(flags.output, result.skeleton, flags.write, {}, ctx);
+    });
+    const double error = fill_report(run, sketch, result);
+    run.finish(fmt::format("{}: {} nodes of {} branches, {:.1f} pixels off a stroke at most",
+                           flags.output.string(), grouped(result.skeleton.size()),
+                           grouped(sketch.branches.size()), error));
+    return kDone;
+}
+
+ExitCode draw(Run& run, const SketchFlags& flags) {
+    const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
+    const Sketch sketch = run.stage("draw", [&](const Context&) {
+        return draw_sketch(file.skeleton, views_of(file.skeleton, flags.draw), flags.draw);
+    });
+    run.stage("write", [&](const Context&) { write_sketch(flags.output, sketch); });
+    run.counts()["branches"] = sketch.branches.size();
+    run.finish(fmt::format("{}: {} branches", flags.output.string(), grouped(sketch.branches.size())));
+    return kDone;
+}
+
+/// The picture of a view, whose name is relative to the sketch.
+Mask load_silhouette(Run& run, const std::filesystem::path& sketch, const SketchView& view) {
+    if (view.image.empty())
+        throw InvalidInput(
+            fmt::format("{}: the view '{}' names no image to trace", sketch.string(), view.name));
+    const std::filesystem::path path = sketch.parent_path() / view.image;
+    return run.stage("read", [&](const Context& ctx) {
+        return silhouette_of(decode_picture(read_file(path, kLargestFile, ctx), path.string()));
+    });
+}
+
+ExitCode trace_file(Run& run, const SketchFlags& flags) {
+    const SketchCameras cameras =
+        run.stage("read", [&](const Context& ctx) { return read_cameras(flags.input, ctx); });
+    Sketch extent{.views = cameras.views,
+                  .branches = {{.name = "stem", .parent = {}, .strokes = {}, .attach = {}, .diameters = {}}}};
+    std::vector<Mask> silhouettes;
+    for (std::uint32_t v = 0; v < cameras.views.size(); ++v) {
+        silhouettes.push_back(load_silhouette(run, flags.input, cameras.views[v]));
+        if (!cameras.snapshots[v]) continue;
+        const std::string where = fmt::format("{}: views[{}]", flags.input.string(), v);
+        extent.branches[0].strokes.push_back(extent_of(silhouettes.back(), where));
+        extent.branches[0].strokes.back().view = v;
+        extent.views[v] = snapshot_view(extent, v, *cameras.snapshots[v], cameras.height, where);
+    }
+    const TraceResult result =
+        run.stage("trace", [&](const Context& ctx) { return trace(extent.views, silhouettes, ctx); });
+    run.stage("write", [&](const Context&) { write_sketch(flags.output, result.sketch); });
+    run.counts()["branches"] = result.sketch.branches.size();
+    Figure::List tips;
+    for (const std::uint32_t n : result.tips) tips.emplace_back(n);
+    run.counts()["tips_seen"] = tips;
+    const std::string seen = result.tips.size() == 2
+                                 ? fmt::format("{} and {}", grouped(result.tips[0]), grouped(result.tips[1]))
+                                 : grouped(result.tips[0]);
+    run.finish(fmt::format("{}: {} branches of {} tips seen; look at them, and correct what is wrong",
+                           flags.output.string(), grouped(result.sketch.branches.size()), seen));
+    return kDone;
+}
+
+ExitCode sketch_file(Run& run, const GivenOptions& given, const SketchFlags& flags) {
+    check_flags(given, flags);
+    if (flags.trace) return trace_file(run, flags);
+    return is_sketch_name(flags.output) ? draw(run, flags) : make_skeleton(run, flags);
+}
+
+}  // namespace
+
+Command sketch_command() {
+    const auto flags = std::make_shared<SketchFlags>();
+    OptionList options;
+    options.file("input", "FILE", flags->input, "sketch (.sketch.json), or a skeleton to draw one of");
+    options.file("-o,--output", "FILE", flags->output, "skeleton to write, or sketch");
+    options.flag("--trace", flags->trace,
+                 "propose strokes from the silhouettes of the sketch's images, to be corrected");
+    options.fields(flags->sketch, kSketchGroup);
+    options.fields(flags->write, "Writing the skeleton", {.names = {{"format", "--output-format"}}});
+    options.fields(flags->draw, kDrawGroup);
+    options.fields(flags->read, "Reading a skeleton");
+    return {"sketch",
+            "Make a skeleton of a tree that was drawn in two views or more; or such a drawing of a skeleton",
+            options,
+            [flags](Run& run, const GivenOptions& given) { return sketch_file(run, given, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,38 @@
+#include "pictures.h"
+
+#include "coppice/io/file.h"
+#include "coppice/render/contact_sheet.h"
+#include "coppice/render/png.h"
+#include "coppice/render/render.h"
+
+namespace coppice::cli {
+
+bool is_picture_name(const std::filesystem::path& path) {
+    return path.extension() == ".png" || path.extension() == ".PNG";
+}
+
+std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size) {
+    constexpr int kSamples = 8;
+    const RenderOptions options{.width = size, .height = size, .samples = kSamples, .ground = false};
+    return run.stage("draw", [&](const Context& ctx) {
+        std::vector<Image> out;
+        const Context each{.threads = ctx.threads, .stop = ctx.stop};
+        for (const Skeleton* tree : trees) {
+            out.push_back(render({.skeleton = tree}, options, each));
+            ctx.report(static_cast<float>(out.size()) / static_cast<float>(trees.size()));
+        }
+        return out;
+    });
+}
+
+void write_picture(const std::filesystem::path& path, const Image& image) {
+    AtomicFile file(path);
+    file.write(encode_png(image));
+    file.commit();
+}
+
+void write_sheet(const std::filesystem::path& path, std::span<const Image> pictures) {
+    write_picture(path, contact_sheet(pictures));
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "coppice/render/image.h"
+#include "coppice/skeleton/skeleton.h"
+#include "run.h"
+
+namespace coppice::cli {
+
+/// Whether the name ends in .png or .PNG.
+bool is_picture_name(const std::filesystem::path& path);
+
+/// A square picture of each, as a stage of the run.
+std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size);
+
+void write_picture(const std::filesystem::path& path, const Image& image);
+/// All of them on one sheet, which is about square.
+void write_sheet(const std::filesystem::path& path, std::span<const Image> pictures);
+
+}  // namespace coppice::cli

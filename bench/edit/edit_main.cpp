@@ -1,0 +1,174 @@
+// coppice_edit_bench: makes thousands of random edits of one tree, takes them all back, and prints as
+// Markdown what each kind costs, what undoing costs, and what the history takes.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "clock.h"
+#include "coppice/base/error.h"
+#include "coppice/base/median.h"
+#include "coppice/base/random.h"
+#include "coppice/edit/cut.h"
+#include "coppice/edit/deform.h"
+#include "coppice/edit/join.h"
+#include "coppice/edit/rigid.h"
+#include "coppice/edit/selection.h"
+#include "coppice/edit/thickness.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/skeleton/random_tree.h"
+#include "machine.h"
+#include "program.h"
+
+namespace {
+
+using namespace coppice;
+
+struct Flags {
+    bench::ProgramFlags program;
+    std::string tree;
+    unsigned segments = 30'000;
+    int edits = 10'000;
+    unsigned seed = 1;
+};
+
+/// Draws in order.
+class Dice {
+  public:
+    explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
+    double uniform(double low, double high) { return random_.uniform(next_++, low, high); }
+    std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.bits(next_++) % n); }
+    StableId node(const EditableTree& tree) {
+        for (;;) {
+            const StableId n(static_cast<std::uint32_t>(below(tree.slots())));
+            if (tree.contains(n) && !tree.is_root(n)) return n;
+        }
+    }
+
+  private:
+    CounterRandom random_;
+    std::uint64_t next_ = 0;
+};
+
+struct Kind {
+    const char* name;
+    std::function<EditChange(EditableTree&, Dice&)> edit;
+    std::vector<double> seconds;
+    double nodes = 0, most_nodes = 0;
+};
+
+std::vector<Kind> all_kinds() {
+    using T = EditableTree;
+    const auto kind = [](const char* name, std::function<EditChange(T&, Dice&)> edit) {
+        return Kind{.name = name, .edit = std::move(edit), .seconds = {}};
+    };
+    return {
+        kind("rotate", [](T& t, Dice& d) { return rotate(t, {d.node(t)}, {.angle = d.uniform(-0.5, 0.5)}); }),
+        kind("translate",
+             [](T& t, Dice& d) {
+                 return translate(t, {d.node(t)}, {0, 0, d.uniform(0.01, 0.02)});
+             }),
+        kind("bend", [](T& t, Dice& d) { return bend(t, {d.node(t)}, d.uniform(-0.3, 0.3)); }),
+        kind("twist", [](T& t, Dice& d) { return twist(t, {d.node(t)}, d.uniform(-0.3, 0.3)); }),
+        kind("move a node",
+             [](T& t, Dice& d) {
+                 const StableId n = d.node(t);
+                 const double r = double{t.radius(n)};
+                 return move_node(t, n, t.origin() + Vec3d(t.position(n)) + Vec3d{r, 0, r}, 20 * r);
+             }),
+        kind("split", [](T& t, Dice& d) { return split(t, {d.node(t)}); }),
+        kind("append",
+             [](T& t, Dice& d) {
+                 return append(t, d.node(t), {0.01, 0.02, d.uniform(0.01, 0.03)});
+             }),
+        kind("delete a twig",
+             [](T& t, Dice& d) {
+                 StableId n = d.node(t);
+                 while (!t.is_tip(n)) n = t.first_child(n);
+                 return remove_branches(t, {n});
+             }),
+        kind("detach", [](T& t, Dice& d) { return detach(t, {d.node(t)}); }),
+        kind("graft", [](T& t, Dice& d) { return graft(t, d.node(t), d.node(t)); }),
+        kind("radius", [](T& t, Dice& d) { return scale_radii(t, {d.node(t)}, 1.01); }),
+        kind("pipe radii", [](T& t, Dice& d) { return pipe_radii(t, {d.node(t)}, 2.2); }),
+    };
+}
+
+double milliseconds(std::vector<double> seconds, bool most) {
+    if (seconds.empty()) return 0;
+    return 1e3 * (most ? *std::ranges::max_element(seconds) : median(seconds));
+}
+
+double touched(const EditChange& c) {
+    return static_cast<double>(c.added.size() + c.removed.size() +
+                               std::max(c.moved.size(), c.resized.size()) + c.reparented.size());
+}
+
+bool is_same(const Skeleton& a, const Skeleton& b) {
+    return std::ranges::equal(a.parents(), b.parents()) && std::ranges::equal(a.positions(), b.positions()) &&
+           std::ranges::equal(a.radii(), b.radii());
+}
+
+void run(const Flags& flags) {
+    const Skeleton first =
+        flags.tree.empty() ? random_tree(flags.segments, flags.seed) : read_skeleton(flags.tree).skeleton;
+    EditableTree tree(first);
+    Dice dice(flags.seed);
+    std::vector<Kind> kinds = all_kinds();
+    const std::size_t before = bench::resident_bytes();
+    for (int i = 0; i < flags.edits; ++i) {
+        Kind& kind = kinds[dice.below(kinds.size())];
+        const bench::Clock clock;
+        try {
+            const double nodes = touched(kind.edit(tree, dice));
+            kind.seconds.push_back(clock.seconds());
+            kind.nodes += nodes;
+            kind.most_nodes = std::max(kind.most_nodes, nodes);
+        } catch (const InvalidInput&) {  // an axis of one segment, a graft into itself
+        }
+    }
+    const std::size_t after = bench::resident_bytes();
+    const auto steps = static_cast<double>(tree.undo_depth());
+    const double history = static_cast<double>(tree.history_bytes());
+    std::vector<double> undo;
+    while (tree.undo_depth() > 0) {
+        const bench::Clock clock;
+        tree.undo();
+        undo.push_back(clock.seconds());
+    }
+    std::string out = fmt::format(
+        "{}\n\n| edit | times | nodes touched, mean | most | median ms | slowest ms |\n| --- | --: | --: | "
+        "--: | --: | --: |\n",
+        bench::machine_description());
+    for (const Kind& k : kinds) {
+        out += fmt::format("| {} | {} | {:.1f} | {:.0f} | {:.4f} | {:.2f} |\n", k.name, k.seconds.size(),
+                           k.nodes / std::max<double>(1, static_cast<double>(k.seconds.size())), k.most_nodes,
+                           milliseconds(k.seconds, false), milliseconds(k.seconds, true));
+    }
+    out += fmt::format("| undo | {} | | | {:.4f} | {:.2f} |\n\n", undo.size(), milliseconds(undo, false),
+                       milliseconds(undo, true));
+    out += fmt::format(
+        "{} nodes, {:.0f} edits, {:.0f} bytes of history each, {:.1f} MB more memory; after undoing all the "
+        "tree is {}\n",
+        first.size(), steps, history / std::max(1.0, steps), static_cast<double>(after - before) / 1e6,
+        is_same(tree.skeleton(), first) ? "the first one to the bit" : "ANOTHER");
+    bench::publish({.markdown = out, .json = {}, .csv = {}}, flags.program);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Costs of edits of trees");
+    Flags flags;
+    app.add_option("--tree", flags.tree, "a skeleton to edit instead of a made-up one");
+    app.add_option("--segments", flags.segments, "of the made-up tree");
+    app.add_option("--edits", flags.edits, "how many");
+    app.add_option("--seed", flags.seed, "of the tree and the edits");
+    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
+    return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });
+}

@@ -1,0 +1,85 @@
+#include "messy_strokes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coppice/base/random.h"
+
+namespace coppice::bench {
+namespace {
+
+/// Draws one after the other.
+class Dice {
+  public:
+    explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
+    double between(double low, double high) { return random_.uniform(next_++, low, high); }
+
+  private:
+    CounterRandom random_;
+    std::uint64_t next_ = 0;
+};
+
+void cut(Stroke& stroke, Dice& dice) {
+    const double share = dice.between(0.05, 0.2);
+    const bool at_tip = dice.between(0, 1) < 0.5;
+    double total = 0, before = 0;
+    for (std::size_t i = 1; i < stroke.points.size(); ++i)
+        total += length(stroke.points[i] - stroke.points[i - 1]);
+    Stroke kept{.view = stroke.view, .points = {}, .widths = {}};
+    for (std::size_t i = 0; i < stroke.points.size(); ++i) {
+        if (i > 0) before += length(stroke.points[i] - stroke.points[i - 1]);
+        if (at_tip ? before > (1 - share) * total : before < share * total) continue;
+        kept.points.push_back(stroke.points[i]);
+        kept.widths.push_back(stroke.widths[i]);
+    }
+    if (kept.points.size() >= 2) stroke = std::move(kept);
+}
+
+/// Leaves out the points that are wrong; of a stroke with fewer than two right ones none, as that is none.
+void take_out(Stroke& stroke, const std::vector<bool>& wrong) {
+    if (std::ranges::count(wrong, false) < 2) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < wrong.size(); ++i) {
+        if (wrong[i]) continue;
+        stroke.points[kept] = stroke.points[i];
+        stroke.widths[kept++] = stroke.widths[i];
+    }
+    stroke.points.resize(kept);
+    stroke.widths.resize(kept);
+}
+
+}  // namespace
+
+Sketch messed_up(Sketch sketch, const Mess& mess, std::uint64_t seed) {
+    Dice dice(seed);
+    for (SketchBranch& branch : sketch.branches) {
+        if (dice.between(0, 1) < mess.cut) cut(branch.strokes[dice.between(0, 1) < 0.5 ? 0 : 1], dice);
+        for (Stroke& stroke : branch.strokes) {
+            std::vector<bool> wrong(stroke.points.size(), false);
+            for (std::size_t i = 0; i < stroke.points.size(); ++i) {
+                PicturePoint& p = stroke.points[i];
+                p = p + PicturePoint{dice.between(-mess.jitter, mess.jitter),
+                                     dice.between(-mess.jitter, mess.jitter)};
+                if (dice.between(0, 1) >= mess.wrong) continue;
+                const double far = dice.between(20, 60), turn = dice.between(0, 2 * std::numbers::pi);
+                p = p + PicturePoint{far * std::cos(turn), far * std::sin(turn)};
+                wrong[i] = true;
+            }
+            if (mess.known) take_out(stroke, wrong);
+        }
+    }
+    return sketch;
+}
+
+void misplace(SketchView& view, double error, std::uint64_t seed) {
+    if (error == 0) return;
+    Dice dice(seed + 1000);
+    const double up = dice.between(-1, 1), round = dice.between(0, 2 * std::numbers::pi);
+    const double level = std::sqrt(1 - up * up), angle = error * std::numbers::pi / 180;
+    view.r = view.r * rotation_about(Vec3d{level * std::cos(round), level * std::sin(round), up} * angle);
+    const double scale = 1 + (dice.between(0, 1) < 0.5 ? -0.01 : 0.01) * error;
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) view.k[i][i] *= scale;
+}
+
+}  // namespace coppice::bench

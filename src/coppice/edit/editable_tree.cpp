@@ -1,0 +1,274 @@
+#include "coppice/edit/editable_tree.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <functional>
+#include <queue>
+
+#include "coppice/base/error.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::uint32_t kMostIdsPerNode = 64, kAlwaysAllowedIds = 1u << 20;
+
+/// Numbers of seven bits a byte, the least first: small ones, as differences are, take little.
+void put_number(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
+    for (; value >= 128; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 128));
+    bytes.push_back(static_cast<std::uint8_t>(value));
+}
+
+std::uint32_t take_number(const std::vector<std::uint8_t>& bytes, std::size_t& at) {
+    std::uint32_t value = 0;
+    for (int shift = 0;; shift += 7) {
+        const std::uint8_t byte = bytes[at++];
+        value |= static_cast<std::uint32_t>(byte & 127) << shift;
+        if (byte < 128) return value;
+    }
+}
+
+/// The words of a node that deltas are made of: parent, position, radius.
+using Words = std::array<std::uint32_t, 5>;
+
+Words words_of(StableId parent, Vec3 p, float radius) {
+    return {parent.index(), std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+            std::bit_cast<std::uint32_t>(p.z), std::bit_cast<std::uint32_t>(radius)};
+}
+
+}  // namespace
+
+bool EditChange::empty() const {
+    return added.empty() && removed.empty() && moved.empty() && resized.empty() && reparented.empty();
+}
+
+EditableTree::EditableTree(const Skeleton& s) : origin_(s.origin()), size_(s.size()) {
+    std::uint32_t slots = s.size();
+    for (const StableId id : s.stable_ids()) slots = std::max(slots, id.index() + 1);
+    if (slots > kAlwaysAllowedIds && slots / kMostIdsPerNode > s.size()) {
+        throw InvalidInput(fmt::format(
+            "the stable ids go up to {} for {} nodes; leave them out and the nodes are numbered anew",
+            slots - 1, s.size()));
+    }
+    resize(slots);
+    for (const NodeId n : coppice::nodes(s)) {
+        const StableId id = s.stable_id(n);
+        if (!s.is_root(n)) parent_[id] = s.stable_id(s.parent(n));
+        position_[id] = s.position(n);
+        radius_[id] = s.radius(n);
+    }
+    // From the last to the first, so that each goes to the front of its siblings.
+    for (std::uint32_t i = slots; i-- > 0;) {
+        if (contains(StableId(i))) link(StableId(i));
+    }
+}
+
+NodeSet EditableTree::nodes() const {
+    NodeSet all;
+    all.reserve(size_);
+    for (std::uint32_t i = 0; i < slots(); ++i) {
+        if (contains(StableId(i))) all.push_back(StableId(i));
+    }
+    return all;
+}
+
+Skeleton EditableTree::skeleton() const {
+    NodeSet order = nodes();
+    const bool parents_first =
+        std::ranges::all_of(order, [&](StableId n) { return is_root(n) || parent_[n] < n; });
+    if (!parents_first) {
+        std::priority_queue<StableId, std::vector<StableId>, std::greater<>> ready;
+        for (StableId n = first_root_; n; n = next_sibling_[n]) ready.push(n);
+        for (order.clear(); !ready.empty();) {
+            order.push_back(ready.top());
+            ready.pop();
+            for (StableId c = first_child_[order.back()]; c; c = next_sibling_[c]) ready.push(c);
+        }
+    }
+    Column<StableId, NodeId> index(slots());
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    std::vector<float> radius;
+    for (const StableId n : order) {
+        index[n] = NodeId(static_cast<std::uint32_t>(parent.size()));
+        parent.push_back(is_root(n) ? NodeId::none() : index[parent_[n]]);
+        position.push_back(position_[n]);
+        radius.push_back(radius_[n]);
+    }
+    const bool by_index = parents_first && slots() == size_;
+    return Skeleton(std::move(parent), std::move(position), std::move(radius), origin_,
+                    by_index ? std::vector<StableId>() : std::move(order));
+}
+
+StableId EditableTree::leader(StableId n) const {
+    StableId leader = first_child_[n];
+    for (StableId c = leader; c; c = next_sibling_[c]) {
+        if (radius_[c] > radius_[leader]) leader = c;
+    }
+    return leader;
+}
+
+Segment EditableTree::segment(StableId n) const {
+    const StableId p = parent_[n];
+    COPPICE_ASSERT(p);
+    return {position_[p], position_[n], leader(p) == n ? radius_[p] : radius_[n], radius_[n]};
+}
+
+StableId EditableTree::root_of(StableId n) const {
+    while (parent_[n]) n = parent_[n];
+    return n;
+}
+
+std::vector<StableId> EditableTree::subtree(StableId top) const {
+    std::vector<StableId> all;
+    visit_subtree(top, [&](StableId n) { all.push_back(n); });
+    return all;
+}
+
+void EditableTree::resize(std::uint32_t slots) {
+    parent_.resize(slots);
+    first_child_.resize(slots);
+    next_sibling_.resize(slots);
+    position_.resize(slots);
+    radius_.resize(slots);
+}
+
+/// Where the link to n stands, or has to be put: behind the siblings of lesser id.
+StableId& EditableTree::link_before(StableId n) {
+    StableId* at = parent_[n] ? &first_child_[parent_[n]] : &first_root_;
+    while (*at < n) at = &next_sibling_[*at];
+    return *at;
+}
+
+void EditableTree::link(StableId n) {
+    StableId& before = link_before(n);
+    next_sibling_[n] = before;
+    before = n;
+}
+
+void EditableTree::unlink(StableId n) {
+    StableId& before = link_before(n);
+    COPPICE_ASSERT(before == n);
+    before = next_sibling_[n];
+    next_sibling_[n] = StableId::none();
+}
+
+/// Makes the nodes what is given: first all links that change are taken out, so that none leads to a node
+/// that is not there.
+void EditableTree::assign(const Nodes& nodes) {
+    const auto links_change = [&](StableId n, const Node& to) {
+        return parent_[n] != to.parent || (radius_[n] > 0) != (to.radius > 0);
+    };
+    std::vector<StableId> relinked;
+    for (const auto& [n, to] : nodes) {
+        if (!links_change(n, to)) continue;
+        if (contains(n)) {
+            unlink(n);
+            --size_;
+        }
+        if (to.radius > 0) relinked.push_back(n);
+    }
+    for (const auto& [n, to] : nodes) {
+        parent_[n] = to.parent;
+        position_[n] = to.position;
+        radius_[n] = to.radius;
+    }
+    for (const StableId n : relinked) {
+        link(n);
+        ++size_;
+    }
+}
+
+EditableTree::Delta EditableTree::delta_from(const Nodes& before, std::uint32_t slots_before) const {
+    Delta delta{.bytes = {}, .slots_before = slots_before, .slots_after = slots()};
+    std::uint32_t last = 0;
+    for (const auto& [n, was] : before) {
+        const Node is = node(n);
+        if (is == was) continue;
+        const Words a = words_of(was.parent, was.position, was.radius);
+        const Words b = words_of(is.parent, is.position, is.radius);
+        std::uint8_t changed = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) changed |= static_cast<std::uint8_t>((a[i] != b[i]) << i);
+        put_number(delta.bytes, n.index() - last);
+        last = n.index();
+        delta.bytes.push_back(changed);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            if (a[i] != b[i]) put_number(delta.bytes, a[i] ^ b[i]);
+        }
+    }
+    delta.bytes.shrink_to_fit();
+    return delta;
+}
+
+EditChange EditableTree::change_from(const Nodes& before) const {
+    EditChange change;
+    for (const auto& [n, was] : before) {
+        const Node is = n.index() < slots() ? node(n) : Node{};
+        if (was.radius == 0 && is.radius == 0) continue;
+        if (was.radius == 0) {
+            change.added.push_back(n);
+        } else if (is.radius == 0) {
+            change.removed.push_back(n);
+        } else {
+            if (was.position != is.position) change.moved.push_back(n);
+            if (was.radius != is.radius) change.resized.push_back(n);
+            if (was.parent != is.parent) change.reparented.push_back(n);
+        }
+    }
+    return change;
+}
+
+EditChange EditableTree::flip(const Delta& delta, bool forward) {
+    resize(std::max(delta.slots_before, delta.slots_after));
+    Nodes before, after;
+    std::uint32_t last = 0;
+    for (std::size_t at = 0; at < delta.bytes.size();) {
+        const StableId n(last += take_number(delta.bytes, at));
+        before.emplace_back(n, node(n));
+        const std::uint8_t changed = delta.bytes[at++];
+        Words words = words_of(parent_[n], position_[n], radius_[n]);
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            if ((changed >> i & 1) != 0) words[i] ^= take_number(delta.bytes, at);
+        }
+        const Vec3 p{std::bit_cast<float>(words[1]), std::bit_cast<float>(words[2]),
+                     std::bit_cast<float>(words[3])};
+        after.emplace_back(n, Node{StableId(words[0]), p, std::bit_cast<float>(words[4])});
+    }
+    assign(after);
+    resize(forward ? delta.slots_after : delta.slots_before);
+    return change_from(before);
+}
+
+void EditableTree::remember(Delta delta) {
+    for (const Delta& d : undone_) history_bytes_ -= sizeof(Delta) + d.bytes.capacity();
+    undone_.clear();
+    history_bytes_ += sizeof(Delta) + delta.bytes.capacity();
+    done_.push_back(std::move(delta));
+}
+
+EditChange EditableTree::undo() {
+    COPPICE_ASSERT(!done_.empty());
+    EditChange change = flip(done_.back(), false);
+    undone_.push_back(std::move(done_.back()));
+    done_.pop_back();
+    return change;
+}
+
+EditChange EditableTree::redo() {
+    COPPICE_ASSERT(!undone_.empty());
+    EditChange change = flip(undone_.back(), true);
+    done_.push_back(std::move(undone_.back()));
+    undone_.pop_back();
+    return change;
+}
+
+void EditableTree::limit_history(std::size_t bytes) {
+    while (history_bytes_ > bytes && done_.size() > 1) {
+        history_bytes_ -= sizeof(Delta) + done_.front().bytes.capacity();
+        done_.pop_front();
+    }
+}
+
+}  // namespace coppice

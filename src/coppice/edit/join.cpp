@@ -1,0 +1,222 @@
+#include "coppice/edit/join.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/edit/parts_internal.h"
+#include "coppice/edit/rotation_internal.h"
+#include "coppice/edit/selection.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice {
+
+using namespace edit_internal;
+
+namespace {
+
+struct DrawnRadii {
+    double first, last;
+};
+
+DrawnRadii radii_of(const DrawOptions& options, double otherwise, double limit) {
+    for (const double r : {options.radius, options.tip_radius}) {
+        if (!(r >= 0) || !std::isfinite(r))
+            throw InvalidInput(
+                fmt::format("a branch cannot have the radius {}; give one above 0, or 0 for its host's", r));
+    }
+    const double first = std::min(options.radius > 0 ? options.radius : otherwise, limit);
+    const double last = options.tip_radius > 0 ? options.tip_radius : 0.25 * first;
+    return {first, std::min(last, limit)};
+}
+
+Foot checked_foot(const EditableTree& tree, Vec3d place, double snap) {
+    const Foot foot = nearest_foot(tree, place, [](StableId) { return true; });
+    if (foot.distance > snap * foot.radius) {
+        throw InvalidInput(
+            fmt::format("the first point is {:.4g} m from the nearest axis, at node {}, whose radius is "
+                        "{:.4g} m; begin nearer, raise snap, or draw it alone",
+                        foot.distance, foot.node.index(), foot.radius));
+    }
+    return foot;
+}
+
+/// The branches that a graft takes along: what is named, or all that hangs on a root.
+std::vector<StableId> branches_to_graft(const EditableTree& tree, StableId branch) {
+    if (!tree.is_root(branch)) return {branch};
+    std::vector<StableId> all;
+    for (StableId c = tree.first_child(branch); c; c = tree.next_sibling(c)) all.push_back(c);
+    if (all.empty()) {
+        throw InvalidInput(
+            fmt::format("node {} is a tree of a single node, and nothing hangs on it to graft; "
+                        "append to the host instead",
+                        branch.index()));
+    }
+    return all;
+}
+
+bool hangs_on(const EditableTree& tree, StableId n, StableId top) {
+    for (; n; n = tree.parent(n)) {
+        if (n == top) return true;
+    }
+    return false;
+}
+
+/// Finds the wood that roots lie in; what was split since is found by its pieces.
+class Wood {
+  public:
+    Wood(const EditableTree& tree, const Context& ctx)
+        : tree_(tree), old_slots_(tree.slots()), node_(tree.nodes()), boxes_(boxes_of(tree, node_), ctx) {}
+
+    /// The foot in the wood that p lies deepest in, of trees other than that of `root`; none where there is
+    /// no such.
+    Foot around(StableId root, Vec3d p) const {
+        Foot best;
+        const Box3 box{Vec3(p), Vec3(p)};
+        boxes_.visit_overlapping(box, [&](std::uint32_t item) {
+            const StableId n = node_[item];
+            if (!tree_.contains(n) || (tree_.is_root(n) && !tree_.is_tip(n))) return;
+            const Foot foot = on_pieces(n, p);
+            if (foot.distance >= foot.radius || tree_.root_of(n) == root) return;
+            const bool deeper = !best.node || foot.distance / foot.radius < best.distance / best.radius;
+            const bool tied = best.node && foot.distance / foot.radius == best.distance / best.radius;
+            if (deeper || (tied && foot.node < best.node)) best = foot;
+        });
+        return best;
+    }
+
+  private:
+    static std::vector<Box3> boxes_of(const EditableTree& tree, const NodeSet& nodes) {
+        std::vector<Box3> boxes;
+        for (const StableId n : nodes) {
+            const Vec3 from = tree.position(joint_of(tree, n));
+            boxes.push_back(capsule_box(from, tree.position(n),
+                                        std::max(tree.radius(n), tree.radius(joint_of(tree, n)))));
+        }
+        return boxes;
+    }
+
+    Foot on_pieces(StableId n, Vec3d p) const {
+        Foot best = foot_on(tree_, n, p);
+        for (StableId piece = tree_.parent(n); piece && piece.index() >= old_slots_;
+             piece = tree_.parent(piece)) {
+            if (tree_.is_root(piece)) break;
+            const Foot foot = foot_on(tree_, piece, p);
+            if (foot.distance < best.distance) best = foot;
+        }
+        return best;
+    }
+
+    const EditableTree& tree_;
+    std::uint32_t old_slots_;
+    NodeSet node_;
+    BoxTree boxes_;
+};
+
+void attach_root(TreeEdit& edit, const EditableTree& tree, StableId root, const Foot& foot) {
+    const StableId host = node_at(edit, tree, foot);
+    limit_radii(edit, tree, root, static_cast<float>(foot.radius));
+    if (tree.position(root) != tree.position(host)) return edit.set_parent(root, host);
+    while (!tree.is_tip(root)) edit.set_parent(tree.first_child(root), host);
+    edit.remove(root);
+}
+
+}  // namespace
+
+EditChange draw(EditableTree& tree, std::span<const Vec3d> points, const DrawOptions& options) {
+    if (points.size() < 2)
+        throw InvalidInput(
+            fmt::format("a branch is drawn through two points or more, not {}", points.size()));
+    std::vector<Vec3d> place;
+    std::vector<double> along;
+    for (const Vec3d p : points) {
+        if (!is_finite(p)) throw InvalidInput("a point to draw through is not finite; give three numbers");
+        place.push_back(p - tree.origin());
+        along.push_back(along.empty() ? 0 : along.back() + distance(place.back(), place[place.size() - 2]));
+    }
+    TreeEdit edit(tree);
+    StableId last;
+    DrawnRadii radii{};
+    if (options.alone) {
+        radii = radii_of(options, along.back() / 50, 1e15);
+        last = edit.add(StableId::none(), Vec3(place[0]), static_cast<float>(radii.first));
+    } else {
+        const Foot foot = checked_foot(tree, place[0], options.snap);
+        radii = radii_of(options, 0.5 * foot.radius, foot.radius);
+        last = node_at(edit, tree, foot);
+    }
+    for (std::size_t i = 1; i < place.size(); ++i) {
+        const double t = along.back() > 0 ? along[i] / along.back() : 1;
+        last =
+            edit.add(last, Vec3(place[i]), static_cast<float>(radii.first + (radii.last - radii.first) * t));
+    }
+    return edit.commit();
+}
+
+EditChange append(EditableTree& tree, StableId host, Vec3d by, double radius) {
+    check_node(tree, host);
+    TreeEdit edit(tree);
+    if (!(radius >= 0))
+        throw InvalidInput(fmt::format("the radius {} is not above 0; give 0 for the host's", radius));
+    edit.add(host, Vec3(place_of(tree, host) + by),
+             radius > 0 ? static_cast<float>(radius) : tree.radius(host));
+    return edit.commit();
+}
+
+EditChange graft(EditableTree& tree, StableId branch, StableId host, const GraftOptions& options) {
+    check_node(tree, branch);
+    check_node(tree, host);
+    if (!(options.along >= 0 && options.along <= 1))
+        throw InvalidInput(
+            fmt::format("along is {}; it is from 0, the parent of the host, to 1, the host", options.along));
+    const std::vector<StableId> tops = branches_to_graft(tree, branch);
+    if (hangs_on(tree, host, branch)) {
+        throw InvalidInput(
+            fmt::format("node {1} hangs on node {0}, so that {0} would be grafted into itself; choose a "
+                        "host outside the subtree of {0}",
+                        branch.index(), host.index()));
+    }
+    TreeEdit edit(tree);
+    Foot foot{.node = host,
+              .t = options.along,
+              .place = place_of(tree, host),
+              .distance = 0,
+              .radius = double{tree.radius(host)}};
+    if (!tree.is_root(host) && options.along < 1) {
+        const Segment s = tree.segment(host);
+        foot.place = lerp(Vec3d(s.a), Vec3d(s.b), options.along);
+        foot.radius = s.radius_a + (double{s.radius_b} - s.radius_a) * options.along;
+    }
+    const StableId joint = joint_of(tree, branch);
+    const Vec3d from = place_of(tree, joint);
+    const Vec3d old_way = tree.is_root(branch) ? Vec3d{0, 0, 1} : direction_of(tree, joint);
+    const Rotation turn = options.align ? rotation_between(old_way, direction_of(tree, host)) : Rotation{};
+    const StableId at = node_at(edit, tree, foot);
+    const Vec3d to = place_of(tree, at);
+    for (const StableId top : tops) {
+        tree.visit_subtree(top, [&](StableId n) { edit.move(n, Vec3(to + turn(place_of(tree, n) - from))); });
+        if (options.limit_radius) limit_radii(edit, tree, top, static_cast<float>(foot.radius));
+        edit.set_parent(top, at);
+    }
+    if (tree.is_root(branch)) edit.remove(branch);
+    return edit.commit();
+}
+
+EditChange attach(EditableTree& tree, const NodeSet& nodes, const Context& ctx) {
+    check_set(tree, nodes);
+    NodeSet roots;
+    std::ranges::copy_if(nodes, std::back_inserter(roots), [&](StableId n) { return tree.is_root(n); });
+    if (roots.empty())
+        throw InvalidInput("no root is selected; attach joins trees by their roots, as with: attach roots");
+    TreeEdit edit(tree);
+    const Wood wood(tree, ctx);
+    for (const StableId root : roots) {
+        ctx.throw_if_cancelled();
+        const Foot foot = wood.around(root, place_of(tree, root));
+        if (foot.node) attach_root(edit, tree, root, foot);
+    }
+    return edit.commit();
+}
+
+}  // namespace coppice

@@ -1,0 +1,80 @@
+#include "coppice/edit/parts_internal.h"
+
+#include "coppice/base/round_cone.h"
+#include "coppice/edit/selection.h"
+#include "coppice/skeleton/segment_cone.h"
+
+namespace coppice::edit_internal {
+
+void check_set(const EditableTree& tree, const NodeSet& set) {
+    if (set.empty()) throw InvalidInput("no node is selected; select shows what a selection holds");
+    for (const StableId n : set) check_node(tree, n);
+}
+
+std::vector<StableId> tops_of(const EditableTree& tree, const NodeSet& set) {
+    std::vector<StableId> tops;
+    // What was found not to be below a node of the set need not be looked at again, but a set is mostly one
+    // subtree, whose nodes find their parents in it at once.
+    for (const StableId n : set) {
+        StableId above = tree.parent(n);
+        while (above && !holds(set, above)) above = tree.parent(above);
+        if (!above) tops.push_back(n);
+    }
+    return tops;
+}
+
+Vec3d direction_of(const EditableTree& tree, StableId n) {
+    if (!tree.is_root(n)) return normalized(place_of(tree, n) - place_of(tree, tree.parent(n)));
+    if (tree.is_tip(n)) return {0, 0, 1};
+    return normalized(place_of(tree, tree.leader(n)) - place_of(tree, n));
+}
+
+std::vector<StableId> axis_from(const EditableTree& tree, StableId n) {
+    std::vector<StableId> axis{n};
+    while (!tree.is_tip(axis.back())) axis.push_back(tree.leader(axis.back()));
+    return axis;
+}
+
+void shift_subtree(TreeEdit& edit, const EditableTree& tree, StableId top, Vec3d by) {
+    tree.visit_subtree(top, [&](StableId n) { edit.move(n, Vec3(place_of(tree, n) + by)); });
+}
+
+StableId split_segment(TreeEdit& edit, const EditableTree& tree, StableId n, double t) {
+    const StableId parent = tree.parent(n);
+    const Segment s = tree.segment(n);
+    const bool leads = tree.leader(parent) == n;
+    float radius = static_cast<float>(s.radius_a + (double{s.radius_b} - s.radius_a) * t);
+    // The new node is the last of its siblings, so that it has to be the thickest to lead as n did.
+    for (StableId c = tree.first_child(parent); leads && c; c = tree.next_sibling(c)) {
+        if (c != n && tree.radius(c) >= radius) radius = std::nextafter(tree.radius(c), 1e30f);
+    }
+    const StableId middle = edit.add(parent, Vec3(lerp(Vec3d(s.a), Vec3d(s.b), t)), radius);
+    edit.set_parent(n, middle);
+    return middle;
+}
+
+void limit_radii(TreeEdit& edit, const EditableTree& tree, StableId top, float limit) {
+    tree.visit_subtree(top, [&](StableId n) {
+        if (tree.radius(n) > limit) edit.set_radius(n, limit);
+    });
+}
+
+Foot foot_on(const EditableTree& tree, StableId n, Vec3d p) {
+    const auto cone = tree.is_root(n) ? round_cone(place_of(tree, n), place_of(tree, n),
+                                                   double{tree.radius(n)}, double{tree.radius(n)})
+                                      : round_cone<double>(tree.segment(n));
+    const auto foot = cone.foot(p);
+    return {n, tree.is_root(n) ? 1.0 : foot.t, p - foot.offset, foot.distance(), foot.radius};
+}
+
+StableId node_at(TreeEdit& edit, const EditableTree& tree, const Foot& foot) {
+    constexpr double kNear = 0.2;  // of the radius: segments much shorter than wide show nothing
+    if (tree.is_root(foot.node)) return foot.node;
+    const StableId parent = tree.parent(foot.node);
+    const double room = kNear * foot.radius;
+    if (foot.t >= 1 || distance(foot.place, place_of(tree, foot.node)) <= room) return foot.node;
+    if (foot.t <= 0 || distance(foot.place, place_of(tree, parent)) <= room) return parent;
+    return split_segment(edit, tree, foot.node, foot.t);
+}
+
+}  // namespace coppice::edit_internal

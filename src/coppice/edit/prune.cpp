@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <unordered_map>
+
+#include "coppice/base/box.h"
+#include "coppice/edit/cut.h"
+#include "coppice/edit/parts_internal.h"
+#include "coppice/implicit/solid/solid_field.h"
+
+namespace coppice {
+
+using namespace edit_internal;
+
+namespace {
+
+std::vector<StableId> parents_first(const EditableTree& tree) {
+    std::vector<StableId> all;
+    for (StableId root = tree.first_root(); root; root = tree.next_sibling(root))
+        tree.visit_subtree(root, [&](StableId n) { all.push_back(n); });
+    return all;
+}
+
+/// What pruning asks of a node and all that hangs on it.
+struct Branch {
+    bool leads = false;  ///< it goes on with its parent's axis
+    int order = 0;
+    double length = 0;                                       ///< [m] the longest way from its joint to a tip
+    double shade = std::numeric_limits<double>::infinity();  ///< the least of its tips
+};
+
+Column<StableId, Branch> branches_of(const EditableTree& tree, const std::vector<StableId>& order,
+                                     const Column<StableId, double>& shade) {
+    Column<StableId, Branch> branch(tree.slots());
+    for (const StableId n : order) {
+        const StableId leader = tree.leader(n);
+        for (StableId c = tree.first_child(n); c; c = tree.next_sibling(c)) {
+            branch[c].leads = c == leader;
+            branch[c].order = branch[n].order + (c == leader ? 0 : 1);
+        }
+    }
+    for (auto at = order.rbegin(); at != order.rend(); ++at) {
+        Branch& b = branch[*at];
+        if (tree.is_tip(*at)) b.shade = shade.size() > 0 ? shade[*at] : 0;
+        if (tree.is_root(*at)) continue;
+        const StableId parent = tree.parent(*at);
+        b.length += distance(place_of(tree, *at), place_of(tree, parent));
+        branch[parent].length = std::max(branch[parent].length, b.length);
+        branch[parent].shade = std::min(branch[parent].shade, b.shade);
+    }
+    return branch;
+}
+
+bool goes(const PruneOptions& o, const Branch& b, float radius) {
+    if (o.radius > 0 && radius < o.radius) return true;
+    if (o.order >= 0 && b.order > o.order) return true;
+    if (b.leads) return false;
+    return (o.length > 0 && b.length < double{o.length}) || (o.shade > 0 && b.shade > double{o.shade});
+}
+
+double greatest_extent(const EditableTree& tree) {
+    Box3 box;
+    for (const StableId n : tree.nodes()) box.extend(tree.position(n));
+    const Vec3 size = box.size();
+    return std::max({size.x, size.y, size.z});
+}
+
+/// Values within a solid in world space, at local places.
+class SolidTest {
+  public:
+    SolidTest(const EditableTree& tree, const Solid& solid) : field_(solid), origin_(tree.origin()) {}
+
+    bool inside(Vec3d local) const {
+        const std::array<Vec3, 1> point{Vec3(origin_ + local)};
+        std::array<float, 1> value{};
+        field_.values(point, value);
+        return value[0] >= Solid::kSurface;
+    }
+    std::vector<float> values(const std::vector<Vec3>& points) const {
+        std::vector<float> out(points.size());
+        field_.values(points, out);
+        return out;
+    }
+    Vec3 world(const EditableTree& tree, StableId n) const { return Vec3(origin_ + place_of(tree, n)); }
+
+  private:
+    SolidField field_;
+    Vec3d origin_;
+};
+
+/// Where on the segment from a to b the surface is crossed, a being on the side that is kept.
+double crossing(const SolidTest& test, Vec3d a, Vec3d b, bool keep_inside) {
+    double low = 0, high = 1;
+    for (int i = 0; i < 30; ++i) {
+        const double middle = 0.5 * (low + high);
+        (test.inside(lerp(a, b, middle)) == keep_inside ? low : high) = middle;
+    }
+    return low;
+}
+
+void cut_at_surface(TreeEdit& edit, const EditableTree& tree, StableId n, const SolidTest& test,
+                    bool keep_inside) {
+    constexpr double kLeastStub = 1e-4;  // of the segment
+    const double t = crossing(test, place_of(tree, tree.parent(n)), place_of(tree, n), keep_inside);
+    if (t > kLeastStub && t < 1) split_segment(edit, tree, n, t);
+    edit.remove_subtree(n);
+}
+
+}  // namespace
+
+Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
+    constexpr double kShade = 0.2, kFade = 0.5;  // of a tip on its own cube, and from layer to layer
+    constexpr int kLayers = 7;
+    using Cube = std::array<std::int32_t, 3>;
+    const auto cube_of = [&](StableId n) {
+        const Vec3d p = place_of(tree, n) / cell;
+        Cube out{};
+        for (int axis = 0; axis < 3; ++axis)
+            out[static_cast<std::size_t>(axis)] =
+                static_cast<std::int32_t>(std::clamp(std::floor(p[axis]), -1e9, 1e9));
+        return out;
+    };
+    // Tips by cube, then the shade of a cube from all cubes above: few cubes hold tips.
+    std::vector<std::pair<Cube, StableId>> tips;
+    for (const StableId n : tree.nodes()) {
+        if (tree.is_tip(n)) tips.emplace_back(cube_of(n), n);
+    }
+    std::ranges::sort(tips);
+    const auto count_in = [&](const Cube& c) {
+        const auto first = std::ranges::lower_bound(tips, std::pair(c, StableId(0)));
+        const auto last = std::ranges::upper_bound(tips, std::pair(c, StableId::none()));
+        return static_cast<double>(last - first);
+    };
+    Column<StableId, double> shade(tree.slots(), 0.0);
+    for (std::size_t i = 0; i < tips.size(); ++i) {
+        const auto& [cube, tip] = tips[i];
+        if (i > 0 && tips[i - 1].first == cube) {
+            shade[tip] = shade[tips[i - 1].second];
+            continue;
+        }
+        double sum = -kShade;  // not of itself
+        double strength = kShade;
+        for (std::int32_t up = 0; up < kLayers; ++up, strength *= kFade) {
+            for (std::int32_t x = -up; x <= up; ++x) {
+                for (std::int32_t y = -up; y <= up; ++y)
+                    sum += strength * count_in({cube[0] + x, cube[1] + y, cube[2] + up});
+            }
+        }
+        shade[tip] = sum;
+    }
+    return shade;
+}
+
+EditChange prune(EditableTree& tree, const NodeSet& nodes, const PruneOptions& options) {
+    check_set(tree, nodes);
+    Column<StableId, double> shade;
+    if (options.shade > 0) {
+        const double extent = greatest_extent(tree);
+        const double cell = options.shade_cell > 0 ? double{options.shade_cell} : extent / 50;
+        if (!(cell > 0))
+            throw InvalidInput("the tree has no extent that shade could be counted in; set shade_cell");
+        shade = shade_of_tips(tree, cell);
+    }
+    const std::vector<StableId> order = parents_first(tree);
+    const Column<StableId, Branch> branch = branches_of(tree, order, shade);
+    TreeEdit edit(tree);
+    for (const StableId n : order) {
+        if (tree.contains(n) && !tree.is_root(n) && holds(nodes, n) &&
+            goes(options, branch[n], tree.radius(n)))
+            edit.remove_subtree(n);
+    }
+    return edit.commit();
+}
+
+EditChange prune_by_solid(EditableTree& tree, const NodeSet& nodes, const Solid& solid, bool keep_inside) {
+    check_set(tree, nodes);
+    const SolidTest test(tree, solid);
+    const std::vector<StableId> order = parents_first(tree);
+    std::vector<Vec3> points;
+    for (const StableId n : order) points.push_back(test.world(tree, n));
+    const std::vector<float> values = test.values(points);
+    Column<StableId, std::uint8_t> wanted(tree.slots()), reaches(tree.slots());  // itself; or anything beyond
+    for (std::size_t i = order.size(); i-- > 0;) {
+        const StableId n = order[i];
+        wanted[n] = (values[i] >= Solid::kSurface) == keep_inside;
+        if (wanted[n] != 0) reaches[n] = 1;
+        if (!tree.is_root(n) && reaches[n] != 0) reaches[tree.parent(n)] = 1;
+    }
+    TreeEdit edit(tree);
+    std::uint32_t kept = 0;
+    for (const StableId n : order) {
+        if (!tree.contains(n)) continue;
+        kept += wanted[n];
+        if (tree.is_root(n) || wanted[n] != 0 || !holds(nodes, n)) continue;
+        if (wanted[tree.parent(n)] != 0) {
+            cut_at_surface(edit, tree, n, test, keep_inside);
+        } else if (reaches[n] == 0 || !keep_inside) {
+            edit.remove_subtree(n);
+        }
+    }
+    if (kept == 0) {
+        throw InvalidInput(
+            fmt::format("all of the tree is {} the solid, so that nothing would be left; move the solid",
+                        keep_inside ? "outside" : "within"));
+    }
+    return edit.commit();
+}
+
+}  // namespace coppice

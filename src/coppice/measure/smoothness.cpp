@@ -1,0 +1,160 @@
+#include "coppice/measure/smoothness.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
+#include "coppice/measure/forks_internal.h"
+#include "coppice/mesh/shape.h"
+
+namespace coppice {
+namespace {
+
+using measure_internal::Forks;
+
+constexpr std::size_t kGrain = 1 << 13;
+constexpr double kForkReach = 2;  // [radii]
+constexpr double kNoAngle = -1;
+
+// A side of a face, by its lower vertex.
+struct Side {
+    std::uint32_t low, high, face;
+};
+
+Vec3d at(const PolygonMesh& mesh, std::uint32_t v) { return Vec3d(mesh.positions[v]); }
+
+// Twice the area, along the normal.
+Vec3d area_vector(const PolygonMesh& mesh, std::uint32_t f) {
+    Vec3d sum;
+    for_each_triangle(mesh.face(f), mesh.positions, [&](const Triangle& t) {
+        const Vec3d a = at(mesh, t[0]);
+        sum += cross(at(mesh, t[1]) - a, at(mesh, t[2]) - a);
+    });
+    return sum;
+}
+
+Buffer<Side> sides_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
+    Buffer<Side> sides(mesh.corners.size());
+    parallel_for(ctx, mesh.face_count(), kGrain, [&](std::size_t f) {
+        const auto id = static_cast<std::uint32_t>(f);
+        const auto face = mesh.face(id);
+        for (std::size_t k = 0; k < face.size(); ++k) {
+            const std::uint32_t a = face[k], b = face[(k + 1) % face.size()];
+            sides[mesh.first[f] + k] = {std::min(a, b), std::max(a, b), id};
+        }
+    });
+    radix_sort(ctx, sides, std::bit_width(mesh.positions.size()), [](const Side& s) { return s.high; });
+    radix_sort(ctx, sides, std::bit_width(mesh.positions.size()), [](const Side& s) { return s.low; });
+    return sides;
+}
+
+std::vector<Vec3d> vertex_normals(const PolygonMesh& mesh, const std::vector<Vec3d>& areas) {
+    std::vector<Vec3d> normals(mesh.positions.size());
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+        for (const std::uint32_t v : mesh.face(f)) normals[v] += areas[f];
+    for (Vec3d& n : normals) {
+        const double size = length(n);
+        if (size > 0) n *= 1 / size;
+    }
+    return normals;
+}
+
+// The integral of the squared gradient of the normals, linear on a triangle; 0 where it has no area.
+double bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const Triangle& t) {
+    double twice = 0;
+    for (int k = 0; k < 3; ++k) {
+        const std::uint32_t apex = t[k], i = t[(k + 1) % 3], j = t[(k + 2) % 3];
+        const Vec3d a = at(mesh, i) - at(mesh, apex), b = at(mesh, j) - at(mesh, apex);
+        const double sine = length(cross(a, b));
+        if (!(sine > 0)) return 0;
+        twice += dot(a, b) / sine * length_squared(normals[i] - normals[j]);
+    }
+    return std::isfinite(twice) ? 0.5 * twice : 0;
+}
+
+// Of every face, whether its middle lies at a fork.
+std::vector<char> faces_at_forks(const PolygonMesh& mesh, const Forks& forks, const Context& ctx) {
+    std::vector<char> out(mesh.face_count());
+    parallel_for(ctx, out.size(), kGrain, [&](std::size_t f) {
+        const auto face = mesh.face(static_cast<std::uint32_t>(f));
+        Vec3d sum;
+        for (const std::uint32_t v : face) sum += at(mesh, v);
+        out[f] = forks.contain(sum / static_cast<double>(face.size())) ? 1 : 0;
+    });
+    return out;
+}
+
+struct Sum {
+    double all = 0, forks = 0;
+};
+
+Sum bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const std::vector<char>& at_fork,
+            const Context& ctx) {
+    const auto range_sum = [&](IndexRange range) {
+        Sum sum;
+        for (std::size_t f = range.begin; f < range.end; ++f) {
+            double of_face = 0;
+            for_each_triangle(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions,
+                              [&](const Triangle& t) { of_face += bending(mesh, normals, t); });
+            sum.all += of_face;
+            if (!at_fork.empty() && at_fork[f] != 0) sum.forks += of_face;
+        }
+        return sum;
+    };
+    return parallel_reduce(ctx, mesh.face_count(), kGrain, Sum{}, range_sum, [](Sum a, Sum b) {
+        return Sum{a.all + b.all, a.forks + b.forks};
+    });
+}
+
+// Degrees by the first side of each edge that two faces have, else kNoAngle.
+std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec3d>& areas,
+                                const Context& ctx) {
+    std::vector<double> angles(sides.size(), kNoAngle);
+    const auto same = [&](std::size_t i, std::size_t j) {
+        return j < sides.size() && sides[i].low == sides[j].low && sides[i].high == sides[j].high;
+    };
+    parallel_for(ctx, sides.size(), kGrain, [&](std::size_t i) {
+        if ((i > 0 && same(i - 1, i)) || !same(i, i + 1) || same(i, i + 2)) return;
+        const Vec3d a = areas[sides[i].face], b = areas[sides[i + 1].face];
+        if (!(length(a) > 0) || !(length(b) > 0)) return;
+        angles[i] = std::atan2(length(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
+    });
+    return angles;
+}
+
+// Of the edges between two faces at forks.
+Statistics angles_at_forks(const Buffer<Side>& sides, std::vector<double> angles,
+                           const std::vector<char>& at_fork) {
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+        if (angles[i] != kNoAngle && (at_fork[sides[i].face] == 0 || at_fork[sides[i + 1].face] == 0))
+            angles[i] = kNoAngle;
+    }
+    std::erase(angles, kNoAngle);
+    return statistics(std::move(angles));
+}
+
+}  // namespace
+
+SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, const Context& ctx) {
+    std::vector<char> at_fork;
+    if (skeleton != nullptr)
+        at_fork = faces_at_forks(mesh, Forks(*skeleton, mesh.origin, kForkReach, ctx), ctx);
+    std::vector<Vec3d> areas(mesh.face_count());
+    parallel_for(ctx, areas.size(), kGrain,
+                 [&](std::size_t f) { areas[f] = area_vector(mesh, static_cast<std::uint32_t>(f)); });
+    SmoothnessReport report;
+    const Sum sum = bending(mesh, vertex_normals(mesh, areas), at_fork, ctx);
+    ctx.throw_if_cancelled();
+    const Buffer<Side> sides = sides_by_vertex(mesh, ctx);
+    std::vector<double> angles = face_angles(sides, areas, ctx);
+    if (skeleton != nullptr) report.forks = Smoothness{sum.forks, angles_at_forks(sides, angles, at_fork)};
+    std::erase(angles, kNoAngle);
+    report.whole = {sum.all, statistics(std::move(angles))};
+    return report;
+}
+
+}  // namespace coppice

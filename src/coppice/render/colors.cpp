@@ -1,0 +1,63 @@
+#include "coppice/render/colors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace coppice {
+namespace {
+
+constexpr Vec3 kUnknown{0.25f, 0.25f, 0.25f};
+constexpr double kUsual = 0.98;       // of the distances lie within the range of the colours
+constexpr float kLeastRange = 1e-9f;  // [m]
+
+}  // namespace
+
+Vec3 deviation_color(float t) {
+    static constexpr std::array<Vec3, 5> kStops{Vec3{0.02f, 0.08f, 0.50f}, Vec3{0.14f, 0.38f, 0.75f},
+                                                Vec3{0.72f, 0.72f, 0.70f}, Vec3{0.80f, 0.28f, 0.12f},
+                                                Vec3{0.50f, 0.02f, 0.02f}};
+    if (std::isnan(t)) return kUnknown;
+    const float at = (std::clamp(t, -1.0f, 1.0f) + 1) * 2;
+    const auto i = std::min<std::size_t>(3, static_cast<std::size_t>(at));
+    return lerp(kStops[i], kStops[i + 1], at - static_cast<float>(i));
+}
+
+float to_srgb(float linear) {
+    const float x = std::clamp(linear, 0.0f, 1.0f);
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+}
+
+Rgb to_srgb(Vec3 linear) {
+    const auto byte = [](float x) { return static_cast<std::uint8_t>(std::lround(255 * to_srgb(x))); };
+    return {byte(linear.x), byte(linear.y), byte(linear.z)};
+}
+
+Vec3 to_linear(Rgb color) {
+    const auto light = [](std::uint8_t byte) {
+        const float x = static_cast<float>(byte) / 255;
+        return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+    };
+    return {light(color[0]), light(color[1]), light(color[2])};
+}
+
+float usual_range(std::span<const float> distances) {
+    std::vector<float> sizes;
+    sizes.reserve(distances.size());
+    for (const float d : distances)
+        if (std::isfinite(d)) sizes.push_back(std::fabs(d));
+    if (sizes.empty()) return kLeastRange;
+    const auto at =
+        sizes.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(sizes.size() - 1));
+    std::nth_element(sizes.begin(), at, sizes.end());
+    return std::max(*at, kLeastRange);
+}
+
+std::vector<Rgb> distance_colors(std::span<const float> distances, float range) {
+    std::vector<Rgb> out;
+    out.reserve(distances.size());
+    for (const float d : distances) out.push_back(to_srgb(deviation_color(d / range)));
+    return out;
+}
+
+}  // namespace coppice

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "coppice/base/error.h"
+
+namespace coppice::scene_internal {
+
+/// Some messages of the library begin with the name of the stage, which may be the command's.
+inline std::string with_place(const std::string& place, std::string_view message) {
+    const std::size_t space = place.rfind(' ');
+    const std::string last = place.substr(space == place.npos ? 0 : space + 1) + ":";
+    if (message.starts_with(last + " ")) message.remove_prefix(last.size() + 1);
+    return place.empty() ? std::string(message) : fmt::format("{}: {}", place, message);
+}
+
+/// Calls work, and puts the place before the message of whatever it throws.
+template <class Work>
+auto placed(const std::string& place, const Work& work) {
+    try {
+        return work();
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const IoError& error) {
+        throw IoError(with_place(place, error.what()));
+    } catch (const Unsupported& error) {
+        throw Unsupported(with_place(place, error.what()));
+    } catch (const Error& error) {
+        throw InvalidInput(with_place(place, error.what()));
+    } catch (const std::bad_alloc&) {
+        throw InvalidInput(with_place(place, "there is not enough memory for this"));
+    }
+}
+
+}  // namespace coppice::scene_internal

@@ -1,0 +1,229 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+
+#include "coppice/sketch/trace/hull_internal.h"
+
+namespace coppice::sketch_internal {
+namespace {
+
+constexpr double kNew = 0.2;           // of a line's pixels, in two views: otherwise others show all of it
+constexpr double kShownWidth = 1.3;    // times the silhouette's width about a line, and
+constexpr double kShownPixels = 2;     // [pixels] that it shows
+constexpr double kStep = 0.5;          // [thickness] between the discs of a line
+constexpr std::ptrdiff_t kSmooth = 4;  // cells before and behind, of which each node is the mean
+constexpr double kEndCells = 2.5;      // [cells] by which a hull is too long
+constexpr double kParentWidth = 1.5;   // [thickness] of what it leaves, within which a line has not its own
+
+class Chooser {
+  public:
+    Chooser(const Hull& hull, std::span<const HullPiece> pieces, std::span<const SketchView> views,
+            std::span<const SilhouetteField> fields, std::span<const Mask> masks)
+        : hull_(hull), pieces_(pieces), views_(views), fields_(fields), masks_(masks), shown_(views.size()) {
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            find_pixels(v);
+            shown_[v].assign(masks[v].inside.size(), 0);
+        }
+    }
+
+    /// The end that shows most first, with all that it goes on from. What is taken only ever makes others
+    /// show less, so that only the first one need be looked at again.
+    std::vector<char> run(const Context& ctx) {
+        chosen_.assign(pieces_.size(), 0);
+        std::priority_queue<std::pair<std::size_t, std::uint32_t>> queue;
+        for (std::uint32_t p = 0; p < pieces_.size(); ++p)
+            if (pieces_[p].is_tip) queue.emplace(gain_of(p).pixels, p);
+        while (!queue.empty()) {
+            ctx.throw_if_cancelled();
+            const std::uint32_t p = queue.top().second;
+            queue.pop();
+            const Gain gain = gain_of(p);
+            if (!queue.empty() && gain.pixels < queue.top().first) {
+                if (gain.pixels > 0) queue.emplace(gain.pixels, p);
+            } else if (gain.second_share >= kNew) {
+                for (std::uint32_t q = p; q != kNoCell && chosen_[q] == 0; q = pieces_[q].before) take(q);
+            }
+        }
+        return std::move(chosen_);
+    }
+
+  private:
+    /// What a piece, and all before it that are not chosen, would show that nothing does yet.
+    struct Gain {
+        std::size_t pixels = 0;   ///< of all views
+        double second_share = 0;  ///< of its own pixels, in the view where that is the second largest
+    };
+
+    Gain gain_of(std::uint32_t piece) const {
+        Gain out;
+        double first = 0;
+        for (std::size_t v = 0; v < views_.size(); ++v) {
+            std::size_t own = 0, fresh = 0;
+            for (std::uint32_t q = piece; q != kNoCell && chosen_[q] == 0; q = pieces_[q].before) {
+                own += pixels_[v][q].size();
+                for (const std::size_t i : pixels_[v][q]) fresh += shown_[v][i] == 0 ? 1 : 0;
+            }
+            out.pixels += fresh;
+            const double share = own > 0 ? static_cast<double>(fresh) / static_cast<double>(own) : 0;
+            out.second_share = std::max(out.second_share, std::min(first, share));
+            first = std::max(first, share);
+        }
+        return out;
+    }
+
+    void take(std::uint32_t piece) {
+        chosen_[piece] = 1;
+        for (std::size_t v = 0; v < views_.size(); ++v) {
+            walk(pieces_[piece], v, [&](PicturePoint at, double) {
+                const double wide = std::max(fields_[v].inside_by(at).value_or(0), 0.0);
+                for_disc(at, kShownWidth * wide + kShownPixels, v, [&](std::size_t i) { shown_[v][i] = 1; });
+            });
+        }
+    }
+
+    void find_pixels(std::size_t v) {
+        std::vector<std::uint32_t> last(masks_[v].inside.size(), kNoCell);
+        pixels_.emplace_back(pieces_.size());
+        for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+            walk(pieces_[p], v, [&](PicturePoint at, double radius) {
+                for_disc(at, radius, v, [&](std::size_t i) {
+                    if (last[i] == p) return;
+                    last[i] = p;
+                    pixels_[v][p].push_back(i);
+                });
+            });
+        }
+    }
+
+    /// Calls visit(place, radius) [pixels] along a piece as a view shows it, beyond what it leaves.
+    template <class Visit>
+    void walk(const HullPiece& piece, std::size_t v, const Visit& visit) const {
+        const Vec3d fork = hull_.center(piece.cells.front());
+        const double within = piece.before == kNoCell ? 0 : hull_.thickness(piece.cells.front());
+        double since = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 0; k < piece.cells.size(); ++k) {
+            const Vec3d p = hull_.center(piece.cells[k]);
+            const double thick = hull_.thickness(piece.cells[k]);
+            if (k > 0) since += distance(p, hull_.center(piece.cells[k - 1]));
+            const bool is_last = k + 1 == piece.cells.size();
+            if (!is_last && (distance(p, fork) < within || since < kStep * thick)) continue;
+            since = 0;
+            visit(project(views_[v], p), thick * pixels_per_metre(views_[v], p));
+        }
+    }
+
+    /// Calls visit(index) for the pixels of the silhouette in a disc.
+    template <class Visit>
+    void for_disc(PicturePoint at, double radius, std::size_t v, const Visit& visit) const {
+        const Mask& mask = masks_[v];
+        const auto from = [&](double c) { return static_cast<int>(std::max(c - radius, 0.0)); };
+        const auto to = [&](double c, int size) {
+            return static_cast<int>(std::min(c + radius, size - 1.0));
+        };
+        for (int y = from(at.y); y <= to(at.y, mask.height); ++y) {
+            for (int x = from(at.x); x <= to(at.x, mask.width); ++x) {
+                const PicturePoint off = PicturePoint{x + 0.5, y + 0.5} - at;
+                if (dot(off, off) <= radius * radius && mask.at(x, y)) visit(mask.index(x, y));
+            }
+        }
+    }
+
+    const Hull& hull_;
+    std::span<const HullPiece> pieces_;
+    std::span<const SketchView> views_;
+    std::span<const SilhouetteField> fields_;
+    std::span<const Mask> masks_;
+    std::vector<std::vector<std::vector<std::size_t>>> pixels_;  ///< of every view and piece
+    std::vector<std::vector<std::uint8_t>> shown_;               ///< pixels of every view
+    std::vector<char> chosen_;                                   ///< pieces
+};
+
+/// The chosen pieces; where one alone goes on from another, both are one.
+std::vector<HullPiece> joined(std::span<const HullPiece> pieces, std::span<const char> chosen) {
+    std::vector<std::uint32_t> children(pieces.size(), 0), made(pieces.size(), kNoCell);
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        if (chosen[p] != 0 && pieces[p].before != kNoCell) ++children[pieces[p].before];
+    std::vector<HullPiece> out;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        if (chosen[p] == 0) continue;
+        const HullPiece& piece = pieces[p];
+        if (piece.before != kNoCell && children[piece.before] == 1) {
+            made[p] = made[piece.before];
+            auto& cells = out[made[p]].cells;
+            cells.insert(cells.end(), piece.cells.begin() + 1, piece.cells.end());
+        } else {
+            made[p] = static_cast<std::uint32_t>(out.size());
+            out.push_back(piece);
+            if (piece.before != kNoCell) out.back().before = made[piece.before];
+        }
+        out[made[p]].is_tip = children[p] == 0;
+    }
+    return out;
+}
+
+/// [m] of cells that end where the hull does, seen from there: an end that is round or blunt is as wide as
+/// what comes before it.
+void widen_end(const Hull& hull, std::span<const std::uint32_t> from_end, std::span<double> radii) {
+    std::size_t k = 0;
+    const auto away = [&](std::size_t i) {
+        return distance(hull.center(from_end[i]), hull.center(from_end.front()));
+    };
+    while (k + 1 < radii.size() && away(k) < radii[k] + kEndCells * hull.size) ++k;
+    std::fill(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(k), radii[k]);
+}
+
+/// [m] along a piece.
+std::vector<double> radii_of(const Hull& hull, const HullPiece& piece) {
+    std::vector<std::uint32_t> cells = piece.cells;
+    const Vec3d fork = hull.center(cells.front());
+    const double within = piece.before == kNoCell ? 0 : kParentWidth * hull.thickness(cells.front());
+    std::vector<double> out;
+    double known = hull.thickness(cells.back());
+    for (std::size_t i = cells.size(); i-- > 0;) {
+        if (distance(hull.center(cells[i]), fork) >= within) known = hull.thickness(cells[i]);
+        out.push_back(known);
+    }
+    std::ranges::reverse(cells);
+    if (piece.is_tip) widen_end(hull, cells, out);
+    std::ranges::reverse(cells);
+    std::ranges::reverse(out);
+    if (piece.before == kNoCell) widen_end(hull, cells, out);
+    return out;
+}
+
+}  // namespace
+
+std::vector<HullPiece> explaining(const Hull& hull, std::span<const HullPiece> pieces,
+                                  std::span<const SketchView> views, std::span<const SilhouetteField> fields,
+                                  std::span<const Mask> silhouettes, const Context& ctx) {
+    return joined(pieces, Chooser(hull, pieces, views, fields, silhouettes).run(ctx));
+}
+
+std::vector<RawNode> nodes_of(const Hull& hull, std::span<const HullPiece> pieces) {
+    std::vector<RawNode> out;
+    std::vector<std::int64_t> last(pieces.size(), -1);
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const HullPiece& piece = pieces[p];
+        const std::vector<double> radii = radii_of(hull, piece);
+        const auto size = static_cast<std::ptrdiff_t>(piece.cells.size());
+        // All that leave the foot leave its one node.
+        last[p] = piece.before != kNoCell ? last[piece.before] : out.empty() ? -1 : 0;
+        for (std::ptrdiff_t i = last[p] < 0 ? 0 : 1; i < size; ++i) {
+            const std::ptrdiff_t reach = std::min({kSmooth, i, size - 1 - i});
+            RawNode node{.id = static_cast<std::int64_t>(out.size()), .parent = last[p], .position = {}};
+            for (std::ptrdiff_t k = i - reach; k <= i + reach; ++k) {
+                const auto at = static_cast<std::size_t>(k);
+                const auto share = 1.0 / static_cast<double>(2 * reach + 1);
+                node.position += hull.center(piece.cells[at]) * share;
+                node.radius += radii[at] * share;
+            }
+            last[p] = node.id;
+            out.push_back(node);
+        }
+    }
+    return out;
+}
+
+}  // namespace coppice::sketch_internal

@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <tuple>
+
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/sketch/trace/hull_internal.h"
+
+namespace coppice::sketch_internal {
+namespace {
+
+constexpr double kGround = 0.05;     // of the height: the foot is where it is widest within
+constexpr double kCovered = 2;       // [thickness], and
+constexpr double kCoveredCells = 3;  // [cells] about a way, within which no other one ends
+constexpr double kSpur = 1.5;        // [thickness] where it leaves, and
+constexpr double kSpurCells = 2;     // [cells]: what ends before is a bump
+
+/// Which cells touch which.
+class Neighbours {
+  public:
+    explicit Neighbours(const std::vector<Cell>& cells) : at_(26 * cells.size(), kNoCell) {
+        std::size_t direction = 0;
+        for (int z = 0; z <= 1; ++z)
+            for (int y = z == 0 ? 0 : -1; y <= 1; ++y)
+                for (int x = z == 0 && y == 0 ? 1 : -1; x <= 1; ++x) join(cells, {x, y, z}, direction++);
+    }
+    std::span<const std::uint32_t> of(std::uint32_t i) const {
+        return {at_.data() + 26 * std::size_t{i}, 26};
+    }
+
+  private:
+    /// Cells stay in order when all are shifted: both lists are walked side by side.
+    void join(const std::vector<Cell>& cells, Cell by, std::size_t direction) {
+        const auto key = [](const Cell& c) { return std::tuple(c[2], c[1], c[0]); };
+        std::size_t other = 0;
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const Cell wanted{cells[i][0] + by[0], cells[i][1] + by[1], cells[i][2] + by[2]};
+            while (other < cells.size() && key(cells[other]) < key(wanted)) ++other;
+            if (other == cells.size() || cells[other] != wanted) continue;
+            at_[26 * i + 2 * direction] = static_cast<std::uint32_t>(other);
+            at_[26 * other + 2 * direction + 1] = static_cast<std::uint32_t>(i);
+        }
+    }
+    std::vector<std::uint32_t> at_;
+};
+
+class WayFinder {
+  public:
+    WayFinder(const Hull& hull, const Context& ctx)
+        : hull_(hull), ctx_(ctx), count_(static_cast<std::uint32_t>(hull.cells.size())), near_(hull.cells) {}
+
+    std::vector<HullPiece> run() {
+        if (count_ == 0) return {};
+        find_foot();
+        find_ways();
+        find_tips();
+        return cut();
+    }
+
+  private:
+    double apart(std::uint32_t a, std::uint32_t b) const {
+        return distance(hull_.center(a), hull_.center(b));
+    }
+    template <class Visit>
+    void for_neighbours(std::uint32_t i, const Visit& visit) const {
+        for (const std::uint32_t n : near_.of(i))
+            if (n != kNoCell) visit(n);
+    }
+
+    /// The cells that hang together most.
+    std::vector<std::uint32_t> largest_part() const {
+        DisjointSets sets(count_);
+        std::vector<std::uint32_t> size(count_, 0), out;
+        for (std::uint32_t i = 0; i < count_; ++i)
+            for_neighbours(i, [&](std::uint32_t n) { sets.join(n, i); });
+        for (std::uint32_t i = 0; i < count_; ++i) ++size[sets.find(i)];
+        const auto most = static_cast<std::uint32_t>(std::ranges::max_element(size) - size.begin());
+        for (std::uint32_t i = 0; i < count_; ++i)
+            if (sets.find(i) == most) out.push_back(i);
+        return out;
+    }
+
+    /// Below the widest place near the ground. Cells are in order of their height.
+    void find_foot() {
+        const std::vector<std::uint32_t> part = largest_part();
+        const double low = hull_.center(part.front()).z, high = hull_.center(part.back()).z;
+        std::uint32_t widest = part.front();
+        for (const std::uint32_t i : part)
+            if (hull_.center(i).z <= low + kGround * (high - low) &&
+                hull_.thickness(i) > hull_.thickness(widest))
+                widest = i;
+        foot_width_ = hull_.thickness(widest);
+        foot_ = *std::ranges::find_if(part, [&](std::uint32_t i) {
+            const Vec3d off = hull_.center(i) - hull_.center(widest);
+            return std::hypot(off.x, off.y) <= 0.5 * hull_.thickness(widest);
+        });
+    }
+
+    /// The cheapest ways from the foot; what is half as wide costs twice as much.
+    void find_ways() {
+        std::vector<double> cost(count_, std::numeric_limits<double>::infinity());
+        std::vector<char> done(count_, 0);
+        length_.assign(count_, 0);
+        from_.assign(count_, kNoCell);
+        using Entry = std::pair<double, std::uint32_t>;
+        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+        cost[foot_] = 0;
+        queue.emplace(0, foot_);
+        while (!queue.empty()) {
+            const std::uint32_t i = queue.top().second;
+            queue.pop();
+            if (done[i] != 0) continue;
+            if (order_.size() % 4096 == 0) ctx_.throw_if_cancelled();
+            done[i] = 1;
+            order_.push_back(i);
+            for_neighbours(i, [&](std::uint32_t n) {
+                const double step = apart(i, n), thin = hull_.size / hull_.thickness(n);
+                const double there = cost[i] + step * thin;
+                if (done[n] != 0 || there >= cost[n]) return;
+                cost[n] = there;
+                from_[n] = i;
+                length_[n] = length_[i] + step;
+                queue.emplace(there, n);
+            });
+        }
+    }
+
+    /// The farthest cell first, each with its way to those before; what lies about a way is no end.
+    void find_tips() {
+        std::vector<std::uint32_t> far = order_;
+        std::ranges::stable_sort(far, std::greater<>{}, [&](std::uint32_t i) { return length_[i]; });
+        covered_.assign(count_, 0);
+        on_way_.assign(count_, 0);
+        on_way_[foot_] = 1;
+        for (const std::uint32_t tip : far) {
+            if (covered_[tip] > 0) continue;
+            ctx_.throw_if_cancelled();
+            std::vector<std::uint32_t> way;
+            std::uint32_t i = tip;
+            for (; on_way_[i] == 0; i = from_[i]) way.push_back(i);
+            if (apart(tip, i) < kSpur * width_at(i) + kSpurCells * hull_.size) way.resize(0);
+            for (const std::uint32_t w : way) on_way_[w] = 1;
+            way.push_back(tip);
+            cover_about(way);
+        }
+    }
+
+    /// [m] The foot lies at the edge of what is wide there.
+    double width_at(std::uint32_t i) const {
+        return std::max(hull_.thickness(i), apart(i, foot_) < foot_width_ ? foot_width_ : 0);
+    }
+
+    /// Every cell keeps how far on from it is covered, the farthest first.
+    void cover_about(const std::vector<std::uint32_t>& way) {
+        std::priority_queue<std::pair<double, std::uint32_t>> queue;
+        for (const std::uint32_t w : way)
+            queue.emplace(kCovered * hull_.thickness(w) + kCoveredCells * hull_.size, w);
+        while (!queue.empty()) {
+            const double left = queue.top().first;
+            const std::uint32_t i = queue.top().second;
+            queue.pop();
+            if (left <= covered_[i]) continue;
+            covered_[i] = left;
+            for_neighbours(i, [&](std::uint32_t n) {
+                if (const double there = left - apart(i, n); there > covered_[n]) queue.emplace(there, n);
+            });
+        }
+    }
+
+    /// Ways part where they have several children.
+    std::vector<HullPiece> cut() const {
+        std::vector<std::uint8_t> children(count_, 0);
+        for (const std::uint32_t i : order_)
+            if (on_way_[i] != 0 && i != foot_) ++children[from_[i]];
+        std::vector<HullPiece> pieces;
+        std::vector<std::uint32_t> piece_of(count_, kNoCell);
+        for (const std::uint32_t i : order_) {
+            if (on_way_[i] == 0 || i == foot_) continue;
+            const std::uint32_t from = from_[i];
+            piece_of[i] = piece_of[from];
+            if (from == foot_ || children[from] > 1) {
+                piece_of[i] = static_cast<std::uint32_t>(pieces.size());
+                pieces.push_back({.cells = {from}, .before = piece_of[from]});
+            }
+            pieces[piece_of[i]].cells.push_back(i);
+            pieces[piece_of[i]].is_tip = children[i] == 0;
+        }
+        return pieces;
+    }
+
+    const Hull& hull_;
+    const Context& ctx_;
+    std::uint32_t count_;
+    Neighbours near_;
+    std::uint32_t foot_ = 0;
+    double foot_width_ = 0;             ///< [m] the thickness above it
+    std::vector<double> length_;        ///< [m] of every cell's way from the foot
+    std::vector<std::uint32_t> from_;   ///< the cell before it there
+    std::vector<std::uint32_t> order_;  ///< those that are reached, the one before always before
+    std::vector<char> on_way_;
+    std::vector<double> covered_;  ///< [m]
+};
+
+}  // namespace
+
+std::vector<HullPiece> pieces_of(const Hull& hull, const Context& ctx) { return WayFinder(hull, ctx).run(); }
+
+}  // namespace coppice::sketch_internal

@@ -1,0 +1,65 @@
+#include "coppice/edit/anchor.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/edit/cut.h"
+#include "coppice/edit/rigid.h"
+#include "coppice/skeleton/random_tree.h"
+#include "edit/trees.h"
+
+namespace coppice {
+namespace {
+
+using test::id;
+using test::ids;
+
+TEST(Anchor, BindsToItsOwnNode) {
+    const EditableTree tree(random_tree(300, 1));
+    const AnchorFrame frame = anchor_frame(tree);
+    for (const StableId n : tree.nodes()) {
+        const Binding b = bind_anchor(tree, frame, anchor_of(tree, frame, n));
+        EXPECT_EQ(b.node, n);
+        EXPECT_NEAR(b.distance, 0, 1e-9);
+    }
+}
+
+TEST(Anchor, FindsTheNodeOfATreeThatIsLargerNumberedOtherwiseAndElsewhere) {
+    const Skeleton s = random_tree(300, 1);
+    std::vector<StableId> other;
+    std::vector<Vec3> place;
+    std::vector<float> radius;
+    for (const NodeId n : nodes(s)) {
+        other.emplace_back(1000 + 3 * n.index());
+        place.push_back(s.position(n) * 2.5f + Vec3{10, 20, 30});
+        radius.push_back(s.radius(n) * 2.5f);
+    }
+    const EditableTree tree(s);
+    const EditableTree again(
+        Skeleton({s.parents().begin(), s.parents().end()}, place, radius, {1000, 0, 0}, other));
+    const AnchorFrame frame = anchor_frame(tree), frame_again = anchor_frame(again);
+    for (const StableId n : tree.nodes()) {
+        const Binding b = bind_anchor(again, frame_again, anchor_of(tree, frame, n));
+        EXPECT_EQ(b.node, id(1000 + 3 * n.index()));
+    }
+}
+
+TEST(Anchor, SaysWhyAndNamesTheNearestWhereNothingIsLikeEnough) {
+    EditableTree tree(test::stem_with_branches());
+    const AnchorFrame frame = anchor_frame(tree);  // 4 m along x
+    const Anchor tip = anchor_of(tree, frame, id(6));
+    remove_branches(tree, ids({5}));
+    const Binding gone = bind_anchor(tree, frame, tip);
+    EXPECT_FALSE(gone.node);
+    EXPECT_EQ(gone.nearest, id(4));
+    EXPECT_NEAR(gone.distance, 2, 1e-6);
+    EXPECT_EQ(gone.reason, "nothing is within 0.12 m");
+    Anchor other = anchor_of(tree, frame, id(4));
+    other.order = 0;
+    EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the order of the axis there is another");
+    other.order = 1;
+    other.radius *= 3;
+    EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the radius there is another");
+}
+
+}  // namespace
+}  // namespace coppice

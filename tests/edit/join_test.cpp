@@ -1,0 +1,143 @@
+#include "coppice/edit/join.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/edit/cut.h"
+#include "edit/trees.h"
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+using test::error_of;
+using test::id;
+using test::ids;
+using test::near;
+
+TEST(Draw, SnapsToTheNearestAxis) {
+    EditableTree tree(test::stem_with_branches());
+    const std::vector<Vec3d> points{{0.05, 0, 1.5}, {-0.5, 0, 1.7}, {-1, 0, 2.1}};
+    const EditChange change = draw(tree, points);
+    ASSERT_EQ(change.added, ids({9, 10, 11}));
+    EXPECT_TRUE(near(tree.position(id(9)), {0, 0, 1.5f}));  // the foot, on the segment to 2
+    EXPECT_EQ(tree.parent(id(2)), id(9));
+    EXPECT_EQ(tree.parent(id(10)), id(9));
+    // Half the host's 0.09 at the foot, and a quarter of that at the tip.
+    EXPECT_FLOAT_EQ(tree.radius(id(11)), 0.01125f);
+    EXPECT_GT(tree.radius(id(10)), tree.radius(id(11)));
+}
+
+TEST(Draw, RefusesWhatIsFarFromAnyAxisUnlessAlone) {
+    EditableTree tree(test::stem_with_branches());
+    const std::vector<Vec3d> points{{0, 4, 1.5}, {0, 5, 2}};
+    EXPECT_EQ(error_of([&] { draw(tree, points); }),
+              "the first point is 3.64 m from the nearest axis, at node 7, whose radius is 0.02 m; begin "
+              "nearer, raise "
+              "snap, or draw it alone");
+    const EditChange change = draw(tree, points, {.radius = 0.2, .alone = true});
+    EXPECT_TRUE(tree.is_root(change.added[0]));
+    EXPECT_FLOAT_EQ(tree.radius(change.added[0]), 0.2f);
+    EXPECT_NE(error_of([&] {
+                  draw(tree, {points.data(), 1});
+              }).find("two points or more"),
+              std::string::npos);
+}
+
+TEST(Append, AddsANode) {
+    EditableTree tree(test::stem_with_branches());
+    append(tree, id(6), {0, 0, 1});
+    EXPECT_TRUE(near(tree.position(id(9)), {3, 0, 2}));
+    EXPECT_FLOAT_EQ(tree.radius(id(9)), 0.03f);
+}
+
+TEST(Graft, MovesABranchToAnotherHost) {
+    EditableTree tree(test::stem_with_branches());
+    const EditChange change = graft(tree, id(4), id(3));
+    EXPECT_EQ(change.reparented, ids({4}));
+    EXPECT_EQ(change.moved, ids({4, 5, 6, 7}));
+    EXPECT_TRUE(near(tree.position(id(4)), {1, 0, 3}));
+    tree.undo();
+    graft(tree, id(8), id(5), {.along = 0.5});  // 5's segment runs from x = 1 to 2, of radius 0.05 to 0.04
+    EXPECT_TRUE(near(tree.position(tree.parent(id(8))), {1.5f, 0, 1}));
+    EXPECT_TRUE(near(tree.position(id(8)), {0.5f, 0, 1}));
+    tree.undo();
+    graft(tree, id(8), id(5), {.align = true});  // from a host along z to one along x: -x becomes z
+    EXPECT_TRUE(near(tree.position(id(8)), {2, 0, 2}));
+}
+
+TEST(Graft, LimitsRadiiByTheHost) {
+    EditableTree tree(test::stem_with_branches());
+    EXPECT_EQ(graft(tree, id(4), id(8)).resized, ids({4, 5, 6}));
+    EXPECT_FLOAT_EQ(tree.radius(id(4)), 0.02f);
+    tree.undo();
+    EXPECT_TRUE(graft(tree, id(4), id(8), {.limit_radius = false}).resized.empty());
+}
+
+TEST(Graft, BringsDetachedBranchesBackToTheirPlace) {
+    EditableTree tree(test::stem_with_branches());
+    detach(tree, ids({4}));
+    const EditChange change = graft(tree, id(9), id(1));
+    EXPECT_EQ(change.removed, ids({9}));
+    EXPECT_TRUE(test::same(tree.skeleton(), test::stem_with_branches()) ||
+                tree.skeleton().size() == test::stem_with_branches().size());
+    for (const StableId n : tree.nodes())
+        EXPECT_EQ(tree.position(n), EditableTree(test::stem_with_branches()).position(n));
+}
+
+TEST(Graft, RefusesCyclesAndLoneNodes) {
+    EditableTree tree(test::stem_with_branches());
+    EXPECT_EQ(error_of([&] { graft(tree, id(4), id(7)); }),
+              "node 7 hangs on node 4, so that 4 would be grafted into itself; choose a host outside the "
+              "subtree of 4");
+    EXPECT_NE(error_of([&] { graft(tree, id(4), id(4)); }).find("grafted into itself"), std::string::npos);
+    EXPECT_NE(error_of([&] { graft(tree, id(0), id(6)); }).find("grafted into itself"), std::string::npos);
+    const std::vector<Vec3d> points{{0, 9, 0}, {0, 9, 1}};
+    draw(tree, points, {.alone = true});
+    remove_branches(tree, ids({10}));
+    EXPECT_NE(error_of([&] { graft(tree, id(9), id(1)); }).find("a tree of a single node"),
+              std::string::npos);
+}
+
+/// A stem of radius 0.1 up the z axis, and trees whose roots lie: in it at z = 0.5, off its axis; on its axis
+/// at z = 1.5; outside.
+Skeleton superimposed() {
+    const NodeId none;
+    return Skeleton({none, NodeId(0), none, NodeId(2), none, NodeId(4), none, NodeId(6)},
+                    {{0, 0, 0},
+                     {0, 0, 2},
+                     {0.05f, 0, 0.5f},
+                     {1, 0, 1},
+                     {0, 0, 1.5f},
+                     {-1, 0, 2},
+                     {0.5f, 0, 0},
+                     {1, 0, 0}},
+                    {0.1f, 0.1f, 0.2f, 0.15f, 0.05f, 0.04f, 0.1f, 0.1f});
+}
+
+TEST(Attach, HangsTreesWhoseRootsLieInWood) {
+    EditableTree tree(superimposed());
+    const EditChange change = attach(tree, tree.nodes());
+    EXPECT_EQ(tree.skeleton().tree_count(), 2u);
+    EXPECT_TRUE(near(tree.position(tree.parent(id(2))), {0, 0, 0.5f}));
+    EXPECT_FLOAT_EQ(tree.radius(id(2)), 0.1f);  // no thicker than the stem
+    EXPECT_FLOAT_EQ(tree.radius(id(3)), 0.1f);
+    EXPECT_EQ(change.removed, ids({4}));  // on the axis: the node of the stem takes its place
+    EXPECT_TRUE(near(tree.position(tree.parent(id(5))), {0, 0, 1.5f}));
+    EXPECT_TRUE(tree.is_root(id(6)));
+    tree.undo();
+    EXPECT_TRUE(test::same(tree.skeleton(), superimposed()));
+}
+
+TEST(Attach, NeverHangsATreeOnItself) {
+    // Each root lies in the other's wood.
+    const NodeId none;
+    EditableTree tree(Skeleton({none, NodeId(0), none, NodeId(2)},
+                               {{0, 0, 0}, {0, 0, 1}, {0.01f, 0, 0.02f}, {1, 0, 0}},
+                               {0.1f, 0.1f, 0.1f, 0.1f}));
+    attach(tree, tree.nodes());
+    EXPECT_EQ(tree.skeleton().tree_count(), 1u);
+    EXPECT_NE(error_of([&] { attach(tree, ids({1})); }).find("no root is selected"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace coppice

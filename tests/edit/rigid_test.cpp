@@ -1,0 +1,89 @@
+#include "coppice/edit/rigid.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "edit/trees.h"
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+using test::error_of;
+using test::id;
+using test::ids;
+using test::near;
+
+constexpr double kQuarter = std::numbers::pi / 2;
+
+TEST(Rigid, MovesABranchWithAllThatHangsOnIt) {
+    EditableTree tree(test::stem_with_branches());
+    const EditChange change = translate(tree, ids({4, 6}), {0, 0, 0.5});  // 6 hangs on 4, and moves once
+    EXPECT_EQ(change.moved, ids({4, 5, 6, 7}));
+    EXPECT_TRUE(near(tree.position(id(6)), {3, 0, 1.5f}));
+}
+
+TEST(Rigid, TurnsABranchAboutItsJoint) {
+    EditableTree tree(test::stem_with_branches());
+    rotate(tree, ids({4}), {.angle = kQuarter});  // about z at (0, 0, 1): x becomes y
+    EXPECT_TRUE(near(tree.position(id(4)), {0, 1, 1}));
+    EXPECT_TRUE(near(tree.position(id(7)), {-1, 2, 1}));
+    tree.undo();
+    rotate(tree, ids({4}), {.angle = kQuarter, .about = TurnAxis::own});  // about x: y becomes z
+    EXPECT_TRUE(near(tree.position(id(6)), {3, 0, 1}));
+    EXPECT_TRUE(near(tree.position(id(7)), {2, 0, 2}));
+    tree.undo();
+    rotate(tree, ids({4}), {.angle = kQuarter, .about = TurnAxis::side});  // up along its host
+    EXPECT_TRUE(near(tree.position(id(6)), {0, 0, 4}));
+    tree.undo();
+    rotate(tree, ids({5}), {.angle = kQuarter, .about = TurnAxis::host});  // its host runs along x
+    EXPECT_TRUE(near(tree.position(id(7)), {2, 0, 2}));
+}
+
+TEST(Rigid, ScalesFromTheJointWithRadii) {
+    EditableTree tree(test::stem_with_branches());
+    scale(tree, ids({4}), 0.5);
+    EXPECT_TRUE(near(tree.position(id(6)), {1.5f, 0, 1}));
+    EXPECT_FLOAT_EQ(tree.radius(id(6)), 0.015f);
+    EXPECT_FLOAT_EQ(tree.radius(id(1)), 0.1f);
+    EXPECT_TRUE(scale(tree, ids({8}), 2, false).resized.empty());
+}
+
+TEST(Rigid, MirrorsABranchOrACopyOfIt) {
+    EditableTree tree(test::stem_with_branches());
+    mirror(tree, ids({4}), {1, 0, 0});
+    EXPECT_TRUE(near(tree.position(id(7)), {-2, 1, 1}));
+    tree.undo();
+    const EditChange change = mirror(tree, ids({4}), {2, 0, 0}, true);
+    EXPECT_EQ(change.added.size(), 4u);
+    EXPECT_TRUE(change.moved.empty());
+    EXPECT_EQ(tree.parent(change.added[0]), id(1));
+    EXPECT_TRUE(near(tree.position(change.added[1]), {-2, 0, 1}));
+}
+
+TEST(Rigid, RefusesWhatMakesNoSense) {
+    EditableTree tree(test::stem_with_branches());
+    EXPECT_EQ(error_of([&] {
+                  translate(tree, {}, {1, 0, 0});
+              }),
+              "no node is selected; select shows what a selection holds");
+    EXPECT_EQ(error_of([&] { scale(tree, ids({1}), 0); }),
+              "the factor 0 is not above 0; give 0.5 for half the size");
+    EXPECT_EQ(error_of([&] {
+                  rotate(tree, ids({1}), {.angle = 1, .axis = {0, 0, 0}});
+              }),
+              "the axis has no direction; give three numbers that are not all 0");
+    EXPECT_NE(error_of([&] {
+                  mirror(tree, ids({0}), {1, 0, 0}, true);
+              }).find("node 0 is a root"),
+              std::string::npos);
+    EXPECT_NE(error_of([&] {
+                  translate(tree, ids({40}), {1, 0, 0});
+              }).find("there is no node 40"),
+              std::string::npos);
+    EXPECT_EQ(tree.undo_depth(), 0u);
+}
+
+}  // namespace
+}  // namespace coppice
