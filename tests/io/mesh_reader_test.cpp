@@ -329,6 +329,14 @@ TEST(MeshReader, GlbBuffersInOtherFilesAreRefused) {
     EXPECT_NE(error_of(file, MeshFormat::glb).find("keeps data in other files"), std::string::npos);
 }
 
+TEST(MeshReader, GlbEmptyAccessorsMayStartAnywhere) {
+    const auto file = glb(R"({"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"byteOffset":4,"componentType":5126,"count":0,"type":"VEC3"}],
+        "bufferViews":[{"byteLength":0}],"buffers":[{"byteLength":0}]})",
+                          "");
+    EXPECT_EQ(error_of(file, MeshFormat::glb), "f: it holds no faces, so it is no surface");
+}
+
 TEST(MeshReader, LargeCoordinatesKeepTheirDigits) {
     const auto mesh =
         parse_mesh("v 500000.125 5200000.0625 300\nv 500001.375 5200000 300\nv 500000 5200001 301\nf 1 2 3\n",

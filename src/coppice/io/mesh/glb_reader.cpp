@@ -356,7 +356,7 @@ class GlbParser {
         const std::size_t needed = out.count == 0 ? 0 : offset + (out.count - 1) * out.stride + size;
         if (out.stride < size || needed > bytes.size())
             fail(fmt::format("accessor {} reaches beyond its buffer", index));
-        out.data = bytes.data() + offset;
+        if (out.count > 0) out.data = bytes.data() + offset;  // an empty one may start anywhere
         return out;
     }
 
