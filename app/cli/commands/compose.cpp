@@ -57,8 +57,7 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t i,
 /// The solid that the crown may fill, in the coordinates of the template.
 std::optional<SolidField> crown_of(Run& run, const ComposeFlags& flags, Vec3d origin) {
     if (flags.crown.empty()) return {};
-    const Solid solid = solid_of_scene(run, flags.crown.string());
-    return SolidField(origin == Vec3d{} ? solid : translated(solid, Vec3(-origin)));
+    return SolidField(relative_to(solid_of_scene(run, flags.crown.string()), origin));
 }
 
 /// How much a measure differs from tree to tree.
@@ -138,14 +137,10 @@ ExitCode compose(Run& run, const ComposeFlags& flags) {
     check_flags(flags);
     const SkeletonFile host = load_skeleton(run, flags.host, flags.read);
     const std::optional<SolidField> crown = crown_of(run, flags, host.skeleton.origin());
-    std::vector<ChildTree> library;
-    for (LibraryEntry& e : run.stage("read library", [&](const Context& ctx) {
-             return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);
-         }))
-        library.push_back(std::move(e.tree));
-    if (library.empty())
-        throw InvalidInput(fmt::format("{}: there are no such trees", flags.library.string()));
-    const TreeComposer composer(std::move(library), flags.compose);
+    const TreeComposer composer(
+        run.stage("read library",
+                  [&](const Context& ctx) { return read_child_trees(flags.library, flags.which, ctx); }),
+        flags.compose);
     Totals totals;
     std::vector<Skeleton> drawn;
     std::string surfaces;

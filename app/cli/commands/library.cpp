@@ -104,8 +104,6 @@ ExitCode add(Run& run, const LibraryFlags& flags) {
     return kDone;
 }
 
-double degrees(float angle) { return double{angle} * 180 / std::numbers::pi; }
-
 Figures figures_of(const LibraryEntry& e) {
     Figures out;
     out["id"] = e.id;
@@ -123,7 +121,7 @@ Figures figures_of(const LibraryEntry& e) {
     out["orders"] = e.measures.orders;
     out["radius_m"] = e.measures.radius;
     out["host_radius_m"] = e.tree.host_radius;
-    out["inclination_degrees"] = degrees(e.tree.inclination);
+    out["inclination_degrees"] = double{e.tree.inclination} * 180 / std::numbers::pi;
     return out;
 }
 
@@ -131,17 +129,9 @@ ExitCode list(Run& run, const LibraryFlags& flags) {
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
     });
-    fmt::print("{:>6} {:>10} {:>10} {:>9} {:>6} {:>6} {:>8} {:>8} {:>5} {:>5}  {}\n", "id", "length m",
-               "volume l", "extent m", "nodes", "tips", "orders", "radius", "incl", "leads", "source, tags");
+    fmt::print("{}", table_of(entries));
     Figure::List figures;
-    for (const LibraryEntry& e : entries) {
-        const ChildTreeMeasures& m = e.measures;
-        fmt::print("{:>6} {:>10.3f} {:>10.4f} {:>9.3f} {:>6} {:>6} {:>8} {:>8.4f} {:>5.0f} {:>5}  {}{}{}\n",
-                   e.id, m.length, 1000 * m.volume, m.extent, m.nodes, m.tips, m.orders, double{m.radius},
-                   degrees(e.tree.inclination), e.tree.leads ? "yes" : "no", e.source,
-                   e.tags.empty() ? "" : ", ", fmt::join(e.tags, ", "));
-        figures.emplace_back(figures_of(e));
-    }
+    for (const LibraryEntry& e : entries) figures.emplace_back(figures_of(e));
     run.counts()["trees"] = entries.size();
     run.counts()["entries"] = figures;
     run.finish(fmt::format("{}: {} branches", flags.library.string(), grouped(entries.size())));

@@ -49,7 +49,7 @@ class Composing {
           options_(options),
           crown_(crown),
           draws_(seed),
-          tree_(host, options.clearance) {}
+          tree_(host, options) {}
 
     ComposeResult run(const Context& ctx) {
         constexpr std::uint32_t kPoll = 256;

@@ -54,6 +54,7 @@ struct ComposeOptions {
     float clearance = 1;  ///< where axes come nearer than this many times both radii, branches cross; 0
                           ///< does not look for it
     int tries = 8;        ///< branches and rolls tried for each that is to be replaced
+    int max_nodes = 50'000'000;  ///< a tree that would get more is an error
 };
 
 template <class Self, class Visitor>
@@ -62,7 +63,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"probability", "that a branch on a main axis is replaced", Unit::none, 0, 1}, o.probability);
     visit(Field{"probability_falloff", "of each order more, over that of the order before", Unit::none, 0, 1},
           o.probability_falloff);
-    visit(Field{"depth", "how often: 1 replaces branches of the template, 2 branches of these too, ...",
+    visit(Field{"depth", "how often: 1 replaces branches of the template, 2 branches of these too, and so on",
                 Unit::none, 1, 20},
           o.depth);
     visit(Field{"tolerance", "how much longer or shorter than what it replaces, as a part of that",
@@ -86,6 +87,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.clearance);
     visit(Field{"tries", "branches and rolls tried for each that is to be replaced", Unit::none, 1, 1000},
           o.tries);
+    visit(Field{"max_nodes", "a tree that would get more, those that were replaced too, is refused",
+                Unit::none, 1, 5e7},
+          o.max_nodes);
 }
 
 /// What became of the branches that were to be replaced.
@@ -119,8 +123,8 @@ class TreeComposer {
     TreeComposer(std::vector<ChildTree> library, const ComposeOptions& options);
 
     /// Branches leave `crown`, if there is one, nowhere; it is in the coordinates of the skeleton's origin.
-    /// About O(n log n) of the result. Throws InvalidInput where the tree would grow beyond 50 million nodes;
-    /// Cancelled.
+    /// About O(n log n) of the result. Throws InvalidInput where the tree would grow beyond
+    /// ComposeOptions::max_nodes; Cancelled.
     ComposeResult compose(const Skeleton& host, std::uint64_t seed, const SolidField* crown = nullptr,
                           const Context& ctx = {}) const;
 

@@ -1,5 +1,7 @@
 #include "coppice/compose/growing_tree_internal.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +12,14 @@
 namespace coppice::compose_internal {
 namespace {
 
-constexpr std::uint32_t kMostNodes = 50'000'000;
 constexpr double kNear = 2;  // [radii of the host] about a branch node, where branches always overlap
 
 }  // namespace
 
-GrowingTree::GrowingTree(const Skeleton& host, float clearance)
-    : origin_(host.origin()), clearance_(double{clearance}) {
+GrowingTree::GrowingTree(const Skeleton& host, const ComposeOptions& options)
+    : origin_(host.origin()),
+      clearance_(double{options.clearance}),
+      most_nodes_(static_cast<std::uint32_t>(options.max_nodes)) {
     const BranchSizes sizes(host);
     for (const coppice::NodeId n : coppice::nodes(host)) {
         const std::uint32_t i = n.index(), parent = host.is_root(n) ? kNone : host.parent(n).index();
@@ -156,9 +159,10 @@ void GrowingTree::put_back() {
 void GrowingTree::put_in(const Place& place, const Skeleton& tree, std::span<const double> length,
                          std::span<const std::uint32_t> orders, std::span<const Vec3> positions,
                          std::span<const float> radii) {
-    if (size() + tree.size() > kMostNodes) {
-        throw InvalidInput(
-            "compose: the tree gets more than 50 million nodes; use a smaller library, depth or tolerance");
+    if (size() + tree.size() > most_nodes_) {
+        throw InvalidInput(fmt::format(
+            "compose: the tree gets more than {} nodes; use a smaller library, depth or tolerance",
+            most_nodes_));
     }
     const std::uint32_t before = size() - 1, depth = nodes_[place.node].depth + 1;
     const std::uint32_t order = nodes_[place.node].order + (place.leads ? 0 : 1);

@@ -43,8 +43,7 @@ class GrowingTree {
     };
     static constexpr std::uint32_t kNone = 0xffffffffu;
 
-    /// `clearance` as in ComposeOptions.
-    GrowingTree(const Skeleton& host, float clearance);
+    GrowingTree(const Skeleton& host, const ComposeOptions& options);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
     const Node& operator[](std::uint32_t n) const { return nodes_[n]; }
@@ -78,7 +77,8 @@ class GrowingTree {
 
     std::vector<Node> nodes_;
     Vec3d origin_;
-    double clearance_;
+    double clearance_;          ///< as in ComposeOptions
+    std::uint32_t most_nodes_;  ///< as in ComposeOptions
     PlacedSegments segments_;
     std::vector<std::uint32_t> taken_;    ///< nodes that were taken out last
     std::vector<std::uint32_t> at_node_;  ///< segments of the axes at a branch node near it, ascending

@@ -97,6 +97,8 @@ Argument argument_of(const Field& field, const T& value) {
         a.type = ArgumentType::choice;
         a.choices.assign(EnumNames<T>::names.begin(), EnumNames<T>::names.end());
         a.initial = name_of(value);
+    } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+        a.repeats = true;
     } else {
         a.type = std::is_same_v<T, int> ? ArgumentType::whole : ArgumentType::number;
         double shown = static_cast<double>(value);

@@ -14,7 +14,7 @@ constexpr double kMebibyte = 1 << 20;
 std::vector<SceneCommand> whole_table() {
     std::vector<SceneCommand> table;
     for (const auto make : {primitive_commands, solid_commands, curve_commands, point_commands, tree_commands,
-                            edit_commands, session_commands}) {
+                            compose_commands, edit_commands, session_commands}) {
         std::ranges::move(make(), std::back_inserter(table));
     }
     return table;
@@ -266,10 +266,14 @@ ObjectPtr SceneCall::any(const std::string& name, const std::string& kind) const
     return state_.objects.at({kinds.front(), name});
 }
 
-SolidField SceneCall::field(const std::string& name) const {
+SolidField SceneCall::field(const std::string& name, Vec3d origin) const {
     constexpr double kBytesOfPart = 300;
     reserve(kBytesOfPart * solid(name).part_count());
-    return SolidField(solid(name));
+    return SolidField(relative_to(solid(name), origin));
+}
+
+double SceneCall::memory_left() const {
+    return std::max(0.0, settings_.max_memory * kMebibyte - static_cast<double>(state_.bytes));
 }
 
 void SceneCall::reserve(double bytes) const {

@@ -67,7 +67,8 @@ class SceneCall {
 
     /// The object that an argument's text names; it must exist.
     const Solid& solid(const std::string& name) const { return get<Solid>(ObjectKind::solid, name); }
-    SolidField field(const std::string& name) const;  ///< of a solid; throws as `reserve` does
+    /// Of a solid, in coordinates that begin at `origin`; throws as `reserve` does.
+    SolidField field(const std::string& name, Vec3d origin = {}) const;
     /// As solid().
     const Curve& path(const std::string& name) const { return get<Curve>(ObjectKind::path, name); }
     /// As solid().
@@ -97,6 +98,7 @@ class SceneCall {
 
     /// Throws InvalidInput when `bytes` more would be beyond the limit of memory.
     void reserve(double bytes) const;
+    double memory_left() const;  ///< bytes until then; >= 0
     /// Where a file to read lies; throws IoError where files are forbidden.
     std::filesystem::path input(std::string_view name) const;
     /// Throws where files are forbidden or the folder does not exist.
@@ -114,6 +116,8 @@ class SceneCall {
         if (!has(a.name)) return;
         if constexpr (std::is_same_v<T, bool>) {
             value = flag(a.name);
+        } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+            for (const ArgumentValue& v : values(a.name)) value.push_back(v.text);
         } else if constexpr (NamedEnum<T>) {
             const auto found = std::ranges::find(EnumNames<T>::names, text(a.name));
             value = static_cast<T>(found - EnumNames<T>::names.begin());

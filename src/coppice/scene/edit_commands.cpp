@@ -119,9 +119,7 @@ SceneCommand edits(std::string name, std::string help, std::string example, std:
         call.reserve(kBytesOfEditedNode * skeleton.size());
         EditableTree tree(skeleton);
         const EditChange change = edit(call, tree);
-        Skeleton edited = tree.skeleton();
-        const std::uint64_t bytes = memory_of(edited);
-        SceneOutcome out = makes(call.text("tree"), std::move(edited), bytes);
+        SceneOutcome out = makes_tree(call.text("tree"), tree.skeleton());
         if (change.empty()) out.text = "nothing changed\n";
         return out;
     };

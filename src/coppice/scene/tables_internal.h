@@ -14,6 +14,7 @@ std::vector<SceneCommand> solid_commands();
 std::vector<SceneCommand> curve_commands();
 std::vector<SceneCommand> point_commands();
 std::vector<SceneCommand> tree_commands();
+std::vector<SceneCommand> compose_commands();
 std::vector<SceneCommand> edit_commands();
 std::vector<SceneCommand> session_commands();
 
@@ -100,6 +101,11 @@ SceneOutcome makes(const std::string& name, T value, std::uint64_t bytes) {
     SceneOutcome out;
     out.changes.push_back({kind, name, std::move(object)});
     return out;
+}
+
+inline SceneOutcome makes_tree(const std::string& name, Skeleton skeleton) {
+    const std::uint64_t bytes = memory_of(skeleton);
+    return makes(name, std::move(skeleton), bytes);
 }
 
 /// What a solid takes beside its parts.

@@ -24,11 +24,6 @@ SceneCommand in_group(std::string name, std::string help, std::string example) {
     return c;
 }
 
-SceneOutcome makes_tree(const std::string& name, Skeleton skeleton) {
-    const std::uint64_t bytes = memory_of(skeleton);
-    return makes(name, std::move(skeleton), bytes);
-}
-
 Argument tree(std::string help) { return object("tree", ObjectKind::skeleton, std::move(help)); }
 
 Argument guard() {
@@ -40,9 +35,7 @@ class GuardOf {
   public:
     GuardOf(const SceneCall& call, Vec3d origin) {
         if (!call.has("guard")) return;
-        const std::string& name = call.text("guard");
-        const bool moved = !(origin == Vec3d{});
-        field_.emplace(moved ? SolidField(translated(call.solid(name), Vec3(-origin))) : call.field(name));
+        field_.emplace(call.field(call.text("guard"), origin));
         guard_.emplace(FieldRef(*field_), call.options<GuardOptions>("guard"));
     }
     const Guard* get() const { return guard_ ? &*guard_ : nullptr; }

@@ -105,6 +105,8 @@ Solid ricci_blend(std::span<const Solid> parts, float exponent);
 Solid transformed(const Solid& solid, const Affine& map);  ///< stretches and shrinks by 1e7 at most
 /// Shifted by a vector [m].
 Solid translated(const Solid& solid, Vec3 by);
+/// The solid in coordinates that begin at `origin`, as those of a skeleton with an origin of its own.
+Solid relative_to(const Solid& solid, Vec3d origin);
 Solid rotated(const Solid& solid, Vec3 axis, float angle, Vec3 center = {});  ///< [rad], right-handed
 Solid scaled(const Solid& solid, Vec3 factors, Vec3 center = {});  ///< 1e-6 to 1e6 each, negative: mirrored
 

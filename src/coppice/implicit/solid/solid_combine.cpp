@@ -138,6 +138,10 @@ Solid translated(const Solid& solid, Vec3 by) {
     return transformed(solid, Affine::translation(Vec3d(by)));
 }
 
+Solid relative_to(const Solid& solid, Vec3d origin) {
+    return origin == Vec3d{} ? solid : translated(solid, Vec3(-origin));
+}
+
 Solid rotated(const Solid& solid, Vec3 axis, float angle, Vec3 center) {
     const Vec3d unit = unit_axis("rotate", axis);
     check_finite("rotate", "center", center);

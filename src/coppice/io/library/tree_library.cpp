@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "coppice/base/check_fields.h"
@@ -321,6 +322,30 @@ std::uint32_t TreeLibrary::tag(const LibraryFilter& filter, std::span<const std:
     }
     all.commit();
     return static_cast<std::uint32_t>(meant.size());
+}
+
+std::vector<ChildTree> read_child_trees(const std::filesystem::path& path, const LibraryFilter& filter,
+                                        const Context& ctx) {
+    std::vector<ChildTree> trees;
+    for (LibraryEntry& e : TreeLibrary(path, LibraryAccess::read, ctx).read(filter))
+        trees.push_back(std::move(e.tree));
+    if (trees.empty()) throw InvalidInput(fmt::format("{}: there are no such trees", path.string()));
+    return trees;
+}
+
+std::string table_of(std::span<const LibraryEntry> entries) {
+    std::string text = fmt::format("{:>6} {:>10} {:>10} {:>9} {:>6} {:>6} {:>8} {:>8} {:>5} {:>5}  {}\n",
+                                   "id", "length m", "volume l", "extent m", "nodes", "tips", "orders",
+                                   "radius", "incl", "leads", "source, tags");
+    for (const LibraryEntry& e : entries) {
+        const ChildTreeMeasures& m = e.measures;
+        text += fmt::format(
+            "{:>6} {:>10.3f} {:>10.4f} {:>9.3f} {:>6} {:>6} {:>8} {:>8.4f} {:>5.0f} {:>5}  {}{}{}\n", e.id,
+            m.length, 1000 * m.volume, m.extent, m.nodes, m.tips, m.orders, double{m.radius},
+            double{e.tree.inclination} * 180 / std::numbers::pi, e.tree.leads ? "yes" : "no", e.source,
+            e.tags.empty() ? "" : ", ", fmt::join(e.tags, ", "));
+    }
+    return text;
 }
 
 }  // namespace coppice

@@ -100,4 +100,12 @@ class TreeLibrary {
     std::unique_ptr<Database> database_;
 };
 
+/// The trees of a library file that are meant, at least one. Throws as TreeLibrary does, and InvalidInput
+/// where there is none.
+std::vector<ChildTree> read_child_trees(const std::filesystem::path& path, const LibraryFilter& filter = {},
+                                        const Context& ctx = {});
+
+/// What trees are like, as lines of columns under a heading: number, measures, source and tags.
+std::string table_of(std::span<const LibraryEntry> entries);
+
 }  // namespace coppice

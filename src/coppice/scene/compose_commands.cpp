@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "coppice/compose/compose.h"
+#include "coppice/io/library/tree_library.h"
+#include "coppice/scene/tables_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace table;
+
+constexpr double kBytesOfComposedNode = 300;  // with its segment, and what comes out
+constexpr double kBytesOfLibraryNode = 60;    // with what is looked up of it
+
+SceneCommand in_group(std::string name, std::string help, std::string example) {
+    SceneCommand c{.name = std::move(name), .group = "Composing trees", .help = std::move(help)};
+    c.example = std::move(example);
+    return c;
+}
+
+/// Of all branches of a tree: a node is in each that begins below it.
+double memory_of_branches(const Skeleton& skeleton) {
+    std::vector<double> branches(skeleton.size());
+    double sum = 0;
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.is_root(n)) continue;
+        const NodeId p = skeleton.parent(n);
+        branches[n.index()] = branches[p.index()] + (skeleton.children(p).size() > 1 ? 1 : 0);
+        sum += branches[n.index()];
+    }
+    return sum * kBytesOfLibraryNode;
+}
+
+/// The branches of each of the trees.
+std::vector<std::vector<ChildTree>> branches_of(const SceneCall& call, std::span<const std::string> trees,
+                                                const ChildTreeOptions& options = {}) {
+    double bytes = 0;
+    for (const std::string& tree : trees) bytes += memory_of_branches(call.skeleton(tree));
+    call.reserve(bytes);
+    std::vector<std::vector<ChildTree>> out;
+    for (const std::string& tree : trees)
+        out.push_back(child_trees(call.skeleton(tree), options, call.context()));
+    return out;
+}
+
+std::vector<std::string> texts(const SceneCall& call, std::string_view argument) {
+    std::vector<std::string> out;
+    for (const ArgumentValue& v : call.values(argument)) out.push_back(v.text);
+    return out;
+}
+
+/// All that may be put in: of a library, of trees of the scene, else of the template.
+std::vector<ChildTree> child_trees_of(const SceneCall& call) {
+    const auto which = call.options<LibraryFilter>("library");
+    std::vector<ChildTree> out;
+    if (call.has("library")) {
+        const std::filesystem::path path = call.input("library");
+        constexpr double kBytesOfByte = 8;
+        std::error_code error;
+        const auto size = std::filesystem::file_size(path, error);
+        if (!error) call.reserve(kBytesOfByte * static_cast<double>(size));
+        out = read_child_trees(path, which, call.context());
+    } else if (!which.empty()) {
+        throw InvalidInput("what says which trees, such as tag=, is for those of library=FILE");
+    }
+    std::vector<std::string> trees = texts(call, "branches");
+    if (trees.empty() && !call.has("library")) trees.push_back(call.text("template"));
+    for (auto& of_tree : branches_of(call, trees)) std::ranges::move(of_tree, std::back_inserter(out));
+    return out;
+}
+
+std::string text_of(const ComposeReport& r) {
+    return fmt::format("{} of {} branches replaced, {} blocked, {} without a match\n", r.replaced, r.chosen,
+                       r.blocked, r.unmatched);
+}
+
+SceneCommand compose_command() {
+    SceneCommand c = in_group("compose", "makes a new tree of a template by replacing branches by others",
+                              "compose other tree depth=2 probability=0.5");
+    c.makes = ObjectKind::skeleton;
+    Argument library{.name = "library",
+                     .help = "branches to put in, as library add keeps them",
+                     .type = ArgumentType::input_file};
+    Argument trees =
+        object_option("branches", ObjectKind::skeleton,
+                      "a tree whose branches are put in too; without any and library=, the template");
+    Argument seed = number("seed", "0", 0, 2147483647, Unit::none, "another seed, another tree");
+    seed.type = ArgumentType::whole;
+    c.arguments = {new_name("name", "name of the new skeleton"),
+                   object("template", ObjectKind::skeleton, "whose branches are replaced"),
+                   library,
+                   repeated(trees),
+                   object_option("crown", ObjectKind::solid, "no branch that is put in may leave this solid"),
+                   seed};
+    add_options(c.arguments, ComposeOptions{}, "compose");
+    add_options(c.arguments, LibraryFilter{}, "library", {},
+                {{"library.ids", "id"}, {"library.tags", "tag"}});
+    c.run = [](const SceneCall& call) {
+        const Skeleton& host = call.skeleton(call.text("template"));
+        auto options = call.options<ComposeOptions>("compose");
+        call.reserve(kBytesOfComposedNode * host.size());
+        options.max_nodes =
+            static_cast<int>(std::min(double(options.max_nodes), call.memory_left() / kBytesOfComposedNode));
+        const TreeComposer composer(child_trees_of(call), options);
+        std::optional<SolidField> crown;
+        if (call.has("crown")) crown.emplace(call.field(call.text("crown"), host.origin()));
+        const auto seed_given = static_cast<std::uint64_t>(call.number("seed"));
+        ComposeResult made = composer.compose(host, seed_given, crown ? &*crown : nullptr, call.context());
+        SceneOutcome out = makes_tree(call.text("name"), std::move(made.skeleton));
+        out.text = text_of(made.report);
+        return out;
+    };
+    return c;
+}
+
+SceneCommand library_add_command() {
+    SceneCommand c = in_group("library add", "keeps the branches of trees in a library, for compose library=",
+                              "library add oaks.branches tree tag=oak");
+    c.records = false;
+    c.arguments = {file("library", ArgumentType::output_file,
+                        "the library, one file, which is made where it is missing"),
+                   object("trees", ObjectKind::skeleton, "whose branches are kept", true),
+                   repeated(Argument{.name = "tag", .help = "they get this tag"})};
+    add_options(c.arguments, ChildTreeOptions{}, "take");
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.output("library");
+        const auto options = call.options<ChildTreeOptions>("take");
+        const std::vector<std::string> names = texts(call, "trees"), tags = texts(call, "tag");
+        const auto trees = branches_of(call, names, options);
+        SceneOutcome out;
+        if (!call.settings().outputs) return out;
+        TreeLibrary library(path, LibraryAccess::create, call.context());
+        std::size_t added = 0;
+        std::uint32_t known = 0;
+        for (std::size_t i = 0; i < trees.size(); ++i) {
+            const auto done = library.add(trees[i], names[i], tags);
+            added += done.ids.size();
+            known += done.known;
+        }
+        out.text = fmt::format("{} branches added, {} were there already\n", added, known);
+        return out;
+    };
+    return c;
+}
+
+SceneCommand library_list_command() {
+    SceneCommand c =
+        in_group("library list", "shows what a library holds", "library list oaks.branches tag=oak");
+    c.records = false;
+    c.arguments = {file("library", ArgumentType::input_file, "the library")};
+    add_options(c.arguments, LibraryFilter{}, "library", {},
+                {{"library.ids", "id"}, {"library.tags", "tag"}});
+    c.run = [](const SceneCall& call) {
+        SceneOutcome out;
+        out.text = table_of(TreeLibrary(call.input("library"), LibraryAccess::read, call.context())
+                                .list(call.options<LibraryFilter>("library")));
+        return out;
+    };
+    return c;
+}
+
+}  // namespace
+
+std::vector<SceneCommand> compose_commands() {
+    return {compose_command(), library_add_command(), library_list_command()};
+}
+
+}  // namespace coppice

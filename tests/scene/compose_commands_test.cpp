@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "coppice/compose/compose.h"
+#include "coppice/io/library/tree_library.h"
+#include "coppice/scene/save.h"
+#include "coppice/scene/scene.h"
+#include "coppice/skeleton/random_tree.h"
+#include "errors.h"
+#include "temporary_folder.h"
+
+namespace coppice {
+namespace {
+
+class SceneCompose : public test::FolderTest {
+  protected:
+    void SetUp() override {
+        test::FolderTest::SetUp();
+        scene.hold_tree("oak", random_tree(200, 1));
+        scene.hold_tree("elm", random_tree(200, 2));
+    }
+
+    std::string file(const std::string& name) const { return quoted_word((folder_ / name).string()); }
+    std::string refusal(const std::string& line) {
+        return test::error_of<Error>([&] { scene.run(line); });
+    }
+    const Skeleton& tree(const std::string& name) const {
+        return std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, name})->value);
+    }
+    static bool same(const Skeleton& a, const Skeleton& b) {
+        return std::ranges::equal(a.parents(), b.parents()) &&
+               std::ranges::equal(a.positions(), b.positions()) && std::ranges::equal(a.radii(), b.radii());
+    }
+
+    Scene scene;
+};
+
+TEST_F(SceneCompose, MakesWhatTheLibraryMakes) {
+    const std::string said = scene.run("compose a oak branches=elm seed=5 probability=1 roll=10 pose=own");
+    const ComposeOptions options{.probability = 1, .pose = ComposePose::own, .roll = 0.17453292f};
+    const ComposeResult made = TreeComposer(child_trees(tree("elm")), options).compose(tree("oak"), 5);
+    EXPECT_TRUE(same(tree("a"), made.skeleton));
+    EXPECT_GT(made.report.replaced, 10u);
+    EXPECT_NE(said.find(std::to_string(made.report.replaced) + " of "), std::string::npos) << said;
+}
+
+TEST_F(SceneCompose, TakesTheTemplatesOwnBranchesWhenNoneAreNamed) {
+    scene.run_text("compose a oak seed=2\ncompose b oak branches=oak seed=2\nset seed 2\ncompose c oak", "x");
+    EXPECT_TRUE(same(tree("a"), tree("b")));
+    EXPECT_TRUE(same(tree("a"), tree("c")));
+    EXPECT_FALSE(same(tree("a"), tree("oak")));
+}
+
+TEST_F(SceneCompose, ALibraryKeepsBranchesOfTrees) {
+    scene.run("library add " + file("b.branches") + " elm oak tag=bent tag=old least_length=0.001");
+    EXPECT_NE(scene.run("library add " + file("b.branches") + " elm").find("0 branches added"),
+              std::string::npos);
+    const std::string listed = scene.run("library list " + file("b.branches") + " from=elm tag=bent");
+    EXPECT_NE(listed.find("elm, bent, old"), std::string::npos) << listed;
+    scene.run("compose a oak seed=3 from=elm library=" + file("b.branches"));
+    scene.run("compose b oak seed=3 branches=elm");
+    EXPECT_TRUE(same(tree("a"), tree("b")));
+    scene.run("compose both oak seed=3 branches=elm from=oak library=" + file("b.branches"));
+    EXPECT_FALSE(same(tree("a"), tree("both")));
+}
+
+TEST_F(SceneCompose, ARecipeMakesTheSameTreeAgain) {
+    scene.run("library add " + file("b.branches") + " elm tag=bent");
+    scene.run("compose a oak library=" + file("b.branches") + " tag=bent seed=3");
+    Scene again;
+    again.hold_tree("oak", tree("oak"));
+    again.run_text(recipe_of(scene.state()), "recipe");
+    EXPECT_TRUE(
+        same(tree("a"), std::get<Skeleton>(again.state().objects.at({ObjectKind::skeleton, "a"})->value)));
+}
+
+TEST_F(SceneCompose, KeepsWithinACrownWhateverTheOriginOfTheTemplate) {
+    const Skeleton& oak = tree("oak");
+    const Vec3 center = oak.bounds().center();
+    const float radius = 0.35f * oak.bounds().diagonal();
+    const auto ball = [&](Vec3d c) {
+        return "sphere crown center=" + std::to_string(c.x) + "," + std::to_string(c.y) + "," +
+               std::to_string(c.z) + " radius=" + std::to_string(radius);
+    };
+    const Vec3d origin(1000, -2000, 50);
+    scene.run(ball(Vec3d(center)));
+    scene.run("compose near oak crown=crown probability=1 seed=4");
+    const std::vector<NodeId> parents(oak.parents().begin(), oak.parents().end());
+    const std::vector<Vec3> positions(oak.positions().begin(), oak.positions().end());
+    const std::vector<float> radii(oak.radii().begin(), oak.radii().end());
+    scene.hold_tree("far_oak", Skeleton(parents, positions, radii, origin));
+    scene.run(ball(Vec3d(center) + origin));
+    scene.run("compose far far_oak branches=oak crown=crown probability=1 seed=4");
+    EXPECT_EQ(tree("far").size(), tree("near").size());
+    scene.run("compose open oak probability=1 seed=4");
+    EXPECT_FALSE(same(tree("open"), tree("near")));
+}
+
+TEST_F(SceneCompose, RefusesWhatMakesNoSense) {
+    scene.hold_tree("stick", Skeleton({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.1f}));
+    EXPECT_NE(refusal("compose a oak tag=bent").find("library=FILE"), std::string::npos);
+    EXPECT_NE(refusal("compose a stick").find("no such branches"), std::string::npos);
+    EXPECT_NE(refusal("compose a oak library=gone.branches").find("gone.branches"), std::string::npos);
+    EXPECT_NE(refusal("compose a oak proability=1").find("did you mean probability?"), std::string::npos);
+    EXPECT_NE(refusal("compose a oak branches=ok").find("did you mean oak?"), std::string::npos);
+    Scene closed({.files = false});
+    closed.hold_tree("oak", tree("oak"));
+    EXPECT_NO_THROW(closed.run("compose a oak"));
+    EXPECT_THROW(closed.run("compose a oak library=b.branches"), IoError);
+    EXPECT_THROW(closed.run("library add b.branches oak"), IoError);
+}
+
+/// A stem of 1800 segments that forks into two branches of 400.
+Skeleton long_fork() {
+    constexpr std::uint32_t kStem = 1800, kBranch = 400;
+    std::vector<NodeId> parents{NodeId::none()};
+    std::vector<Vec3> positions{{0, 0, 0}};
+    const auto add = [&](std::uint32_t parent, Vec3 step) {
+        parents.emplace_back(parent);
+        positions.push_back(positions[parent] + step);
+    };
+    for (std::uint32_t i = 0; i < kStem; ++i) add(i, {0, 0, 1});
+    for (const float x : {-1.0f, 1.0f}) {
+        for (std::uint32_t i = 0; i < kBranch; ++i)
+            add(i == 0 ? kStem : static_cast<std::uint32_t>(parents.size()) - 1, {x, 0, 1});
+    }
+    std::vector<float> radii(parents.size(), 0.1f);
+    return {std::move(parents), std::move(positions), std::move(radii)};
+}
+
+// The template fits, and not what is put in beside what was there.
+TEST_F(SceneCompose, HoldsItsMemory) {
+    Scene small({.max_memory = 1}), large({.max_memory = 4});
+    for (Scene* each : {&small, &large}) each->hold_tree("fork", long_fork());
+    EXPECT_NO_THROW(large.run("compose a fork probability=1"));
+    const std::string said = test::error_of<Error>([&] { small.run("compose a fork probability=1"); });
+    EXPECT_NE(said.find("the tree gets more than"), std::string::npos) << said;
+}
+
+TEST_F(SceneCompose, WritesNothingWhereOutputsAreOnlyChecked) {
+    Scene checked({.outputs = false});
+    checked.hold_tree("oak", tree("oak"));
+    checked.run("library add " + file("b.branches") + " oak");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "b.branches"));
+}
+
+}  // namespace
+}  // namespace coppice
