@@ -105,6 +105,33 @@ TEST(Prune, CountsTipsAboveAsShade) {
     EXPECT_EQ(prune(tree, tree.nodes(), {.shade = 0.01f, .shade_cell = 1}).removed, ids({6}));
 }
 
+// What a shade of 1 means differs from tree to tree; a share of the tips does not.
+TEST(Prune, TakesAShareOfTheTipsThoseInMostShade) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        EditableTree tree(random_tree(400, seed));
+        const auto shade = shade_of_tips(tree, 0.1);
+        NodeSet tips;
+        for (const StableId n : tree.nodes()) {
+            if (tree.is_tip(n)) tips.push_back(n);
+        }
+        const EditChange change = prune(tree, tree.nodes(), {.shade_share = 0.25f, .shade_cell = 0.1f});
+        double least_gone = 1e9;
+        std::size_t gone = 0;
+        for (const StableId n : tips) {
+            if (tree.contains(n)) continue;
+            ++gone;
+            least_gone = std::min(least_gone, shade[n]);
+        }
+        EXPECT_GT(gone, 0u);
+        EXPECT_LE(gone, tips.size() / 4);
+        EXPECT_GT(least_gone, 0);
+        EXPECT_LE(std::ranges::count_if(tips, [&](StableId n) { return shade[n] >= least_gone; }),
+                  static_cast<std::ptrdiff_t>(tips.size() / 4));
+        tree.undo();
+        EXPECT_TRUE(prune(tree, tree.nodes(), {}).empty());
+    }
+}
+
 TEST(Prune, TrimsToASolidAtItsSurface) {
     EditableTree tree(test::stem_with_branches());
     const Solid crown = sphere({0, 0, 2}, {.radius = 1.5f});

@@ -98,46 +98,5 @@ TEST(Graft, RefusesCyclesAndLoneNodes) {
               std::string::npos);
 }
 
-/// A stem of radius 0.1 up the z axis, and trees whose roots lie: in it at z = 0.5, off its axis; on its axis
-/// at z = 1.5; outside.
-Skeleton superimposed() {
-    const NodeId none;
-    return Skeleton({none, NodeId(0), none, NodeId(2), none, NodeId(4), none, NodeId(6)},
-                    {{0, 0, 0},
-                     {0, 0, 2},
-                     {0.05f, 0, 0.5f},
-                     {1, 0, 1},
-                     {0, 0, 1.5f},
-                     {-1, 0, 2},
-                     {0.5f, 0, 0},
-                     {1, 0, 0}},
-                    {0.1f, 0.1f, 0.2f, 0.15f, 0.05f, 0.04f, 0.1f, 0.1f});
-}
-
-TEST(Attach, HangsTreesWhoseRootsLieInWood) {
-    EditableTree tree(superimposed());
-    const EditChange change = attach(tree, tree.nodes());
-    EXPECT_EQ(tree.skeleton().tree_count(), 2u);
-    EXPECT_TRUE(near(tree.position(tree.parent(id(2))), {0, 0, 0.5f}));
-    EXPECT_FLOAT_EQ(tree.radius(id(2)), 0.1f);  // no thicker than the stem
-    EXPECT_FLOAT_EQ(tree.radius(id(3)), 0.1f);
-    EXPECT_EQ(change.removed, ids({4}));  // on the axis: the node of the stem takes its place
-    EXPECT_TRUE(near(tree.position(tree.parent(id(5))), {0, 0, 1.5f}));
-    EXPECT_TRUE(tree.is_root(id(6)));
-    tree.undo();
-    EXPECT_TRUE(test::same(tree.skeleton(), superimposed()));
-}
-
-TEST(Attach, NeverHangsATreeOnItself) {
-    // Each root lies in the other's wood.
-    const NodeId none;
-    EditableTree tree(Skeleton({none, NodeId(0), none, NodeId(2)},
-                               {{0, 0, 0}, {0, 0, 1}, {0.01f, 0, 0.02f}, {1, 0, 0}},
-                               {0.1f, 0.1f, 0.1f, 0.1f}));
-    attach(tree, tree.nodes());
-    EXPECT_EQ(tree.skeleton().tree_count(), 1u);
-    EXPECT_NE(error_of([&] { attach(tree, ids({1})); }).find("no root is selected"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace coppice

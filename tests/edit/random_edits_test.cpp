@@ -83,6 +83,7 @@ std::vector<Edit> all_edits() {
             return graft(t, d.node(t), d.node(t), {d.uniform(0, 1), d.below(2) == 0});
         },
         [](T& t, Dice&) { return attach(t, t.nodes()); },
+        [](T& t, Dice&) { return attach(t, t.nodes(), Crossings::join); },
         [](T& t, Dice& d) { return set_radii(t, d.some(t), d.uniform(0.01, 0.1)); },
         [](T& t, Dice& d) { return scale_radii(t, d.some(t), d.uniform(0.5, 1.5)); },
         [](T& t, Dice& d) { return taper(t, d.some(t), d.uniform(0, 0.1), d.uniform(0, 0.1)); },

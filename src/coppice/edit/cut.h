@@ -32,10 +32,11 @@ EditChange resample(EditableTree& tree, const NodeSet& nodes, double spacing);
 
 /// What is cut off. A branch is what leaves an axis, with all that hangs on it.
 struct PruneOptions {
-    float radius = 0;  ///< [m] axes are cut where they are thinner; 0: nowhere
-    float length = 0;  ///< [m] branches whose longest way to a tip is shorter go; 0: none
-    int order = -1;    ///< branches of a higher order go; -1: none
-    float shade = 0;   ///< branches of which every tip lies in more shade go; 0: none
+    float radius = 0;       ///< [m] axes are cut where they are thinner; 0: nowhere
+    float length = 0;       ///< [m] branches whose longest way to a tip is shorter go; 0: none
+    int order = -1;         ///< branches of a higher order go; -1: none
+    float shade = 0;        ///< branches of which every tip lies in more shade go; 0: none
+    float shade_share = 0;  ///< branches of which every tip is of this part of all tips, those in most shade
     float shade_cell =
         0;  ///< [m] shade is counted in cubes of this size; 0: a fiftieth of the tree's greatest extent
 };
@@ -51,6 +52,10 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "branches of which every tip lies in more shade go; five tips right above make 1; 0 = none",
                 Unit::none, 0, 1e6},
           o.shade);
+    visit(Field{"shade_share",
+                "branches of which every tip is of this part of all tips go, those in most shade; 0 = none",
+                Unit::none, 0, 1},
+          o.shade_share);
     visit(Field{"shade_cell", "size of the cubes that shade is counted in; 0 = a fiftieth of the tree",
                 Unit::metre, 0, 1e6},
           o.shade_cell);

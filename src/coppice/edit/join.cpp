@@ -8,7 +8,6 @@
 #include "coppice/edit/parts_internal.h"
 #include "coppice/edit/rotation_internal.h"
 #include "coppice/edit/selection.h"
-#include "coppice/spatial/box_tree.h"
 
 namespace coppice {
 
@@ -54,72 +53,6 @@ std::vector<StableId> branches_to_graft(const EditableTree& tree, StableId branc
                         branch.index()));
     }
     return all;
-}
-
-bool hangs_on(const EditableTree& tree, StableId n, StableId top) {
-    for (; n; n = tree.parent(n)) {
-        if (n == top) return true;
-    }
-    return false;
-}
-
-/// Finds the wood that roots lie in; what was split since is found by its pieces.
-class Wood {
-  public:
-    Wood(const EditableTree& tree, const Context& ctx)
-        : tree_(tree), old_slots_(tree.slots()), node_(tree.nodes()), boxes_(boxes_of(tree, node_), ctx) {}
-
-    /// The foot in the wood that p lies deepest in, of trees other than that of `root`; none where there is
-    /// no such.
-    Foot around(StableId root, Vec3d p) const {
-        Foot best;
-        const Box3 box{Vec3(p), Vec3(p)};
-        boxes_.visit_overlapping(box, [&](std::uint32_t item) {
-            const StableId n = node_[item];
-            if (!tree_.contains(n) || (tree_.is_root(n) && !tree_.is_tip(n))) return;
-            const Foot foot = on_pieces(n, p);
-            if (foot.distance >= foot.radius || tree_.root_of(n) == root) return;
-            const bool deeper = !best.node || foot.distance / foot.radius < best.distance / best.radius;
-            const bool tied = best.node && foot.distance / foot.radius == best.distance / best.radius;
-            if (deeper || (tied && foot.node < best.node)) best = foot;
-        });
-        return best;
-    }
-
-  private:
-    static std::vector<Box3> boxes_of(const EditableTree& tree, const NodeSet& nodes) {
-        std::vector<Box3> boxes;
-        for (const StableId n : nodes) {
-            const Vec3 from = tree.position(joint_of(tree, n));
-            boxes.push_back(capsule_box(from, tree.position(n),
-                                        std::max(tree.radius(n), tree.radius(joint_of(tree, n)))));
-        }
-        return boxes;
-    }
-
-    Foot on_pieces(StableId n, Vec3d p) const {
-        Foot best = foot_on(tree_, n, p);
-        for (StableId piece = tree_.parent(n); piece && piece.index() >= old_slots_;
-             piece = tree_.parent(piece)) {
-            if (tree_.is_root(piece)) break;
-            const Foot foot = foot_on(tree_, piece, p);
-            if (foot.distance < best.distance) best = foot;
-        }
-        return best;
-    }
-
-    const EditableTree& tree_;
-    std::uint32_t old_slots_;
-    NodeSet node_;
-    BoxTree boxes_;
-};
-
-void attach_root(TreeEdit& edit, const EditableTree& tree, StableId root, const Foot& foot) {
-    const StableId host = node_at(edit, tree, foot);
-    limit_radii(edit, tree, root, static_cast<float>(foot.radius));
-    if (tree.position(root) != tree.position(host)) return edit.set_parent(root, host);
-    while (!tree.is_tip(root)) edit.set_parent(tree.first_child(root), host);
-    edit.remove(root);
 }
 
 }  // namespace
@@ -200,22 +133,6 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
         edit.set_parent(top, at);
     }
     if (tree.is_root(branch)) edit.remove(branch);
-    return edit.commit();
-}
-
-EditChange attach(EditableTree& tree, const NodeSet& nodes, const Context& ctx) {
-    check_set(tree, nodes);
-    NodeSet roots;
-    std::ranges::copy_if(nodes, std::back_inserter(roots), [&](StableId n) { return tree.is_root(n); });
-    if (roots.empty())
-        throw InvalidInput("no root is selected; attach joins trees by their roots, as with: attach roots");
-    TreeEdit edit(tree);
-    const Wood wood(tree, ctx);
-    for (const StableId root : roots) {
-        ctx.throw_if_cancelled();
-        const Foot foot = wood.around(root, place_of(tree, root));
-        if (foot.node) attach_root(edit, tree, root, foot);
-    }
     return edit.commit();
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <span>
+#include <string_view>
 
 #include "coppice/base/context.h"
+#include "coppice/base/fields.h"
 #include "coppice/edit/editable_tree.h"
 
 namespace coppice {
@@ -39,11 +42,32 @@ struct GraftOptions {
 /// InvalidInput where the host hangs on the branch, and for a tree of a single node.
 EditChange graft(EditableTree& tree, StableId branch, StableId host, const GraftOptions& options = {});
 
+/// What becomes of branches that run through others.
+enum class Crossings {
+    keep,  ///< nothing: the surface says what becomes of them
+    join,  ///< what comes out springs from the wood that it came through, and what went in ends there
+};
+
+template <>
+struct EnumNames<Crossings> {
+    static constexpr std::array<std::string_view, 2> names{"keep", "join"};
+};
+
 /// Joins trees whose roots lie inside the wood of others: the host's segment is split at the foot point and
 /// the tree hangs there, no radius greater than the host's. Where the wood of several holds a root, the one
 /// it lies deepest in takes it; no tree comes to hang on itself. Of the roots that are selected. What was
-/// joined is in `reparented`, or in `removed` where the root lay on the axis itself. O(n log n). Throws
-/// InvalidInput where no root is selected.
-EditChange attach(EditableTree& tree, const NodeSet& roots, const Context& ctx = {});
+/// joined is in `reparented`, or in `removed` where the root lay on the axis itself.
+///
+/// Crossings are joined, where that is asked for, of the branches that hang on the selected nodes: where the
+/// axis of one enters the wood of another one, and leaves it again, the thinner of the two is cut in two, or
+/// the one that hangs on the other. Its outer part comes to hang on the other one at the foot point; its
+/// inner part stays and ends within the wood. Where an axis begins or ends in the wood, nothing is cut, so
+/// that branches may run in the wood of their hosts for as long as they like. Skeletons have no loops: to
+/// let the surface close them, keep crossings and let overlaps fuse.
+///
+/// O(n log n), and as much as there is wood that overlaps. Throws InvalidInput where no root is selected and
+/// crossings are kept.
+EditChange attach(EditableTree& tree, const NodeSet& nodes, Crossings crossings = Crossings::keep,
+                  const Context& ctx = {});
 
 }  // namespace coppice

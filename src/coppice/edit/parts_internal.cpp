@@ -29,6 +29,13 @@ Vec3d direction_of(const EditableTree& tree, StableId n) {
     return normalized(place_of(tree, tree.leader(n)) - place_of(tree, n));
 }
 
+bool hangs_on(const EditableTree& tree, StableId n, StableId top) {
+    for (; n; n = tree.parent(n)) {
+        if (n == top) return true;
+    }
+    return false;
+}
+
 std::vector<StableId> axis_from(const EditableTree& tree, StableId n) {
     std::vector<StableId> axis{n};
     while (!tree.is_tip(axis.back())) axis.push_back(tree.leader(axis.back()));

@@ -27,6 +27,9 @@ inline StableId joint_of(const EditableTree& tree, StableId n) {
 /// The direction in which a node is reached; of a root, in which its leader leaves.
 Vec3d direction_of(const EditableTree& tree, StableId n);
 
+/// Whether n is `top` or hangs on it. O(depth).
+bool hangs_on(const EditableTree& tree, StableId n, StableId top);
+
 /// The part of the axis of a node that is tipward of it, from the node itself.
 std::vector<StableId> axis_from(const EditableTree& tree, StableId n);
 

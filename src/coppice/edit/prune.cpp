@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
-#include <unordered_map>
+#include <vector>
 
 #include "coppice/base/box.h"
 #include "coppice/edit/cut.h"
@@ -53,11 +54,24 @@ Column<StableId, Branch> branches_of(const EditableTree& tree, const std::vector
     return branch;
 }
 
-bool goes(const PruneOptions& o, const Branch& b, float radius) {
+/// The most shade that no branch goes for.
+double allowed_shade(const EditableTree& tree, const Column<StableId, double>& shade, const PruneOptions& o) {
+    double limit = o.shade > 0 ? double{o.shade} : std::numeric_limits<double>::infinity();
+    if (o.shade_share <= 0) return limit;
+    std::vector<double> tips;
+    for (const StableId n : tree.nodes()) {
+        if (tree.is_tip(n)) tips.push_back(shade[n]);
+    }
+    std::ranges::sort(tips, std::greater<>());
+    const auto going = static_cast<std::size_t>(double{o.shade_share} * static_cast<double>(tips.size()));
+    return std::min(limit, going < tips.size() ? tips[going] : -1.0);
+}
+
+bool goes(const PruneOptions& o, double allowed_shade, const Branch& b, float radius) {
     if (o.radius > 0 && radius < o.radius) return true;
     if (o.order >= 0 && b.order > o.order) return true;
     if (b.leads) return false;
-    return (o.length > 0 && b.length < double{o.length}) || (o.shade > 0 && b.shade > double{o.shade});
+    return (o.length > 0 && b.length < double{o.length}) || b.shade > allowed_shade;
 }
 
 double greatest_extent(const EditableTree& tree) {
@@ -156,7 +170,7 @@ Column<StableId, double> shade_of_tips(const EditableTree& tree, double cell) {
 EditChange prune(EditableTree& tree, const NodeSet& nodes, const PruneOptions& options) {
     check_set(tree, nodes);
     Column<StableId, double> shade;
-    if (options.shade > 0) {
+    if (options.shade > 0 || options.shade_share > 0) {
         const double extent = greatest_extent(tree);
         const double cell = options.shade_cell > 0 ? double{options.shade_cell} : extent / 50;
         if (!(cell > 0))
@@ -165,10 +179,11 @@ EditChange prune(EditableTree& tree, const NodeSet& nodes, const PruneOptions& o
     }
     const std::vector<StableId> order = parents_first(tree);
     const Column<StableId, Branch> branch = branches_of(tree, order, shade);
+    const double most_shade = allowed_shade(tree, shade, options);
     TreeEdit edit(tree);
     for (const StableId n : order) {
         if (tree.contains(n) && !tree.is_root(n) && holds(nodes, n) &&
-            goes(options, branch[n], tree.radius(n)))
+            goes(options, most_shade, branch[n], tree.radius(n)))
             edit.remove_subtree(n);
     }
     return edit.commit();

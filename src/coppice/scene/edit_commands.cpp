@@ -91,6 +91,19 @@ Argument choice(std::string name, std::vector<std::string> choices, std::string 
     return a;
 }
 
+/// A choice of an enum's values, the first of which is the default.
+template <NamedEnum E>
+Argument choice(std::string name, std::string help) {
+    const auto& names = EnumNames<E>::names;
+    return choice(std::move(name), {names.begin(), names.end()}, std::move(help));
+}
+
+template <NamedEnum E>
+E chosen(const SceneCall& call, std::string_view argument) {
+    const auto found = std::ranges::find(EnumNames<E>::names, call.text(argument));
+    return static_cast<E>(found - EnumNames<E>::names.begin());
+}
+
 Argument whole(Argument a) {
     a.type = ArgumentType::whole;
     return a;
@@ -211,7 +224,6 @@ std::vector<SceneCommand> cutting_commands() {
 
 std::vector<SceneCommand> moving_commands() {
     const std::string what = "branches, each by one of its nodes: from there on to all its tips";
-    std::vector<std::string> axes(EnumNames<TurnAxis>::names.begin(), EnumNames<TurnAxis>::names.end());
     return {
         edits("translate", "moves branches", "edit translate tree roots 0 0 1",
               {branches(what), positional(tuple("by", "", "how far along x, y and z"))},
@@ -220,16 +232,16 @@ std::vector<SceneCommand> moving_commands() {
               }),
         edits("rotate", "turns branches about their joints", "edit rotate tree order(1) 20 about=side",
               {branches(what), angle("counter-clockwise seen against the axis"),
-               choice("about", std::move(axes),
-                      "given = axis; own = the branch rolls; host = it goes round its host; side = it rises "
-                      "towards "
-                      "the direction of its host"),
+               choice<TurnAxis>(
+                   "about",
+                   "given = axis; own = the branch rolls; host = it goes round its host; side = it rises "
+                   "towards "
+                   "the direction of its host"),
                tuple("axis", "0,0,1", "direction, for about=given", {3}, Unit::none)},
               [](const SceneCall& c, EditableTree& t) {
-                  const auto about = std::ranges::find(EnumNames<TurnAxis>::names, c.text("about"));
                   return rotate(t, nodes_of(c, t),
                                 {.angle = c.number("angle"),
-                                 .about = static_cast<TurnAxis>(about - EnumNames<TurnAxis>::names.begin()),
+                                 .about = chosen<TurnAxis>(c, "about"),
                                  .axis = vector(c, "axis")});
               }),
         edits("scale", "scales branches from their joints", "edit scale tree order(1) 0.9",
@@ -323,8 +335,13 @@ std::vector<SceneCommand> joining_commands() {
                                 .limit_radius = c.flag("limit_radius")});
               }),
         edits("attach", "joins trees whose roots lie inside the wood of others", "edit attach tree",
-              {selection("nodes", "their roots", "roots")},
-              [](const SceneCall& c, EditableTree& t) { return attach(t, nodes_of(c, t), c.context()); }),
+              {selection("nodes", "their roots, and what crosses others", "roots"),
+               choice<Crossings>("crossings",
+                                 "what becomes of branches that run through others: join = what comes out "
+                                 "springs from there")},
+              [](const SceneCall& c, EditableTree& t) {
+                  return attach(t, nodes_of(c, t), chosen<Crossings>(c, "crossings"), c.context());
+              }),
     };
 }
 

@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "coppice/base/round_cone.h"
+#include "coppice/edit/join.h"
+#include "coppice/edit/parts_internal.h"
+#include "coppice/skeleton/segment_cone.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice {
+
+using namespace edit_internal;
+
+namespace {
+
+/// The axes of a tree, and the wood about them, as they are when this is made; what is split afterwards is
+/// found by its pieces.
+class Wood {
+  public:
+    Wood(const EditableTree& tree, const Context& ctx)
+        : tree_(tree), node_(tree.nodes()), boxes_(boxes_of(tree, node_), ctx) {}
+
+    /// The foot in the wood that p lies deepest in, of trees other than that of `root`; none where there is
+    /// no such.
+    Foot around(StableId root, Vec3d p) const {
+        Foot best;
+        visit_near({Vec3(p), Vec3(p)}, [&](StableId n) {
+            if (!tree_.contains(n) || (tree_.is_root(n) && !tree_.is_tip(n))) return;
+            const Foot foot = on_pieces(n, p);
+            if (foot.distance >= foot.radius || tree_.root_of(n) == root) return;
+            const bool deeper = !best.node || foot.distance / foot.radius < best.distance / best.radius;
+            const bool tied = best.node && foot.distance / foot.radius == best.distance / best.radius;
+            if (deeper || (tied && foot.node < best.node)) best = foot;
+        });
+        return best;
+    }
+
+    /// Calls visit(n) for the segments that end at n and whose wood may meet the box.
+    template <class Visit>
+    void visit_near(const Box3& box, const Visit& visit) const {
+        boxes_.visit_overlapping(box, [&](std::uint32_t item) { visit(node_[item]); });
+    }
+
+    /// The nearest foot on the segment that ended at n.
+    Foot on_pieces(StableId n, Vec3d p) const {
+        Foot best = foot_on(tree_, n, p);
+        const auto found = pieces_.find(n.index());
+        if (found == pieces_.end()) return best;
+        for (const StableId piece : found->second) {
+            const Foot foot = foot_on(tree_, piece, p);
+            if (foot.distance < best.distance) best = foot;
+        }
+        return best;
+    }
+
+    /// As node_at, of a foot that was found here.
+    StableId split(TreeEdit& edit, const Foot& foot) {
+        const std::uint32_t slots = tree_.slots();
+        const StableId at = node_at(edit, tree_, foot);
+        if (at.index() < slots) return at;
+        const StableId n = whole(foot.node);
+        whole_[at.index()] = n;
+        pieces_[n.index()].push_back(at);
+        return at;
+    }
+
+    /// The node at the end of the segment that a node was put on; any other node itself.
+    StableId whole(StableId n) const {
+        const auto found = whole_.find(n.index());
+        return found == whole_.end() ? n : found->second;
+    }
+
+  private:
+    static std::vector<Box3> boxes_of(const EditableTree& tree, const NodeSet& nodes) {
+        std::vector<Box3> boxes;
+        for (const StableId n : nodes) {
+            const Vec3 from = tree.position(joint_of(tree, n));
+            boxes.push_back(capsule_box(from, tree.position(n),
+                                        std::max(tree.radius(n), tree.radius(joint_of(tree, n)))));
+        }
+        return boxes;
+    }
+
+    const EditableTree& tree_;
+    NodeSet node_;
+    BoxTree boxes_;
+    std::unordered_map<std::uint32_t, std::vector<StableId>> pieces_;  ///< new nodes on a segment
+    std::unordered_map<std::uint32_t, StableId> whole_;                ///< the other way round
+};
+
+void attach_root(TreeEdit& edit, const EditableTree& tree, Wood& wood, StableId root, const Foot& foot) {
+    const StableId host = wood.split(edit, foot);
+    limit_radii(edit, tree, root, static_cast<float>(foot.radius));
+    if (tree.position(root) != tree.position(host)) return edit.set_parent(root, host);
+    while (!tree.is_tip(root)) edit.set_parent(tree.first_child(root), host);
+    edit.remove(root);
+}
+
+/// Where an axis runs within the wood of a segment of another one.
+struct Passage {
+    double enters = 0, leaves = 0;  ///< [m] along the axis from its joint
+    double deepest = 0;             ///< [m] as well
+    double depth = 0;               ///< distance there over the radius of the wood; < 1
+    StableId node;                  ///< end of the axis' segment
+    StableId host;                  ///< end of the other one
+    bool at_joint = false;          ///< the other axis leaves this one within it
+};
+
+/// A place at which a branch is cut, its outer part going to the host.
+struct Cut {
+    StableId node, host;
+    Vec3d place;       ///< [m] on the axis of the branch
+    double along = 0;  ///< [m] from its joint
+};
+
+/// Finds where axes run through others.
+class CrossingSearch {
+  public:
+    CrossingSearch(const EditableTree& tree, const Wood& wood) : tree_(tree), wood_(wood), at_(tree.slots()) {
+        std::uint32_t number = 0;
+        for (StableId root = tree.first_root(); root; root = tree.next_sibling(root)) {
+            tree.visit_subtree(root, [&](StableId n) {
+                order_.push_back(n);
+                at_[n].first = at_[n].last = number++;
+                if (tree.is_root(n)) {
+                    at_[n].axis = n;
+                    return;
+                }
+                const StableId p = tree.parent(n);
+                const bool leads = tree.leader(p) == n;
+                at_[n].axis = leads ? at_[p].axis : n;
+                at_[n].along = (leads ? at_[p].along : 0) + distance(place_of(tree, p), place_of(tree, n));
+            });
+        }
+        for (auto n = order_.rbegin(); n != order_.rend(); ++n) {
+            if (tree.is_root(*n)) continue;
+            std::uint32_t& last = at_[tree.parent(*n)].last;
+            last = std::max(last, at_[*n].last);
+        }
+    }
+
+    /// The cuts of all axes, of each from the tip to the joint.
+    std::vector<Cut> cuts(const Column<StableId, std::uint8_t>& chosen, const Context& ctx) const {
+        std::vector<Cut> out;
+        for (const StableId n : order_) {
+            const bool begins = at_[n].axis == n;
+            if (!begins) continue;
+            ctx.throw_if_cancelled();
+            std::vector<Passage> passages;
+            double length = 0;
+            for (StableId on = tree_.is_root(n) ? tree_.leader(n) : n; on; on = tree_.leader(on)) {
+                find_passages(on, passages);
+                length = at_[on].along;
+            }
+            add_cuts(passages, length, chosen, out);
+        }
+        return out;
+    }
+
+  private:
+    struct At {
+        StableId axis;                      ///< its first node behind its joint, or a root
+        double along = 0;                   ///< [m] from the joint of the axis
+        std::uint32_t first = 0, last = 0;  ///< numbers of what hangs on it, itself first
+    };
+
+    bool hangs_on(StableId n, StableId top) const {
+        return at_[top].first <= at_[n].first && at_[n].first <= at_[top].last;
+    }
+
+    /// Of two segments that overlap, whether that which ends at n is the one that is cut.
+    bool gives_way(StableId n, double radius, StableId host, double host_radius) const {
+        if (hangs_on(host, n)) return false;
+        if (hangs_on(n, host)) return true;
+        return radius < host_radius || (radius == host_radius && host < n);
+    }
+
+    void find_passages(StableId n, std::vector<Passage>& out) const {
+        const Vec3d a = place_of(tree_, tree_.parent(n)), b = place_of(tree_, n);
+        const double length = distance(a, b), end = at_[n].along;
+        Box3 box{Vec3(a), Vec3(a)};
+        box.extend(Vec3(b));
+        wood_.visit_near(box, [&](StableId host) {
+            if (tree_.is_root(host) || at_[host].axis == at_[n].axis) return;
+            const auto cone = round_cone<double>(tree_.segment(host));
+            const auto outside = [&](double t) { return cone.foot(lerp(a, b, t)).signed_distance(); };
+            const double deepest = closest_parameters(a, b, cone.a, cone.b()).on_a;
+            if (outside(deepest) >= 0) return;
+            const auto foot = cone.foot(lerp(a, b, deepest));
+            if (!gives_way(n, std::lerp(radius_at_start(n), double{tree_.radius(n)}, deepest), host,
+                           foot.radius))
+                return;
+            const auto along = [&](double t) { return end - (1 - t) * length; };
+            const Passage p{.enters = along(boundary(outside, deepest, 0)),
+                            .leaves = along(boundary(outside, deepest, 1)),
+                            .deepest = along(deepest),
+                            .depth = foot.distance() / foot.radius,
+                            .node = n,
+                            .host = host};
+            out.push_back(p);
+            out.back().at_joint = holds_joint(p);
+        });
+    }
+
+    double radius_at_start(StableId n) const { return double{tree_.segment(n).radius_a}; }
+
+    /// Where between a parameter inside and `to` the wood ends.
+    template <class Outside>
+    static double boundary(const Outside& outside, double inside, double to) {
+        if (outside(to) < 0) return to;
+        double out = to;
+        for (int i = 0; i < 40; ++i) {
+            const double middle = 0.5 * (inside + out);
+            (outside(middle) < 0 ? inside : out) = middle;
+        }
+        return inside;
+    }
+
+    /// Whether the host's axis leaves this one within the passage.
+    bool holds_joint(const Passage& p) const {
+        const StableId other = at_[p.host].axis;
+        if (tree_.is_root(other)) return false;
+        const StableId joint = tree_.parent(other);
+        if (at_[joint].axis != at_[p.node].axis) return false;
+        const double where = at_[joint].along, touching = kTouching * at_[p.node].along;
+        return p.enters - touching <= where && where <= p.leaves + touching;
+    }
+
+    /// Passages that touch are one; of each the deepest counts.
+    void add_cuts(std::vector<Passage>& passages, double length, const Column<StableId, std::uint8_t>& chosen,
+                  std::vector<Cut>& out) const {
+        std::ranges::sort(passages, {}, [](const Passage& p) { return std::pair(p.enters, p.host); });
+        const double touching = kTouching * length;
+        const std::size_t before = out.size();
+        for (std::size_t i = 0; i < passages.size();) {
+            const Passage* deepest = &passages[i];
+            double leaves = 0;
+            bool joined = passages[i].enters <= touching;  // where an axis begins it is in its host
+            for (; i < passages.size() && (leaves == 0 || passages[i].enters <= leaves + touching); ++i) {
+                leaves = std::max(leaves, passages[i].leaves);
+                joined = joined || passages[i].at_joint;
+                if (passages[i].depth < deepest->depth) deepest = &passages[i];
+            }
+            if (joined || leaves >= length - touching || chosen[deepest->node] == 0) continue;
+            const Vec3d from = place_of(tree_, tree_.parent(deepest->node)),
+                        to = place_of(tree_, deepest->node);
+            const double t = 1 - (at_[deepest->node].along - deepest->deepest) / distance(from, to);
+            out.push_back({deepest->node, deepest->host, lerp(from, to, t), deepest->deepest});
+        }
+        std::reverse(out.begin() + static_cast<std::ptrdiff_t>(before), out.end());
+    }
+
+    static constexpr double kTouching = 1e-6;  // of an axis' length
+
+    const EditableTree& tree_;
+    const Wood& wood_;
+    Column<StableId, At> at_;
+    std::vector<StableId> order_;
+};
+
+/// What hangs on the nodes.
+Column<StableId, std::uint8_t> subtrees_of(const EditableTree& tree, const NodeSet& nodes) {
+    Column<StableId, std::uint8_t> chosen(tree.slots());
+    for (const StableId top : nodes) {
+        if (chosen[top] == 0) tree.visit_subtree(top, [&](StableId n) { chosen[n] = 1; });
+    }
+    return chosen;
+}
+
+bool may_hang(const EditableTree& tree, StableId n, StableId host) {
+    const auto lies_on = [&](StableId other) { return tree.position(n) == tree.position(other); };
+    if (lies_on(host) || hangs_on(tree, host, n)) return false;
+    for (StableId c = tree.first_child(host); c; c = tree.next_sibling(c)) {
+        if (lies_on(c)) return false;
+    }
+    return true;
+}
+
+/// Cuts a branch and hangs its outer part on the host, unless that hangs on it since another cut was made.
+void make_cut(TreeEdit& edit, const EditableTree& tree, Wood& wood, const Cut& cut) {
+    // Of the pieces of a segment that has been cut before, the one that holds the place.
+    const Foot own = wood.on_pieces(cut.node, cut.place), foot = wood.on_pieces(cut.host, cut.place);
+    if (foot.distance >= foot.radius || hangs_on(tree, foot.node, own.node)) return;
+    const StableId end = wood.split(edit, own), host = wood.split(edit, foot);
+    std::vector<StableId> outer{own.node};
+    if (end == own.node) {
+        outer.clear();
+        for (StableId c = tree.first_child(end); c; c = tree.next_sibling(c)) outer.push_back(c);
+    }
+    for (const StableId n : outer) {
+        if (!may_hang(tree, n, host)) continue;
+        limit_radii(edit, tree, n, static_cast<float>(foot.radius));
+        edit.set_parent(n, host);
+    }
+}
+
+/// Joins crossings of what is chosen, or was before it was split.
+void join_crossings(TreeEdit& edit, const EditableTree& tree, const Wood& before,
+                    Column<StableId, std::uint8_t> chosen, const Context& ctx) {
+    const std::uint32_t known = chosen.size();
+    chosen.resize(tree.slots());
+    for (std::uint32_t i = known; i < tree.slots(); ++i)
+        chosen[StableId(i)] = chosen[before.whole(StableId(i))];
+    Wood wood(tree, ctx);
+    for (const Cut& cut : CrossingSearch(tree, wood).cuts(chosen, ctx)) {
+        ctx.throw_if_cancelled();
+        make_cut(edit, tree, wood, cut);
+    }
+}
+
+}  // namespace
+
+EditChange attach(EditableTree& tree, const NodeSet& nodes, Crossings crossings, const Context& ctx) {
+    check_set(tree, nodes);
+    NodeSet roots;
+    std::ranges::copy_if(nodes, std::back_inserter(roots), [&](StableId n) { return tree.is_root(n); });
+    if (roots.empty() && crossings == Crossings::keep)
+        throw InvalidInput("no root is selected; attach joins trees by their roots, as with: attach roots");
+    TreeEdit edit(tree);
+    Wood wood(tree, ctx);
+    const Column<StableId, std::uint8_t> chosen = subtrees_of(tree, nodes);
+    for (const StableId root : roots) {
+        ctx.throw_if_cancelled();
+        const Foot foot = wood.around(root, place_of(tree, root));
+        if (foot.node) attach_root(edit, tree, wood, root, foot);
+    }
+    if (crossings == Crossings::join) join_crossings(edit, tree, wood, chosen, ctx);
+    return edit.commit();
+}
+
+}  // namespace coppice
