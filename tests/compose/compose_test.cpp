@@ -70,6 +70,40 @@ TEST(Compose, PutsABranchBackWhereItWas) {
     }
 }
 
+/// A trunk with a leader and a lateral at z = 1: all of the trunk's radius, the lateral of its own, by two
+/// segments.
+Skeleton trunk_with_lateral(float radius, float lateral_radius, float first, float second) {
+    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
+            {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {first, 0, 1}, {first + second, 0, 1}},
+            {radius, radius, radius, lateral_radius, lateral_radius}};
+}
+
+TEST(Compose, BranchesAreAsFarFromTheBarkAndAsThickAsTheirLengthAsks) {
+    const auto lateral = child_trees_at(trunk_with_lateral(0.1f, 0.05f, 0.3f, 1.7f), {NodeId(3)});
+    ComposeOptions options = exact();
+    options.tolerance = 2;
+    const auto tips = [](const Skeleton& s) {
+        std::vector<Vec3> out;
+        for (const NodeId n : nodes(s)) {
+            if (s.position(n).x > 0.01f) out.push_back(s.position(n));
+        }
+        std::ranges::sort(out, {}, &Vec3::x);
+        return out;
+    };
+    // On a host three times as thick the first segment is 0.2 m longer, so that 0.2 m lie outside still.
+    const Skeleton thick =
+        TreeComposer(lateral, options).compose(trunk_with_lateral(0.3f, 0.1f, 0.5f, 0.5f), 1).skeleton;
+    ASSERT_EQ(tips(thick).size(), 2u);
+    EXPECT_NEAR(tips(thick)[0].x, 0.5f, 1e-5f);
+    EXPECT_NEAR(tips(thick)[1].x, 2.2f, 1e-5f);
+    EXPECT_NEAR(thick.radii().back(), 0.1 * std::pow(2, 0.4), 1e-6);
+    // On a thinner one nothing is drawn in.
+    const Skeleton thin =
+        TreeComposer(lateral, options).compose(trunk_with_lateral(0.05f, 0.02f, 1, 1), 1).skeleton;
+    EXPECT_NEAR(tips(thin)[0].x, 0.3f, 1e-5f);
+    EXPECT_NEAR(thin.radii().back(), 0.02f, 1e-6);
+}
+
 TEST(Compose, IsTheSameForTheSameSeedAndAnotherForAnother) {
     const Skeleton tree = random_tree(300, 1);
     const TreeComposer composer(child_trees(random_tree(300, 2)), {});

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <thread>
 
 #include "command.h"
 #include "coppice/base/parallel.h"
@@ -133,6 +135,24 @@ std::vector<ComposeResult> compose_some(Run& run, const ComposeFlags& flags, con
     });
 }
 
+/// Meshes trees and writes their surfaces, several trees at once where there are several, since a tree keeps
+/// few threads busy. Returns the surface of the last one.
+MeshResult mesh_some(Run& run, const ComposeFlags& flags, std::span<const ComposeResult> made,
+                     std::size_t first) {
+    return run.stage("mesh", [&](const Context& ctx) {
+        std::optional<MeshResult> last;
+        const unsigned threads = ctx.threads > 0 ? ctx.threads : std::thread::hardware_concurrency();
+        const Context within{.threads = std::max(1u, threads / static_cast<unsigned>(made.size())),
+                             .stop = ctx.stop};
+        parallel_for(ctx, made.size(), 1, [&](std::size_t i) {
+            MeshResult surface = mesh_skeleton(made[i].skeleton, flags.mesh, within);
+            write_surface(numbered(flags.mesh_output, first + i, flags.count), surface, within);
+            if (i + 1 == made.size()) last = std::move(surface);
+        });
+        return *std::move(last);
+    });
+}
+
 ExitCode compose(Run& run, const ComposeFlags& flags) {
     check_flags(flags);
     const SkeletonFile host = load_skeleton(run, flags.host, flags.read);
@@ -149,16 +169,14 @@ ExitCode compose(Run& run, const ComposeFlags& flags) {
         const std::vector<ComposeResult> made =
             compose_some(run, flags, composer, host.skeleton, crown ? &*crown : nullptr, first,
                          std::min(kBatch, count - first));
-        for (std::size_t i = 0; i < made.size(); ++i) {
-            totals.add(made[i]);
-            if (!flags.sheet.empty()) drawn.push_back(made[i].skeleton);
-            if (flags.mesh_output.empty()) continue;
-            const MeshResult surface = run.stage(
-                "mesh", [&](const Context& ctx) { return mesh_skeleton(made[i].skeleton, flags.mesh, ctx); });
-            const auto name = numbered(flags.mesh_output, first + i, flags.count);
-            run.stage("write mesh", [&](const Context& ctx) { write_surface(name, surface, ctx); });
-            surfaces = fmt::format("; {}: {}", name.string(), count_surface(run, surface));
+        for (const ComposeResult& tree : made) {
+            totals.add(tree);
+            if (!flags.sheet.empty()) drawn.push_back(tree.skeleton);
         }
+        if (flags.mesh_output.empty()) continue;
+        const MeshResult last = mesh_some(run, flags, made, first);
+        const auto name = numbered(flags.mesh_output, first + made.size() - 1, flags.count);
+        surfaces = fmt::format("; {}: {}", name.string(), count_surface(run, last));
     }
     if (!flags.sheet.empty()) {
         std::vector<const Skeleton*> trees;

@@ -117,8 +117,14 @@ class Composing {
         const Skeleton& s = entry.tree.skeleton;
         const Frame frame = frame_of(place, entry.tree);
         positions_.resize(s.size());
-        for (const NodeId n : nodes(s))
-            positions_[n.index()] = Vec3(place.position + frame.to_world(Vec3d(s.position(n))));
+        // Its first node lies as far from the bark as it did, on a thicker host as well: forks within the
+        // wood make surfaces that cross.
+        const Vec3d root = place.position;
+        const Vec3d start = root + frame.z * std::max(0.0, place.radius - double{entry.tree.host_radius});
+        for (const NodeId n : nodes(s)) {
+            const Vec3d from = s.is_root(n) ? root : start;
+            positions_[n.index()] = Vec3(from + frame.to_world(Vec3d(s.position(n))));
+        }
         radii_.assign(s.radii().begin(), s.radii().end());
         const double first = first_radius(place, entry.length[0]);
         const double scale = first / double{s.radius(NodeId(1))};
@@ -129,10 +135,11 @@ class Composing {
     /// As that of the branch replaced, by what hangs on both; by Xu's rule, of a lateral beside its host.
     double first_radius(const Place& place, double length) const {
         if (place.leads) return place.first_radius;
-        const bool beside_host = options_.radii == ComposeRadii::xu;
-        const double base = beside_host ? place.radius : place.first_radius;
-        const double ratio = length / (beside_host ? std::max(place.node_length, length) : place.length);
-        return std::min(base * std::pow(ratio, kXuExponent), place.thickest_sibling);
+        const bool xu = options_.radii == ComposeRadii::xu;
+        const double wanted =
+            xu ? place.radius * std::pow(length / std::max(place.node_length, length), kXuExponent)
+               : place.first_radius * std::pow(length / place.length, 1 / double{options_.pipe_exponent});
+        return std::min(wanted, place.thickest_sibling);
     }
 
     /// Every radius from the one before, by what hangs on both; but none below that of its tip.

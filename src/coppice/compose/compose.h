@@ -26,7 +26,8 @@ struct EnumNames<ComposePose> {
 
 /// What radii a branch gets that is put in.
 enum class ComposeRadii {
-    scaled,  ///< its own, times what makes its first as thick as its length asks for beside the one replaced
+    scaled,  ///< its own, times what makes its first as thick as its length asks for beside the one
+             ///< replaced, by the pipe model: segments are about as many as tips
     xu,  ///< at every node, the first too, r (l / L)^1.5 of the radius r of the node before, where l is the
          ///< length of all segments that hang on the one and L on the other [Xu2007]; never below its tips'
     pipes,  ///< all of the tree's by the pipe model [Shinozaki1964]
@@ -50,7 +51,7 @@ struct ComposeOptions {
     float roll = 0.35f;                    ///< [rad] by which branches are rolled about themselves at most
     float phototropism = 0;                ///< part of the way from their direction to straight up; in [0, 1]
     ComposeRadii radii = ComposeRadii::scaled;  ///< how thick they get
-    float pipe_exponent = 2.5f;                 ///< of pipes; in [2, 3]
+    float pipe_exponent = 2.5f;                 ///< of scaled and pipes; in [2, 3]
     float clearance = 1;  ///< where axes come nearer than this many times both radii, branches cross; 0
                           ///< does not look for it
     int tries = 8;        ///< branches and rolls tried for each that is to be replaced
@@ -81,7 +82,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"radii",
                 "scaled to those of the branch replaced, by what hangs on every node, or by the pipe model"},
           o.radii);
-    visit(Field{"pipe_exponent", "of the pipe model", Unit::none, 2, 3}, o.pipe_exponent);
+    visit(Field{"pipe_exponent", "of the pipe model, for scaled radii and pipes", Unit::none, 2, 3},
+          o.pipe_exponent);
     visit(Field{"clearance", "axes may not come nearer than this many times both radii; 0 does not look",
                 Unit::none, 0, 100},
           o.clearance);
@@ -112,9 +114,10 @@ struct ComposeResult {
 /// Composes trees of a template by replacing branches, at random and again within what was put in, by child
 /// trees of like length and order [Zhu2015, figures 18 to 20].
 ///
-/// A branch that is put in sits at the branch node of the one that it replaces. A leader is as thick as the
-/// one before. A lateral is as thick as the one before times (l / l')^1.5, where l and l' are the lengths of
-/// all segments of both, but no thicker than the leader beside it.
+/// A branch that is put in sits at the branch node of the one that it replaces; on a thicker host than its
+/// own its first segment is as much longer. A leader is as thick as the one before. A lateral is as thick as
+/// the one before times (l / l')^(1 / pipe_exponent), where l and l' are the lengths of all segments of both,
+/// but no thicker than the leader beside it.
 ///
 /// The same seed makes the same tree. Threads may share a composer.
 class TreeComposer {
