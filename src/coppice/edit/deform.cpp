@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "coppice/base/rotation.h"
 #include "coppice/edit/parts_internal.h"
-#include "coppice/edit/rotation_internal.h"
 #include "coppice/edit/selection.h"
 
 namespace coppice {
@@ -52,10 +52,14 @@ void carry(TreeEdit& edit, const EditableTree& tree, const Chain& chain, const s
             if (c == next) continue;
             tree.visit_subtree(c, [&](StableId n) {
                 edit.move(n, Vec3(place[i] + turn[i](place_of(tree, n) - chain.rest[i])));
+                edit.turn(n, turn[i]);
             });
         }
     }
-    for (std::size_t i = 1; i < chain.size(); ++i) edit.move(chain.node[i], Vec3(place[i]));
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+        edit.move(chain.node[i], Vec3(place[i]));
+        edit.turn(chain.node[i], turn[i]);
+    }
 }
 
 void bend_chain(TreeEdit& edit, const EditableTree& tree, const Chain& chain, double angle, Vec3d towards) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/base/rotation.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -82,6 +83,13 @@ class EditableTree {
     /// The ids of a node and all that hangs on it, parents first.
     std::vector<StableId> subtree(StableId top) const;
 
+    /// From now on notes how edits turn what they move, which places alone do not tell: a branch may roll.
+    /// Not kept by undo() and redo().
+    void note_turns() { turn_.resize(slots()); }
+    /// How far edits have turned the segment that ends at a node, or a root, as they told; none where
+    /// turns are not noted.
+    Rotation turn(StableId n) const { return n.index() < turn_.size() ? turn_[n.index()] : Rotation{}; }
+
     std::size_t undo_depth() const { return done_.size(); }       ///< edits that undo() can take back
     std::size_t redo_depth() const { return undone_.size(); }     ///< edits that redo() can make again
     std::size_t history_bytes() const { return history_bytes_; }  ///< of memory, about
@@ -126,6 +134,7 @@ class EditableTree {
     std::uint32_t size_ = 0;
     std::deque<Delta> done_, undone_;
     std::size_t history_bytes_ = 0;
+    std::vector<Rotation> turn_;  ///< by slot; empty where turns are not noted
 };
 
 /// One edit of a tree, all of it or nothing: what is not committed is taken back when the edit ends, so that
@@ -145,6 +154,8 @@ class TreeEdit {
     void remove_subtree(StableId n);            ///< the node and all that hangs on it
     void move(StableId n, Vec3 position);       ///< puts the node there, and nothing else
     void set_radius(StableId n, float radius);  ///< of this node
+    /// Tells that what ends at the node turns, as rigid branches do, beside moving.
+    void turn(StableId n, const Rotation& by);
     /// Hangs the node, with all that hangs on it, on another one, or on none; nothing moves. Throws
     /// InvalidInput where `parent` hangs on n. O(depth).
     void set_parent(StableId n, StableId parent);
@@ -166,6 +177,7 @@ class TreeEdit {
     bool committed_ = false;
     bool sorted_ = true;
     EditableTree::Nodes before_;
+    std::vector<std::pair<StableId, Rotation>> turns_;  ///< where the tree notes them
 };
 
 }  // namespace coppice

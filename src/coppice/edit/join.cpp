@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/rotation.h"
 #include "coppice/edit/parts_internal.h"
-#include "coppice/edit/rotation_internal.h"
 #include "coppice/edit/selection.h"
 
 namespace coppice {

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <type_traits>
 #include <unordered_map>
 
+#include "coppice/base/rotation.h"
 #include "coppice/edit/parts_internal.h"
-#include "coppice/edit/rotation_internal.h"
 
 namespace coppice {
 
@@ -20,8 +21,10 @@ void place_branches(TreeEdit& edit, const EditableTree& tree, const NodeSet& nod
     for (const StableId top : tops_of(tree, nodes)) {
         const Vec3d joint = place_of(tree, joint_of(tree, top));
         const auto moved = place(top);
-        tree.visit_subtree(top,
-                           [&](StableId n) { edit.move(n, Vec3(joint + moved(place_of(tree, n) - joint))); });
+        tree.visit_subtree(top, [&](StableId n) {
+            edit.move(n, Vec3(joint + moved(place_of(tree, n) - joint)));
+            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(moved)>, Rotation>) edit.turn(n, moved);
+        });
     }
 }
 

@@ -85,6 +85,10 @@ void TreeEdit::set_radius(StableId n, float radius) {
     tree_.radius_[n] = radius;
 }
 
+void TreeEdit::turn(StableId n, const Rotation& by) {
+    if (!tree_.turn_.empty()) turns_.emplace_back(n, by);
+}
+
 void TreeEdit::set_parent(StableId n, StableId parent) {
     COPPICE_ASSERT(!parent || tree_.contains(parent));
     for (StableId above = parent; above; above = tree_.parent(above)) {
@@ -106,6 +110,9 @@ EditChange TreeEdit::commit() {
         tree_.resize(slots_before_);
     } else {
         tree_.remember(tree_.delta_from(was, slots_before_));
+    }
+    for (const auto& [n, by] : turns_) {
+        if (n.index() < tree_.turn_.size()) tree_.turn_[n.index()] = by * tree_.turn_[n.index()];
     }
     committed_ = true;
     return change;
