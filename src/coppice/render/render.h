@@ -53,6 +53,9 @@ struct RenderScene {
     /// where there are no points.
     const SurfaceTree* distance_to = nullptr;
     const SketchView* view = nullptr;  ///< the camera, if it does not frame the object by itself
+    /// [m] in the world: points that the camera frames in place of the object, as in pictures that follow
+    /// each other. The ground lies as low as the lowest.
+    std::span<const Vec3d> framed;
 };
 
 /// How to draw it. The camera stands where the whole object just fills the picture.

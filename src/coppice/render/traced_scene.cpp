@@ -114,6 +114,10 @@ void TracedScene::place(const RenderScene& scene, float skeleton_width) {
                        skeleton_width * scene.skeleton->radius(n));
         }
     }
+    if (!scene.framed.empty()) {
+        box = {};
+        for (const Vec3d& p : scene.framed) box.extend(p, 0);
+    }
     const double size = distance(box.low, box.high);
     if (!(size < kGreatestSize))
         throw InvalidInput("render: the object is larger than 1e15 m; check its coordinates");
@@ -160,6 +164,10 @@ void TracedScene::smooth_normals() {
 }
 
 void TracedScene::collect_frame_points(const RenderScene& scene, float skeleton_width) {
+    if (!scene.framed.empty()) {
+        for (const Vec3d& p : scene.framed) frame_points_.push_back({local(p)});
+        return;
+    }
     if (scene.mesh != nullptr) {
         std::vector<bool> used(positions_.size());
         for (const std::uint32_t v : scene.mesh->corners) used[v] = true;
