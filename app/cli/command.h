@@ -49,6 +49,7 @@ Command scan_command();
 Command run_command();
 Command grow_command();
 Command edit_command();
+Command animate_command();
 Command shell_command();
 Command schema_command();
 

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "coppice/animate/animate_options.h"
+#include "coppice/animate/wind.h"
 #include "coppice/compose/compose.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
@@ -70,6 +72,8 @@ ExitCode schema(Run& run) {
                    {"check", described<CheckOptions>()},
                    {"check_cloud", described<CloudDistanceOptions>()},
                    {"compare", described<CompareOptions>()},
+                   {"animate", described<AnimateOptions>()},
+                   {"wind", described<WindOptions>()},
                    {"render", described<RenderOptions>()},
                    {"scan", described<ScanOptions>()},
                    {"read_skeleton", described<ReadSkeletonOptions>()},

@@ -10,6 +10,7 @@
 #include "coppice/pipeline/fit/fit_volume_internal.h"
 #include "coppice/pipeline/fit/kept_quads_internal.h"
 #include "coppice/pipeline/knots/remesh_knots_internal.h"
+#include "coppice/pipeline/quad_origin_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
@@ -18,27 +19,8 @@ namespace coppice {
 namespace {
 
 using pipeline_internal::KeptQuads;
+using pipeline_internal::QuadOrigin;
 using pipeline_internal::QuadRows;
-
-// The field of a region is asked about the points of its quads, and a little beyond.
-std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
-    constexpr float kMargin = 0.3f;  // [radii]
-    std::vector<FieldRegion> regions(control.region_node.size());
-    for (std::size_t f = 0; f < control.region.size(); ++f) {
-        Box3& box = regions[control.region[f]].box;
-        for (const std::uint32_t v : control.cage.quads[f]) {
-            box.extend(control.cage.positions[v]);
-            box.extend(control.anchors[v]);
-        }
-    }
-    for (std::size_t r = 0; r < regions.size(); ++r) {
-        regions[r].seed = control.region_node[r];
-        if (!regions[r].box.empty()) {
-            regions[r].box = regions[r].box.inflated(kMargin * skeleton.radius(regions[r].seed));
-        }
-    }
-    return regions;
-}
 
 // The map that follows one map by another; none stays none.
 std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
@@ -69,9 +51,23 @@ Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Cont
     return {std::move(grafted), std::move(parted), std::move(source), std::move(tube)};
 }
 
-// Subdivides the cage of a surface, moves it onto the field, and unfolds it.
-void refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
-                 const MeshOptions& options, const Context& ctx, Stages& stages) {
+// Boxes about the quads of the regions and their anchors.
+std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
+    std::vector<FieldRegion> regions(control.region_node.size());
+    for (std::size_t f = 0; f < control.region.size(); ++f) {
+        Box3& box = regions[control.region[f]].box;
+        for (const std::uint32_t v : control.cage.quads[f]) {
+            box.extend(control.cage.positions[v]);
+            box.extend(control.anchors[v]);
+        }
+    }
+    pipeline_internal::complete(regions, control.region_node, skeleton);
+    return regions;
+}
+
+// Subdivides the cage of a surface, moves it onto the field, and unfolds it. Returns the vertices' anchors.
+Buffer<Vec3> refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
+                         const MeshOptions& options, const Context& ctx, Stages& stages) {
     stages.run("field", 0.25f, [&] {
         field.set_regions(field_regions(out.cage, wrapped.skeleton()), {wrapped.tubes(), wrapped.tube}, ctx);
         return true;
@@ -83,7 +79,7 @@ void refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wr
     out.mesh.origin = cage.origin;
     out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
     out.mesh.positions = stages.run("refine", 0.45f, [&] { return patches.refine(cage.positions, ctx); });
-    const Buffer<Vec3> anchors =
+    Buffer<Vec3> anchors =
         stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
     const ProjectionTarget target{FieldRef(field), out.cage.region, out.cage.clip};
     out.projected = stages.run("project", 0.85f, [&] {
@@ -95,6 +91,7 @@ void refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wr
                             ctx);
         });
     }
+    return anchors;
 }
 
 BallReport balls_of(const ConvolutionField& field) {
@@ -114,10 +111,10 @@ void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels,
 // Whether a tube is only the branch node at a root.
 bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
 
-// `rows` are made for those who move vertices later on.
+// `rows` and `origin` are made for those who move vertices later on.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           std::optional<GlobalWeights>& weights, std::optional<QuadRows>& rows,
-                          const Context& ctx, Stages& stages) {
+                          QuadOrigin* origin, const Context& ctx, Stages& stages) {
     QuadSurface out;
     const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
     out.grafted = wrapped.grafted.report;
@@ -129,8 +126,15 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
         return surface_field(wrapped.skeleton(), options, constraints, weights, ctx);
     });
     if (options.field.kernel == Kernel::balls) out.balls = balls_of(field);
-    refine_cage(out, options.levels, field, wrapped, options, ctx, stages);
+    Buffer<Vec3> anchors = refine_cage(out, options.levels, field, wrapped, options, ctx, stages);
     if (options.fit == Fit::volume) rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
+    if (origin != nullptr) {
+        *origin = {{out.mesh, wrapped.tubes(), options.levels},
+                   std::move(anchors),
+                   wrapped.skeleton(),
+                   wrapped.source,
+                   wrapped.tube};
+    }
     const auto wrapping = compress_rows<NodeId>(wrapped.tube.size(), [&](const auto& put) {
         for (std::size_t n = 0; n < wrapped.tube.size(); ++n) {
             const NodeId tube = wrapped.tube[n];
@@ -251,7 +255,7 @@ MeshOptions on_metaballs(MeshOptions options) {
 }
 
 MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& given,
-                     bool with_solid, const Context& ctx) {
+                     bool with_solid, QuadOrigin* origin, const Context& ctx) {
     check_fields(given, "mesh");
     const MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
     MeshResult out;
@@ -264,8 +268,8 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     if (options.method != MeshMethod::cylinders) check_branches(prepared.skeleton);
     std::optional<QuadRows> rows;
     if (options.method == MeshMethod::quads) {
-        out.surface =
-            mesh_by_quads(prepared.skeleton, constraints, options, out.weights, rows, meshing, stages);
+        out.surface = mesh_by_quads(prepared.skeleton, constraints, options, out.weights, rows, origin,
+                                    meshing, stages);
     } else if (options.method == MeshMethod::ramifications) {
         out.surface = mesh_by_ramifications(prepared.skeleton, constraints, options, out.weights, rows,
                                             meshing, stages);
@@ -302,7 +306,7 @@ MeshResult mesh_skeleton(const Skeleton& skeleton, const MeshOptions& options, c
 
 MeshResult mesh_skeleton(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                          const Context& ctx) {
-    return make_mesh(skeleton, constraints, options, false, ctx);
+    return make_mesh(skeleton, constraints, options, false, nullptr, ctx);
 }
 
 MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
@@ -311,7 +315,25 @@ MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, con
         throw InvalidInput("mesh: method must be tetrahedra for the tetrahedra inside");
     if (options.fit != Fit::surface)
         throw InvalidInput("mesh: fit must be surface for the tetrahedra inside, which would not move along");
-    return make_mesh(skeleton, constraints, options, true, ctx);
+    return make_mesh(skeleton, constraints, options, true, nullptr, ctx);
 }
+
+namespace pipeline_internal {
+
+void complete(std::vector<FieldRegion>& regions, std::span<const NodeId> seeds, const Skeleton& skeleton) {
+    constexpr float kMargin = 0.3f;  // [radii]
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+        regions[r].seed = seeds[r];
+        if (!regions[r].box.empty())
+            regions[r].box = regions[r].box.inflated(kMargin * skeleton.radius(seeds[r]));
+    }
+}
+
+MeshResult mesh_with_origin(const Skeleton& skeleton, const MeshOptions& options, QuadOrigin& origin,
+                            const Context& ctx) {
+    return make_mesh(skeleton, {}, options, false, &origin, ctx);
+}
+
+}  // namespace pipeline_internal
 
 }  // namespace coppice

@@ -466,4 +466,32 @@ ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, co
     return report;
 }
 
+ProjectReport project(std::span<Vec3> positions, std::span<const Vec3> anchors,
+                      const CompressedRows<std::uint32_t>& vertices, FieldRef field,
+                      const ProjectOptions& options, const Context& ctx) {
+    constexpr std::size_t kRowsPerRange = 64;
+    check_fields(options, "project");
+    if (positions.size() != anchors.size()) throw InvalidInput("project: give one anchor per vertex");
+    if (!(field.level() > 0)) throw InvalidInput("project: the level of the field must be greater than 0");
+    const Task task{positions, anchors, field, options};
+    return parallel_reduce(
+        ctx, vertices.size(), kRowsPerRange, ProjectReport{},
+        [&](IndexRange rows) {
+            ProjectReport report;
+            std::vector<std::uint32_t> unprojected;
+            const auto batch = std::make_unique<RayBatch>(task, report, unprojected);
+            for (std::size_t row = rows.begin; row < rows.end; ++row) {
+                const auto region = static_cast<std::uint32_t>(row);
+                for (const std::uint32_t v : vertices[row]) {
+                    batch->add(v, anchors[v]);
+                    if (batch->full()) batch->move(region);
+                }
+                batch->move(region);
+                follow_gradient(task, region, unprojected, report);
+            }
+            return report;
+        },
+        sum);
+}
+
 }  // namespace coppice

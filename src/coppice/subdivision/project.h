@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "coppice/base/column.h"
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/implicit/field_ref.h"
@@ -102,5 +103,12 @@ struct ProjectionTarget {
 ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, const PatchRefinement& patches,
                       const ProjectionTarget& target, const ProjectOptions& options = {},
                       const Context& ctx = {});
+
+/// The same for some vertices of any surface, along rays and, where these meet nothing, the gradient, once:
+/// row r of `vertices` holds those that the field is asked for in region r, each in one row. All others stay,
+/// and there are no flat ends. The options' method, relaxation and passes are not looked at.
+ProjectReport project(std::span<Vec3> positions, std::span<const Vec3> anchors,
+                      const CompressedRows<std::uint32_t>& vertices, FieldRef field,
+                      const ProjectOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

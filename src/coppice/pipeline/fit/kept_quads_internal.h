@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "coppice/base/context.h"
@@ -30,12 +32,17 @@ class KeptQuads {
     /// with the same limit. O(n), but for what remeshing made and what lies near it.
     FacePairs crossings(const PolygonMesh& moved, std::uint32_t limit, const Context& ctx);
 
+    /// That the tubes lie elsewhere now, as the vertices will: the same nodes. Wrong places cost time alone.
+    void move_tubes(Skeleton tubes) { rows_.tubes = std::move(tubes); }
+    /// Per vertex of `after` that of the rows, or kNone.
+    std::span<const std::uint32_t> old_vertices() const { return old_vertex_; }
+
+    static constexpr std::uint32_t kNone = 0xffffffffu;  ///< no vertex
+
   private:
     void find_in(const QuadMesh& after);
     /// Whether two quads have the same corners, which are no others' already.
     bool is_same(const Quad& old, const Quad& now, std::span<const Vec3> positions) const;
-
-    static constexpr std::uint32_t kNone = 0xffffffffu;
 
     QuadRows rows_;
     const ControlMesh* cage_;

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "coppice/base/fields.h"
+
+namespace coppice {
+
+/// How an animation runs.
+struct AnimateOptions {
+    float duration = 0;  ///< [s] of all frames; 0 = that of its keys, or 4; in [0, 3600]
+    float rate = 24;     ///< [1/s] frames; in [1, 240]
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, AnimateOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"duration", "seconds that it lasts; 0 = as long as its keys, or else 4", Unit::none, 0, 3600},
+          o.duration);
+    visit(Field{"rate", "frames a second", Unit::none, 1, 240}, o.rate);
+}
+
+}  // namespace coppice

@@ -1,0 +1,52 @@
+#include "coppice/animate/pose.h"
+
+namespace coppice {
+
+Pose rest_pose(const Skeleton& s) {
+    return {{s.positions().begin(), s.positions().end()},
+            {s.radii().begin(), s.radii().end()},
+            std::vector<Rotation>(s.size())};
+}
+
+Skeleton posed(const Skeleton& s, const Pose& pose) {
+    return {{s.parents().begin(), s.parents().end()},
+            pose.positions,
+            pose.radii,
+            s.origin(),
+            {s.stable_ids().begin(), s.stable_ids().end()}};
+}
+
+Pose held(const Skeleton& s, const Pose& wanted, const Pose& last, std::span<const std::uint8_t> is_held) {
+    Pose out = wanted;
+    std::vector<std::uint8_t> differs(s.size());  // whether a node is not as it was wanted
+    for (const NodeId n : nodes(s)) {
+        const std::uint32_t i = n.index();
+        const Pose& from = is_held[i] != 0 ? last : wanted;
+        const NodeId parent = s.parent(n);
+        differs[i] = is_held[i] != 0 || (parent && differs[parent.index()] != 0) ? 1 : 0;
+        if (differs[i] == 0) continue;
+        if (is_held[i] != 0) out.radii[i] = last.radii[i];
+        if (!parent) {
+            out.positions[i] = from.positions[i];
+            out.turns[i] = from.turns[i];
+            continue;
+        }
+        const std::uint32_t p = parent.index();
+        const Rotation turned = out.turns[p] * inverse(from.turns[p]);
+        const Vec3d way = Vec3d(from.positions[i]) - Vec3d(from.positions[p]);
+        out.positions[i] = Vec3(Vec3d(out.positions[p]) + turned(way));
+        out.turns[i] = unit(turned * from.turns[i]);
+    }
+    return out;
+}
+
+void hold_between(const Skeleton& s, NodeId a, NodeId b, std::span<std::uint8_t> is_held) {
+    // Parents precede their children: the later of two nodes is not above the other.
+    while (a != b) {
+        NodeId& later = !b || (a && b < a) ? a : b;
+        is_held[later.index()] = 1;
+        later = s.parent(later);
+    }
+}
+
+}  // namespace coppice

@@ -1,0 +1,73 @@
+#include "coppice/animate/pose.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/skeleton/random_tree.h"
+
+namespace coppice {
+namespace {
+
+// Every segment turned against its parent by some angle.
+Pose bent(const Skeleton& s, double angle) {
+    Pose out = rest_pose(s);
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const std::uint32_t i = n.index(), p = s.parent(n).index();
+        out.turns[i] = unit(rotation_about({0, 1, 0}, angle) * out.turns[p]);
+        out.positions[i] =
+            Vec3(Vec3d(out.positions[p]) + out.turns[i](Vec3d(s.position(n)) - Vec3d(s.positions()[p])));
+    }
+    return out;
+}
+
+// How a node stands to its parent.
+Vec3d seen_from_parent(const Skeleton& s, const Pose& pose, NodeId n) {
+    const std::uint32_t i = n.index(), p = s.parent(n).index();
+    return inverse(pose.turns[p])(Vec3d(pose.positions[i]) - Vec3d(pose.positions[p]));
+}
+
+TEST(Pose, OfRestIsTheSkeleton) {
+    const Skeleton s = random_tree(50, 1);
+    const Skeleton same = posed(s, rest_pose(s));
+    EXPECT_TRUE(std::ranges::equal(same.positions(), s.positions()));
+    EXPECT_TRUE(std::ranges::equal(same.parents(), s.parents()));
+}
+
+TEST(Pose, WithNothingHeldIsTheOneThatIsWanted) {
+    const Skeleton s = random_tree(80, 2);
+    const Pose wanted = bent(s, 0.1);
+    EXPECT_EQ(held(s, wanted, rest_pose(s), std::vector<std::uint8_t>(s.size())), wanted);
+}
+
+TEST(Pose, HeldNodesStandToTheirParentsAsBefore) {
+    const Skeleton s = random_tree(200, 3);
+    const Pose last = bent(s, 0.05), wanted = bent(s, 0.2);
+    std::vector<std::uint8_t> is_held(s.size());
+    for (std::uint32_t i = 0; i < s.size(); i += 7) is_held[i] = 1;
+    const Pose now = held(s, wanted, last, is_held);
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const Vec3d as = seen_from_parent(s, is_held[n.index()] != 0 ? last : wanted, n);
+        EXPECT_LT(distance(seen_from_parent(s, now, n), as), 1e-5);
+    }
+}
+
+TEST(Pose, HoldsTheWayBetweenTwoNodesButNotTheirCommonOne) {
+    // 0 - 1 - 2, 1 - 3 - 4
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
+                     {{0, 0, 0}, {0, 0, 1}, {1, 0, 2}, {-1, 0, 2}, {-2, 0, 3}}, std::vector<float>(5, 0.1f));
+    std::vector<std::uint8_t> is_held(5);
+    hold_between(s, NodeId(2), NodeId(4), is_held);
+    EXPECT_EQ(is_held, (std::vector<std::uint8_t>{0, 0, 1, 1, 1}));
+}
+
+TEST(Pose, HoldsTwoTreesWhereTheyStand) {
+    const Skeleton s({NodeId::none(), NodeId::none(), NodeId(0), NodeId(1)},
+                     {{0, 0, 0}, {5, 0, 0}, {0, 0, 1}, {5, 0, 1}}, std::vector<float>(4, 0.1f));
+    std::vector<std::uint8_t> is_held(4);
+    hold_between(s, NodeId(2), NodeId(3), is_held);
+    EXPECT_EQ(is_held, (std::vector<std::uint8_t>{1, 1, 1, 1}));
+}
+
+}  // namespace
+}  // namespace coppice

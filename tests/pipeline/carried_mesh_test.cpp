@@ -1,0 +1,190 @@
+#include "coppice/pipeline/carry/carried_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "coppice/animate/wind.h"
+#include "coppice/base/error.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/measure/surface_tree.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/pipeline/carry/sound_frames.h"
+#include "coppice/skeleton/random_tree.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+// The whole tree turned and moved.
+Pose turned_whole(const Skeleton& s, const Rotation& turn, Vec3d by) {
+    Pose out = rest_pose(s);
+    for (Vec3& p : out.positions) p = Vec3(turn(Vec3d(p)) + by);
+    std::ranges::fill(out.turns, turn);
+    return out;
+}
+
+// One branch, all that hangs on node n with its segment, turned about its joint.
+Pose turned_branch(const Skeleton& s, NodeId top, const Rotation& turn) {
+    Pose out = rest_pose(s);
+    std::vector<std::uint8_t> hangs(s.size());
+    const Vec3d joint(s.position(s.parent(top)));
+    for (const NodeId n : nodes(s)) {
+        const bool is_below = n == top || (!s.is_root(n) && hangs[s.parent(n).index()] != 0);
+        if (!is_below) continue;
+        hangs[n.index()] = 1;
+        out.positions[n.index()] = Vec3(joint + turn(Vec3d(s.position(n)) - joint));
+        out.turns[n.index()] = turn;
+    }
+    return out;
+}
+
+QuadMesh with_positions(const CarriedMesh& mesh, const Buffer<Vec3>& positions) {
+    QuadMesh out = mesh.made().quads().mesh;
+    out.positions = positions;
+    return out;
+}
+
+std::size_t crossings(const QuadMesh& mesh) {
+    return crossing_faces(SurfaceTree(to_polygons(mesh)), 1000).pairs.size();
+}
+
+float greatest_distance(std::span<const Vec3> a, std::span<const Vec3> b) {
+    float most = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, distance(a[i], b[i]));
+    return most;
+}
+
+TEST(CarriedMesh, AtRestIsTheSurfaceToTheBit) {
+    const Skeleton s = random_tree(120, 4);
+    CarriedMesh mesh(s);
+    EXPECT_EQ(mesh.carry(rest_pose(s)).positions, mesh_skeleton(s).quads().mesh.positions);
+}
+
+TEST(CarriedMesh, MovesWholeTreesRigidly) {
+    const Rotation turn = rotation_about(normalized(Vec3d{1, 2, 3}), 0.7);
+    const Vec3d by{2, -1, 0.5};
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        CarriedMesh mesh(skeleton);
+        const CarriedFrame frame = mesh.carry(turned_whole(skeleton, turn, by));
+        const Buffer<Vec3>& rest = mesh.made().quads().mesh.positions;
+        const Box3 box = skeleton.bounds();
+        float most = 0;
+        for (std::size_t v = 0; v < rest.size(); ++v)
+            most = std::max(most, distance(frame.positions[v], Vec3(turn(Vec3d(rest[v])) + by)));
+        EXPECT_LT(most, 4e-3f * (box.diagonal() + 1));
+    }
+}
+
+TEST(CarriedMesh, LiesOnTheFieldOfThePose) {
+    // A branch far from its joint has the surface that it would have if it were made anew there.
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(1), NodeId(4)},
+                     {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 6}, {2, 0, 3}, {4, 0, 4}},
+                     {0.3f, 0.3f, 0.25f, 0.2f, 0.15f, 0.15f});
+    CarriedMesh mesh(s);
+    const Pose pose = turned_branch(s, NodeId(4), rotation_about({0, 0, 1}, 0.5));
+    const CarriedFrame frame = mesh.carry(pose);
+    EXPECT_TRUE(frame.is_sound());
+    EXPECT_LT(frame.projected.not_converged, 10u);
+    const Skeleton now = posed(s, pose);
+    double sum = 0;
+    std::size_t count = 0;
+    const Segment far = now.segment(NodeId(5));
+    const Vec3 axis = (far.b - far.a) / distance(far.a, far.b);
+    for (const Vec3 p : frame.positions) {
+        const float along = dot(p - far.a, axis);
+        const float away = length(p - far.a - axis * along);
+        if (along < 0.5f || along > 1.5f || away > 0.5f) continue;
+        sum += double{away};
+        ++count;
+    }
+    ASSERT_GT(count, 20u);
+    EXPECT_NEAR(sum / static_cast<double>(count), 0.15, 0.002);
+}
+
+TEST(CarriedMesh, GivesTheSameBitsForAnyNumberOfThreads) {
+    const Skeleton s = random_tree(200, 5);
+    const Pose pose = Wind(s, {.speed = 15, .flexibility = 10}, 8, 10).swayed(rest_pose(s), 2);
+    Buffer<Vec3> first;
+    for (const unsigned threads : {1u, 2u, 7u}) {
+        const Context ctx{.threads = threads, .stop = {}, .progress = {}};
+        CarriedMesh mesh(s, {}, ctx);
+        const CarriedFrame frame = mesh.carry(pose, {}, ctx);
+        if (first.empty()) first = frame.positions;
+        EXPECT_EQ(frame.positions, first);
+    }
+}
+
+TEST(CarriedMesh, ScalesWithTheRadii) {
+    const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 3}}, {0.2f, 0.2f});
+    CarriedMesh mesh(s);
+    Pose pose = rest_pose(s);
+    for (float& r : pose.radii) r *= 2;
+    const CarriedFrame frame = mesh.carry(pose);
+    float widest = 0;
+    for (const Vec3 p : frame.positions) widest = std::max(widest, length(Vec3{p.x, p.y, 0}));
+    EXPECT_NEAR(widest, 0.4f, 0.01f);
+}
+
+TEST(CarriedMesh, RefusesOtherMethods) {
+    const Skeleton s = random_tree(20, 1);
+    EXPECT_THROW(CarriedMesh(s, {.method = MeshMethod::cylinders}), InvalidInput);
+    MeshOptions global;
+    global.field.weights = Weights::global;
+    EXPECT_THROW(CarriedMesh(s, global), InvalidInput);
+}
+
+TEST(SoundFrames, AreNeverFoldedNorCross) {
+    const Skeleton s = random_tree(150, 6);
+    CarriedMesh mesh(s);
+    const QuadMesh& rest = mesh.made().quads().mesh;
+    ASSERT_EQ(shape(rest).inverted_faces, 0u);
+    ASSERT_EQ(crossings(rest), 0u);
+    const Wind wind(s, {.speed = 30, .flexibility = 40}, 4, 2);
+    SoundFrames frames(mesh);
+    int held = 0;
+    for (int i = 0; i < 6; ++i) {
+        const SoundFrame frame = frames.next(wind.swayed(rest_pose(s), 0.6 * i));
+        held += frame.is_held() ? 1 : 0;
+        const QuadMesh now = with_positions(mesh, frame.positions);
+        EXPECT_EQ(shape(now).inverted_faces, 0u);
+        EXPECT_EQ(crossings(now), 0u);
+    }
+    EXPECT_GT(held, 0) << "the wind is too weak for this test";
+}
+
+TEST(SoundFrames, HoldTheBranchThatWouldCrossAnotherAndNoOther) {
+    // Two branches side by side; one is turned through the other; a third one far off moves freely.
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(1), NodeId(4)},
+                     {{0, 0, 0}, {0, 0, 3}, {3, 0.6f, 4}, {3, -0.6f, 4}, {0, 0, 5}, {-3, 0, 6}},
+                     {0.3f, 0.25f, 0.1f, 0.1f, 0.2f, 0.1f});
+    CarriedMesh mesh(s);
+    Pose wanted = turned_branch(s, NodeId(2), rotation_about({0, 0, 1}, -0.39));
+    const Pose other = turned_branch(s, NodeId(5), rotation_about({0, 0, 1}, 0.3));
+    wanted.positions[5] = other.positions[5];
+    wanted.turns[5] = other.turns[5];
+    SoundFrames frames(mesh);
+    const SoundFrame frame = frames.next(wanted);
+    EXPECT_GT(frame.crossings, 0u);
+    EXPECT_TRUE(frame.is_held());
+    EXPECT_FALSE(frame.whole_tree_held);
+    EXPECT_LT(distance(frame.pose.positions[2], s.position(NodeId(2))), 1e-5f);
+    EXPECT_LT(distance(frame.pose.positions[5], wanted.positions[5]), 1e-5f);
+    EXPECT_EQ(crossings(with_positions(mesh, frame.positions)), 0u);
+}
+
+TEST(SoundFrames, GoOnWhereThePoseIsSoundAgain) {
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
+                     {{0, 0, 0}, {0, 0, 3}, {3, 0.6f, 4}, {3, -0.6f, 4}}, {0.3f, 0.25f, 0.1f, 0.1f});
+    CarriedMesh mesh(s);
+    SoundFrames frames(mesh);
+    EXPECT_TRUE(frames.next(turned_branch(s, NodeId(2), rotation_about({0, 0, 1}, -0.39))).is_held());
+    const Pose back = turned_branch(s, NodeId(2), rotation_about({0, 0, 1}, 0.05));
+    const SoundFrame frame = frames.next(back);
+    EXPECT_FALSE(frame.is_held());
+    EXPECT_LT(greatest_distance(frame.pose.positions, back.positions), 1e-6f);
+}
+
+}  // namespace
+}  // namespace coppice
