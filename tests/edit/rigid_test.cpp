@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "coppice/skeleton/random_tree.h"
 #include "edit/trees.h"
 #include "errors.h"
 
@@ -83,6 +84,42 @@ TEST(Rigid, RefusesWhatMakesNoSense) {
               }).find("there is no node 40"),
               std::string::npos);
     EXPECT_EQ(tree.undo_depth(), 0u);
+}
+
+/// Bytes of history for each node that an edit moves, and that it comes back and goes again to the bit.
+template <class Edit>
+double bytes_for_each_moved(const Skeleton& skeleton, const Edit& edit) {
+    EditableTree tree(skeleton);
+    const EditChange change = edit(tree);
+    const Skeleton after = tree.skeleton();
+    const double bytes = static_cast<double>(tree.history_bytes());
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(tree.undo().moved, change.moved);
+        EXPECT_TRUE(test::same(tree.skeleton(), skeleton));
+        EXPECT_EQ(tree.redo().moved, change.moved);
+        EXPECT_TRUE(test::same(tree.skeleton(), after));
+    }
+    return bytes / static_cast<double>(change.moved.size());
+}
+
+// Floats turned and turned back are others: what is kept of a limb is how it moved, and what rounding took.
+TEST(Rigid, KeepsLittleOfLimbsThatMoveAsAWhole) {
+    const Skeleton tree = random_tree(4000, 7);
+    const NodeSet top = ids({1});
+    const auto bytes = [&](const auto& edit) { return bytes_for_each_moved(tree, edit); };
+    EXPECT_LT(bytes([&](EditableTree& t) { return rotate(t, top, {.angle = 0.7}); }), 4.5);
+    EXPECT_LT(bytes([&](EditableTree& t) { return translate(t, top, {0.1, -7, 1e-3}); }), 4.5);
+    EXPECT_LT(bytes([&](EditableTree& t) { return mirror(t, top, {1, 2, 3}, false); }), 4.5);
+    EXPECT_LT(bytes([&](EditableTree& t) { return scale(t, top, 1.7, false); }), 4.5);
+    // Radii are numbers like all others; what is far smaller than before has lost its last bits.
+    EXPECT_LT(bytes([&](EditableTree& t) { return scale(t, top, 0.9, true); }), 10);
+    EXPECT_LT(bytes([&](EditableTree& t) { return translate(t, top, {1e6, 0, 0}); }), 20);
+    // Two motions of one edit.
+    const EditableTree whole(tree);
+    StableId fork = whole.first_root();
+    while (!whole.next_sibling(whole.first_child(fork))) fork = whole.first_child(fork);
+    const NodeSet two{whole.first_child(fork), whole.next_sibling(whole.first_child(fork))};
+    EXPECT_LT(bytes([&](EditableTree& t) { return rotate(t, two, {.angle = 0.7}); }), 6);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "coppice/base/rotation.h"
+#include "coppice/edit/motion_internal.h"
 #include "coppice/edit/parts_internal.h"
 #include "coppice/edit/selection.h"
 
@@ -48,12 +48,9 @@ void carry(TreeEdit& edit, const EditableTree& tree, const Chain& chain, const s
            const std::vector<Rotation>& turn) {
     for (std::size_t i = 1; i < chain.size(); ++i) {
         const StableId next = i + 1 < chain.size() ? chain.node[i + 1] : StableId::none();
+        const Motion motion{.from = Vec3(chain.rest[i]), .to = place[i], .turn = turn[i]};
         for (StableId c = tree.first_child(chain.node[i]); c; c = tree.next_sibling(c)) {
-            if (c == next) continue;
-            tree.visit_subtree(c, [&](StableId n) {
-                edit.move(n, Vec3(place[i] + turn[i](place_of(tree, n) - chain.rest[i])));
-                edit.turn(n, turn[i]);
-            });
+            if (c != next) edit.move_subtree(c, motion);
         }
     }
     for (std::size_t i = 1; i < chain.size(); ++i) {

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <functional>
 #include <queue>
 
@@ -14,29 +12,6 @@ namespace coppice {
 namespace {
 
 constexpr std::uint32_t kMostIdsPerNode = 64, kAlwaysAllowedIds = 1u << 20;
-
-/// Numbers of seven bits a byte, the least first: small ones, as differences are, take little.
-void put_number(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
-    for (; value >= 128; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 128));
-    bytes.push_back(static_cast<std::uint8_t>(value));
-}
-
-std::uint32_t take_number(const std::vector<std::uint8_t>& bytes, std::size_t& at) {
-    std::uint32_t value = 0;
-    for (int shift = 0;; shift += 7) {
-        const std::uint8_t byte = bytes[at++];
-        value |= static_cast<std::uint32_t>(byte & 127) << shift;
-        if (byte < 128) return value;
-    }
-}
-
-/// The words of a node that deltas are made of: parent, position, radius.
-using Words = std::array<std::uint32_t, 5>;
-
-Words words_of(StableId parent, Vec3 p, float radius) {
-    return {parent.index(), std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-            std::bit_cast<std::uint32_t>(p.z), std::bit_cast<std::uint32_t>(radius)};
-}
 
 }  // namespace
 
@@ -181,27 +156,6 @@ void EditableTree::assign(const Nodes& nodes) {
     }
 }
 
-EditableTree::Delta EditableTree::delta_from(const Nodes& before, std::uint32_t slots_before) const {
-    Delta delta{.bytes = {}, .slots_before = slots_before, .slots_after = slots()};
-    std::uint32_t last = 0;
-    for (const auto& [n, was] : before) {
-        const Node is = node(n);
-        if (is == was) continue;
-        const Words a = words_of(was.parent, was.position, was.radius);
-        const Words b = words_of(is.parent, is.position, is.radius);
-        std::uint8_t changed = 0;
-        for (std::size_t i = 0; i < a.size(); ++i) changed |= static_cast<std::uint8_t>((a[i] != b[i]) << i);
-        put_number(delta.bytes, n.index() - last);
-        last = n.index();
-        delta.bytes.push_back(changed);
-        for (std::size_t i = 0; i < a.size(); ++i) {
-            if (a[i] != b[i]) put_number(delta.bytes, a[i] ^ b[i]);
-        }
-    }
-    delta.bytes.shrink_to_fit();
-    return delta;
-}
-
 EditChange EditableTree::change_from(const Nodes& before) const {
     EditChange change;
     for (const auto& [n, was] : before) {
@@ -218,57 +172,6 @@ EditChange EditableTree::change_from(const Nodes& before) const {
         }
     }
     return change;
-}
-
-EditChange EditableTree::flip(const Delta& delta, bool forward) {
-    resize(std::max(delta.slots_before, delta.slots_after));
-    Nodes before, after;
-    std::uint32_t last = 0;
-    for (std::size_t at = 0; at < delta.bytes.size();) {
-        const StableId n(last += take_number(delta.bytes, at));
-        before.emplace_back(n, node(n));
-        const std::uint8_t changed = delta.bytes[at++];
-        Words words = words_of(parent_[n], position_[n], radius_[n]);
-        for (std::size_t i = 0; i < words.size(); ++i) {
-            if ((changed >> i & 1) != 0) words[i] ^= take_number(delta.bytes, at);
-        }
-        const Vec3 p{std::bit_cast<float>(words[1]), std::bit_cast<float>(words[2]),
-                     std::bit_cast<float>(words[3])};
-        after.emplace_back(n, Node{StableId(words[0]), p, std::bit_cast<float>(words[4])});
-    }
-    assign(after);
-    resize(forward ? delta.slots_after : delta.slots_before);
-    return change_from(before);
-}
-
-void EditableTree::remember(Delta delta) {
-    for (const Delta& d : undone_) history_bytes_ -= sizeof(Delta) + d.bytes.capacity();
-    undone_.clear();
-    history_bytes_ += sizeof(Delta) + delta.bytes.capacity();
-    done_.push_back(std::move(delta));
-}
-
-EditChange EditableTree::undo() {
-    COPPICE_ASSERT(!done_.empty());
-    EditChange change = flip(done_.back(), false);
-    undone_.push_back(std::move(done_.back()));
-    done_.pop_back();
-    return change;
-}
-
-EditChange EditableTree::redo() {
-    COPPICE_ASSERT(!undone_.empty());
-    EditChange change = flip(undone_.back(), true);
-    done_.push_back(std::move(undone_.back()));
-    undone_.pop_back();
-    return change;
-}
-
-void EditableTree::limit_history(std::size_t bytes) {
-    while (history_bytes_ > bytes && done_.size() > 1) {
-        history_bytes_ -= sizeof(Delta) + done_.front().bytes.capacity();
-        done_.pop_front();
-    }
 }
 
 }  // namespace coppice

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,10 @@
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
+
+namespace edit_internal {
+struct Motion;
+}
 
 /// Nodes of a tree, ascending, none twice.
 using NodeSet = std::vector<StableId>;
@@ -35,7 +40,7 @@ struct EditChange {
 ///
 /// Edits are made by TreeEdit. Each costs what it touches, O(k log k) for k nodes, whatever the size of the
 /// tree, and so does undoing it. 28 bytes a node; each step of the history about 100 bytes, and 5 to 20 for
-/// each node that it touched.
+/// each node that it touched, 4 where it moved with the branch that it is on.
 class EditableTree {
   public:
     /// Stable ids are those of the skeleton. Throws InvalidInput where they go up to more than 64 times the
@@ -109,6 +114,8 @@ class EditableTree {
         friend bool operator==(const Node&, const Node&) = default;
     };
     using Nodes = std::vector<std::pair<StableId, Node>>;  ///< in order of id
+    /// The nodes that were moved by motions.
+    struct Moves;
     /// The difference of two states: what one has to be combined with to give the other, either way.
     struct Delta {
         std::vector<std::uint8_t> bytes;
@@ -121,7 +128,7 @@ class EditableTree {
     void link(StableId n);
     void unlink(StableId n);
     StableId& link_before(StableId n);
-    Delta delta_from(const Nodes& before, std::uint32_t slots_before) const;
+    Delta delta_from(const Nodes& before, std::uint32_t slots_before, Moves moves) const;
     EditChange flip(const Delta& delta, bool forward);
     EditChange change_from(const Nodes& before) const;
     void remember(Delta delta);
@@ -143,16 +150,18 @@ class EditableTree {
 /// All nodes that are named must be there.
 class TreeEdit {
   public:
-    explicit TreeEdit(EditableTree& tree) : tree_(tree), slots_before_(tree.slots()) {}  ///< begins
+    explicit TreeEdit(EditableTree& tree);          ///< begins
     ~TreeEdit();                                    ///< takes back, unless committed
     TreeEdit(const TreeEdit&) = delete;             ///< an edit is one
     TreeEdit& operator=(const TreeEdit&) = delete;  ///< an edit is one
 
     /// A new node; without a parent it is a root. Its id is greater than all before it.
     StableId add(StableId parent, Vec3 position, float radius);
-    void remove(StableId tip);                  ///< a node without children
-    void remove_subtree(StableId n);            ///< the node and all that hangs on it
-    void move(StableId n, Vec3 position);       ///< puts the node there, and nothing else
+    void remove(StableId tip);             ///< a node without children
+    void remove_subtree(StableId n);       ///< the node and all that hangs on it
+    void move(StableId n, Vec3 position);  ///< puts the node there, and nothing else
+    /// Moves the node and all that hangs on it as one. The history keeps little of that.
+    void move_subtree(StableId n, const edit_internal::Motion& motion);
     void set_radius(StableId n, float radius);  ///< of this node
     /// Tells that what ends at the node turns, as rigid branches do, beside moving.
     void turn(StableId n, const Rotation& by);
@@ -178,6 +187,7 @@ class TreeEdit {
     bool sorted_ = true;
     EditableTree::Nodes before_;
     std::vector<std::pair<StableId, Rotation>> turns_;  ///< where the tree notes them
+    std::unique_ptr<EditableTree::Moves> moves_;        ///< subtrees that moved as one
 };
 
 }  // namespace coppice

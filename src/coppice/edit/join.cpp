@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/rotation.h"
+#include "coppice/edit/motion_internal.h"
 #include "coppice/edit/parts_internal.h"
 #include "coppice/edit/selection.h"
 
@@ -122,13 +122,12 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
         foot.radius = s.radius_a + (double{s.radius_b} - s.radius_a) * options.along;
     }
     const StableId joint = joint_of(tree, branch);
-    const Vec3d from = place_of(tree, joint);
     const Vec3d old_way = tree.is_root(branch) ? Vec3d{0, 0, 1} : direction_of(tree, joint);
     const Rotation turn = options.align ? rotation_between(old_way, direction_of(tree, host)) : Rotation{};
     const StableId at = node_at(edit, tree, foot);
-    const Vec3d to = place_of(tree, at);
+    const Motion motion{.from = tree.position(joint), .to = place_of(tree, at), .turn = turn};
     for (const StableId top : tops) {
-        tree.visit_subtree(top, [&](StableId n) { edit.move(n, Vec3(to + turn(place_of(tree, n) - from))); });
+        edit.move_subtree(top, motion);
         if (options.limit_radius) limit_radii(edit, tree, top, static_cast<float>(foot.radius));
         edit.set_parent(top, at);
     }

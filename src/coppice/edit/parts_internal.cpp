@@ -42,10 +42,6 @@ std::vector<StableId> axis_from(const EditableTree& tree, StableId n) {
     return axis;
 }
 
-void shift_subtree(TreeEdit& edit, const EditableTree& tree, StableId top, Vec3d by) {
-    tree.visit_subtree(top, [&](StableId n) { edit.move(n, Vec3(place_of(tree, n) + by)); });
-}
-
 StableId split_segment(TreeEdit& edit, const EditableTree& tree, StableId n, double t) {
     const StableId parent = tree.parent(n);
     const Segment s = tree.segment(n);

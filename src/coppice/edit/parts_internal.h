@@ -33,9 +33,6 @@ bool hangs_on(const EditableTree& tree, StableId n, StableId top);
 /// The part of the axis of a node that is tipward of it, from the node itself.
 std::vector<StableId> axis_from(const EditableTree& tree, StableId n);
 
-/// Adds by to the subtree of a node.
-void shift_subtree(TreeEdit& edit, const EditableTree& tree, StableId top, Vec3d by);
-
 /// A new node on the segment that ends at n, with the radius that the segment has there, so that the surface
 /// stays as it is; t in (0, 1) from the parent.
 StableId split_segment(TreeEdit& edit, const EditableTree& tree, StableId n, double t);

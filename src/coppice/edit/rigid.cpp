@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <type_traits>
 #include <unordered_map>
 
-#include "coppice/base/rotation.h"
+#include "coppice/edit/motion_internal.h"
 #include "coppice/edit/parts_internal.h"
 
 namespace coppice {
@@ -14,17 +13,13 @@ using namespace edit_internal;
 
 namespace {
 
-/// Puts every node of the branches where place(top, p) says, p being relative to the joint.
-template <class Place>
-void place_branches(TreeEdit& edit, const EditableTree& tree, const NodeSet& nodes, const Place& place) {
+/// Moves branches, each as motion(top, joint) says.
+template <class MotionOf>
+void move_branches(TreeEdit& edit, const EditableTree& tree, const NodeSet& nodes, const MotionOf& motion) {
     check_set(tree, nodes);
     for (const StableId top : tops_of(tree, nodes)) {
-        const Vec3d joint = place_of(tree, joint_of(tree, top));
-        const auto moved = place(top);
-        tree.visit_subtree(top, [&](StableId n) {
-            edit.move(n, Vec3(joint + moved(place_of(tree, n) - joint)));
-            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(moved)>, Rotation>) edit.turn(n, moved);
-        });
+        const Vec3 joint = tree.position(joint_of(tree, top));
+        edit.move_subtree(top, motion(top, Motion{.from = joint, .to = Vec3d(joint), .turn = {}}));
     }
 }
 
@@ -66,15 +61,18 @@ void copy_mirrored(TreeEdit& edit, const EditableTree& tree, StableId top, Vec3d
 
 EditChange translate(EditableTree& tree, const NodeSet& nodes, Vec3d by) {
     TreeEdit edit(tree);
-    place_branches(edit, tree, nodes, [&](StableId) { return [&](Vec3d p) { return p + by; }; });
+    move_branches(edit, tree, nodes, [&](StableId, Motion m) {
+        m.to += by;
+        return m;
+    });
     return edit.commit();
 }
 
 EditChange rotate(EditableTree& tree, const NodeSet& nodes, const TurnOptions& options) {
     TreeEdit edit(tree);
-    place_branches(edit, tree, nodes, [&](StableId top) {
-        const Vec3d axis = axis_of_turn(tree, top, options);
-        return rotation_about(axis, options.angle);
+    move_branches(edit, tree, nodes, [&](StableId top, Motion m) {
+        m.turn = rotation_about(axis_of_turn(tree, top, options), options.angle);
+        return m;
     });
     return edit.commit();
 }
@@ -83,7 +81,10 @@ EditChange scale(EditableTree& tree, const NodeSet& nodes, double factor, bool r
     if (!(factor > 0) || !std::isfinite(factor))
         throw InvalidInput(fmt::format("the factor {} is not above 0; give 0.5 for half the size", factor));
     TreeEdit edit(tree);
-    place_branches(edit, tree, nodes, [&](StableId) { return [&](Vec3d p) { return p * factor; }; });
+    move_branches(edit, tree, nodes, [&](StableId, Motion m) {
+        m.factor = factor;
+        return m;
+    });
     if (radii) {
         for (const StableId top : tops_of(tree, nodes)) {
             tree.visit_subtree(
@@ -108,8 +109,12 @@ EditChange mirror(EditableTree& tree, const NodeSet& nodes, Vec3d normal, bool c
             copy_mirrored(edit, tree, top, across);
         }
     } else {
-        place_branches(edit, tree, nodes,
-                       [&](StableId) { return [&](Vec3d p) { return p - across * (2 * dot(p, across)); }; });
+        // Half a turn about the normal, and every vector the other way.
+        move_branches(edit, tree, nodes, [&](StableId, Motion m) {
+            m.turn = {0, across};
+            m.factor = -1;
+            return m;
+        });
     }
     return edit.commit();
 }

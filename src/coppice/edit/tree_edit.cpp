@@ -5,6 +5,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/edit/editable_tree.h"
+#include "coppice/edit/motion_internal.h"
 
 namespace coppice {
 namespace {
@@ -16,6 +17,9 @@ bool is_sound(Vec3 p) {
 }
 
 }  // namespace
+
+TreeEdit::TreeEdit(EditableTree& tree)
+    : tree_(tree), slots_before_(tree.slots()), moves_(std::make_unique<EditableTree::Moves>()) {}
 
 TreeEdit::~TreeEdit() {
     if (committed_) return;
@@ -77,6 +81,17 @@ void TreeEdit::move(StableId n, Vec3 position) {
     tree_.position_[n] = position;
 }
 
+void TreeEdit::move_subtree(StableId n, const edit_internal::Motion& motion) {
+    EditableTree::Moves& moves = *moves_;
+    if (moves.motions.empty() || moves.motions.back() != motion) moves.motions.push_back(motion);
+    const auto number = static_cast<std::uint32_t>(moves.motions.size() - 1);
+    tree_.visit_subtree(n, [&](StableId below) {
+        move(below, edit_internal::moved(motion, tree_.position(below)));
+        moves.followers.emplace_back(below, number);
+        if (motion.factor > 0) turn(below, motion.turn);
+    });
+}
+
 void TreeEdit::set_radius(StableId n, float radius) {
     touch(n);
     if (!(radius > 0) || !std::isfinite(radius))
@@ -109,7 +124,7 @@ EditChange TreeEdit::commit() {
     if (change.empty()) {
         tree_.resize(slots_before_);
     } else {
-        tree_.remember(tree_.delta_from(was, slots_before_));
+        tree_.remember(tree_.delta_from(was, slots_before_, std::move(*moves_)));
     }
     for (const auto& [n, by] : turns_) {
         if (n.index() < tree_.turn_.size()) tree_.turn_[n.index()] = by * tree_.turn_[n.index()];
