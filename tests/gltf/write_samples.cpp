@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "coppice/io/mesh/motion_writer.h"
 #include "coppice/io/mesh/writer.h"
 
 namespace {
@@ -39,5 +40,9 @@ int main(int argc, char** argv) {
     write_mesh(folder / "tiny.glb", torus(8, 1e-6f));
     write_mesh(folder / "degenerate.glb", torus(8, 0));
     write_mesh(folder / "triangles.glb", triangulate(torus(8, 1)));
+    const QuadMesh rest = torus(8, 1);
+    MotionWriter motion(folder / "motion.glb", rest, 3, 24);
+    for (const float flat : {1.0f, 0.5f, 0.0f}) motion.add(torus(8, flat).positions);
+    motion.finish();
     return 0;
 }
