@@ -7,16 +7,12 @@
 #include <utility>
 
 #include "coppice/edit/selection.h"
+#include "coppice/scene/edit_lines_internal.h"
 #include "coppice/scene/place_internal.h"
 
 namespace coppice {
 
-using scene_internal::placed;
-
-namespace {
-
-constexpr double kBytesOfNode = 400;  // of an edit that doubles the tree, and of its history
-const std::string kTree = "tree";     // what the scene calls it
+namespace scene_internal {
 
 const SceneCommand* edit_called(const std::string& name) {
     for (const SceneCommand& c : scene_commands()) {
@@ -25,7 +21,6 @@ const SceneCommand* edit_called(const std::string& name) {
     return nullptr;
 }
 
-/// Commands of a line: semicolons outside of quotes and comments part them.
 std::vector<std::string> parted(std::string_view line) {
     std::vector<std::string> out(1);
     bool quoted = false;
@@ -43,6 +38,17 @@ std::vector<std::string> parted(std::string_view line) {
     }
     return out;
 }
+
+}  // namespace scene_internal
+
+using scene_internal::edit_called;
+using scene_internal::parted;
+using scene_internal::placed;
+
+namespace {
+
+constexpr double kBytesOfNode = 400;  // of an edit that doubles the tree, and of its history
+const std::string kTree = "tree";     // what the scene calls it
 
 std::vector<StableId> ids_named(const SceneCall& call) {
     std::set<StableId> ids;
