@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "coppice/io/file.h"
+#include "coppice/io/mesh/motion_writer.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/render/gif.h"
 #include "files.h"
@@ -78,11 +79,35 @@ class GifFile : public FrameSink {
     std::optional<GifEncoder> encoder_;
 };
 
+class MovingMeshFile : public FrameSink {
+  public:
+    MovingMeshFile(const std::filesystem::path& path, const FrameSeries& series)
+        : writer_(path, *series.rest, series.count, series.rate) {}
+    void add(const QuadMesh& frame, const Context& ctx) override { writer_.add(frame.positions, ctx); }
+    void finish(const Context& ctx) override { writer_.finish(ctx); }
+
+  private:
+    MotionWriter writer_;
+};
+
+class ChangingMeshFile : public FrameSink {
+  public:
+    ChangingMeshFile(std::filesystem::path path, const FrameSeries& series)
+        : path_(std::move(path)), rate_(series.rate) {}
+    void add(const QuadMesh& frame, const Context&) override { frames_.push_back(frame); }
+    void finish(const Context& ctx) override { write_changing_mesh(path_, frames_, rate_, ctx); }
+
+  private:
+    std::filesystem::path path_;
+    double rate_;
+    std::vector<QuadMesh> frames_;
+};
+
 }  // namespace
 
 bool is_drawn(const std::filesystem::path& path) { return is_picture_name(path) || is_gif_name(path); }
 
-void check_frames_output(const std::filesystem::path& path, bool /*same_faces*/) {
+void check_frames_output(const std::filesystem::path& path, bool same_faces) {
     if (is_drawn(path)) return check_output_folder(path);
     if (!mesh_format_of_name(path)) {
         throw UsageError(
@@ -91,13 +116,22 @@ void check_frames_output(const std::filesystem::path& path, bool /*same_faces*/)
                         ".usda for all in one",
                         path.string()));
     }
+    if (!same_faces && mesh_format_of_name(path) == MeshFormat::glb) {
+        throw UsageError(
+            fmt::format("'{}': a GLB has the same faces in all frames, which growing trees have not; write "
+                        ".usda, or .ply for a file each",
+                        path.string()));
+    }
     check_output_folder(path);
 }
 
 std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series) {
     if (is_gif_name(path)) return std::make_unique<GifFile>(path, series);
     if (is_picture_name(path)) return std::make_unique<PictureFiles>(path, series);
-    return std::make_unique<MeshFiles>(path);
+    const auto format = mesh_format_of_name(path);
+    if (format != MeshFormat::glb && format != MeshFormat::usda) return std::make_unique<MeshFiles>(path);
+    if (series.rest == nullptr) return std::make_unique<ChangingMeshFile>(path, series);
+    return std::make_unique<MovingMeshFile>(path, series);
 }
 
 }  // namespace coppice::cli

@@ -12,11 +12,11 @@ namespace coppice::cli {
 
 /// What all frames of an animation have in common.
 struct FrameSeries {
-    std::size_t count = 0;      ///< of frames
-    double rate = 24;           ///< [1/s]
-    bool same_faces = true;     ///< in all frames
-    RenderOptions picture;      ///< how frames are drawn
-    std::vector<Vec3d> framed;  ///< [m] points that all pictures show
+    std::size_t count = 0;           ///< of frames
+    double rate = 24;                ///< [1/s]
+    const QuadMesh* rest = nullptr;  ///< whose faces all frames have; null where each has its own
+    RenderOptions picture;           ///< how frames are drawn
+    std::vector<Vec3d> framed;       ///< [m] points that all pictures show
 };
 
 /// A place that frames go to, in order.
@@ -34,7 +34,8 @@ void check_frames_output(const std::filesystem::path& path, bool same_faces);
 /// Whether the name is that of pictures, which are drawn.
 bool is_drawn(const std::filesystem::path& path);
 
-/// .png, .ply, .obj and .stl: a file for each frame, NAME_0000.png and so on; .gif: one picture that moves.
+/// .png, .ply, .obj and .stl: a file for each frame, NAME_0000.png and so on; .gif: one picture that moves;
+/// .glb and .usda: one mesh that moves.
 std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series);
 
 }  // namespace coppice::cli

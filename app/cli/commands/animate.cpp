@@ -1,15 +1,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "command.h"
 #include "coppice/animate/animate_options.h"
+#include "coppice/animate/growing.h"
 #include "coppice/animate/wind.h"
+#include "coppice/io/file.h"
 #include "coppice/pipeline/carry/sound_frames.h"
+#include "coppice/scene/keyframes.h"
 #include "files.h"
 #include "frame_sinks.h"
 #include "options.h"
+#include "scene_files.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -22,8 +28,12 @@ constexpr float kSeconds = 4;            // of what does not say how long it las
 struct AnimateFlags {
     std::filesystem::path tree;
     std::vector<std::filesystem::path> outputs;
+    std::filesystem::path keys;
+    std::vector<std::filesystem::path> more_keys;  // texts, not files
+    bool grow = false;
     AnimateOptions run;
     WindOptions wind;
+    GrowingOptions growing;
     MeshOptions mesh;
     RenderOptions picture;
     ReadSkeletonOptions read;
@@ -32,9 +42,16 @@ struct AnimateFlags {
 void check_flags(const AnimateFlags& flags) {
     if (flags.tree.empty() || flags.outputs.empty())
         throw UsageError("name the tree and the frames: coppice animate TREE -o FRAMES");
-    for (const auto& output : flags.outputs) check_frames_output(output, true);
-    if (!(flags.wind.speed > 0))
-        throw UsageError("nothing would move; give the wind a speed with --wind-speed");
+    for (const auto& output : flags.outputs) check_frames_output(output, !flags.grow);
+    const bool has_keys = !flags.keys.empty() || !flags.more_keys.empty();
+    if (flags.grow && (has_keys || flags.wind.speed > 0))
+        throw UsageError(
+            "a tree that grows has other faces in every frame; leave --keys and the wind out, or --grow");
+    if (flags.grow &&
+        (flags.mesh.method == MeshMethod::tetrahedra || flags.mesh.method == MeshMethod::cylinders))
+        throw UsageError("--grow needs --method quads, ramifications or bmesh");
+    if (!flags.grow && !has_keys && !(flags.wind.speed > 0))
+        throw UsageError("nothing would move; give keys with --keys, a wind with --wind-speed, or --grow");
 }
 
 std::size_t frames_of(const AnimateFlags& flags, double seconds) {
@@ -51,6 +68,48 @@ std::size_t frames_of(const AnimateFlags& flags, double seconds) {
     return static_cast<std::size_t>(count);
 }
 
+/// The keys of the file and of the command line; none where there are none.
+std::optional<Keyframes> load_keys(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
+    std::string text, source = "--key";
+    if (!flags.keys.empty()) {
+        source = flags.keys.string();
+        text =
+            run.stage("read", [&](const Context& ctx) { return read_file(flags.keys, kLargestScene, ctx); });
+    }
+    for (const auto& key : flags.more_keys) text.append(key.string()).append(1, '\n');
+    if (text.empty() && flags.keys.empty()) return {};
+    return run.stage("keys", [&](const Context& ctx) { return Keyframes(tree, text, source, {}, ctx); });
+}
+
+/// The motion of a tree, and how many frames it has.
+struct Motion {
+    std::vector<Pose> poses;
+    std::size_t keys = 0;
+};
+
+Motion motion_of(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
+    const std::optional<Keyframes> keys = load_keys(run, flags, tree);
+    const double seconds = flags.run.duration > 0 ? double{flags.run.duration}
+                           : keys                 ? keys->end()
+                                                  : double{kSeconds};
+    const bool is_windy = flags.wind.speed > 0;
+    // Of keys the last moment is shown too; of the wind it is the first again.
+    const std::size_t count = frames_of(flags, seconds) + (is_windy ? 0 : 1);
+    return run.stage("poses", [&](const Context& ctx) {
+        constexpr std::size_t kFramesOfSwing = 8;
+        Motion out{.poses = {}, .keys = keys ? keys->size() : 0};
+        std::optional<Wind> wind;
+        if (is_windy) wind.emplace(tree, flags.wind, seconds, static_cast<int>(count / kFramesOfSwing));
+        for (std::size_t i = 0; i < count; ++i) {
+            ctx.throw_if_cancelled();
+            const double time = static_cast<double>(i) / double{flags.run.rate};
+            Pose pose = keys ? keys->at(time) : rest_pose(tree);
+            out.poses.push_back(wind ? wind->swayed(pose, time) : std::move(pose));
+        }
+        return out;
+    });
+}
+
 /// Points that are to be in all pictures: the surface at rest, and the nodes in some of the poses.
 std::vector<Vec3d> framed(const QuadMesh& rest, const Skeleton& s, std::span<const Pose> poses) {
     constexpr std::size_t kMostPoses = 32;
@@ -60,6 +119,12 @@ std::vector<Vec3d> framed(const QuadMesh& rest, const Skeleton& s, std::span<con
         for (const Vec3 p : poses[i].positions) out.push_back(s.origin() + Vec3d(p));
     }
     return out;
+}
+
+std::vector<std::unique_ptr<FrameSink>> open_sinks(const AnimateFlags& flags, const FrameSeries& series) {
+    std::vector<std::unique_ptr<FrameSink>> sinks;
+    for (const auto& output : flags.outputs) sinks.push_back(open_sink(output, series));
+    return sinks;
 }
 
 /// What became of the frames.
@@ -100,40 +165,28 @@ class FrameLog {
     Figure::List named_;
 };
 
-ExitCode animate(Run& run, const AnimateFlags& flags) {
-    check_flags(flags);
-    const double seconds = flags.run.duration > 0 ? double{flags.run.duration} : double{kSeconds};
-    const std::size_t count = frames_of(flags, seconds);
-    const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
-    const Skeleton& tree = file.skeleton;
+/// One surface for all frames.
+ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
+    const Motion motion = motion_of(run, flags, tree);
+    const std::size_t count = motion.poses.size();
+    const double rate = double{flags.run.rate};
     CarriedMesh mesh =
         run.stage("mesh", [&](const Context& ctx) { return CarriedMesh(tree, flags.mesh, ctx); });
-    const double rate = double{flags.run.rate};
-    const std::vector<Pose> poses = run.stage("poses", [&](const Context& ctx) {
-        constexpr std::size_t kFramesOfSwing = 8;
-        const Wind wind(tree, flags.wind, seconds, static_cast<int>(count / kFramesOfSwing));
-        std::vector<Pose> out;
-        for (std::size_t i = 0; i < count; ++i) {
-            ctx.throw_if_cancelled();
-            out.push_back(wind.swayed(rest_pose(tree), static_cast<double>(i) / rate));
-        }
-        return out;
-    });
-    const FrameSeries series{.count = count,
-                             .rate = rate,
-                             .picture = flags.picture,
-                             .framed = framed(mesh.made().quads().mesh, tree, poses)};
-    std::vector<std::unique_ptr<FrameSink>> sinks;
-    for (const auto& output : flags.outputs) sinks.push_back(open_sink(output, series));
+    const QuadMesh& rest = mesh.made().quads().mesh;
+    const auto sinks = open_sinks(flags, {.count = count,
+                                          .rate = rate,
+                                          .rest = &rest,
+                                          .picture = flags.picture,
+                                          .framed = framed(rest, tree, motion.poses)});
     FrameLog log;
     double carrying = 0;
     run.stage("frames", [&](const Context& ctx) {
         const Context each{.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
         SoundFrames frames(mesh);
-        QuadMesh shown = mesh.made().quads().mesh;
+        QuadMesh shown = rest;
         for (std::size_t i = 0; i < count; ++i) {
             const auto start = std::chrono::steady_clock::now();
-            SoundFrame frame = frames.next(poses[i], each);
+            SoundFrame frame = frames.next(motion.poses[i], each);
             carrying += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             log.add(i, static_cast<double>(i) / rate, frame);
             shown.positions = std::move(frame.positions);
@@ -144,12 +197,50 @@ ExitCode animate(Run& run, const AnimateFlags& flags) {
     });
     run.add_stage("frames: carry", carrying);
     count_surface(run, mesh.made());
+    run.counts()["keys"] = motion.keys;
     run.counts()["frames"] = count;
     run.counts()["seconds_per_frame"] = carrying / static_cast<double>(count);
     log.report(run.counts());
     run.finish(fmt::format("{}: {} frames of {} quads{}", flags.tree.string(), grouped(count),
-                           grouped(mesh.made().quads().mesh.quads.size()), log.text()));
+                           grouped(rest.quads.size()), log.text()));
     return kDone;
+}
+
+/// A surface of its own for each frame.
+ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tree) {
+    const double seconds = flags.run.duration > 0 ? double{flags.run.duration} : double{kSeconds};
+    const std::size_t count = frames_of(flags, seconds);
+    const GrowingTree growing(tree, flags.growing);
+    const MeshResult last =
+        run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(tree, flags.mesh, ctx); });
+    const auto sinks = open_sinks(flags, {.count = count,
+                                          .rate = double{flags.run.rate},
+                                          .picture = flags.picture,
+                                          .framed = framed(last.quads().mesh, tree, {})});
+    std::uint64_t crossings = 0;
+    run.stage("frames", [&](const Context& ctx) {
+        const Context each{.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
+        for (std::size_t i = 0; i < count; ++i) {
+            const double part = static_cast<double>(i + 1) / static_cast<double>(count);
+            const MeshResult now = mesh_skeleton(growing.at(part), flags.mesh, each);
+            crossings += now.quads().knots.pairs_after;
+            for (const auto& sink : sinks) sink->add(now.quads().mesh, each);
+            ctx.report(static_cast<float>(i + 1) / static_cast<float>(count));
+        }
+        for (const auto& sink : sinks) sink->finish(each);
+    });
+    count_surface(run, last);
+    run.counts()["frames"] = count;
+    run.counts()["crossings"] = crossings;
+    run.finish(fmt::format("{}: {} frames of a tree that grows to {} quads", flags.tree.string(),
+                           grouped(count), grouped(last.quads().mesh.quads.size())));
+    return kDone;
+}
+
+ExitCode animate(Run& run, const AnimateFlags& flags) {
+    check_flags(flags);
+    const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
+    return flags.grow ? animate_growth(run, flags, file.skeleton) : animate_motion(run, flags, file.skeleton);
 }
 
 /// The surface beside pictures and keys.
@@ -169,13 +260,20 @@ Command animate_command() {
         "-o,--output", "FRAMES", flags->outputs,
         "what to write: .png, .ply, .obj, .stl (a file each frame: NAME_0000.png), .gif, .glb, .usda; may "
         "be repeated");
+    options.file(
+        "--keys", "FILE", flags->keys,
+        "keys, one a line: seconds, perhaps an easing, a colon and edits, as in 2 out: bend near(0,0,3) 20");
+    options.files("--key", "KEY", flags->more_keys, "a key as text, after those of --keys; may be repeated");
+    options.flag("--grow", flags->grow,
+                 "grow the tree up from its root, with a surface of its own in every frame");
     options.fields(flags->run, "Time");
+    options.fields(flags->growing, "Growth", {.prefix = "grow"});
     options.fields(flags->wind, "Wind", {.prefix = "wind"});
     options.fields(flags->mesh, "Surface", animated_surface_flag_names());
     options.fields(flags->picture, "Picture");
     options.fields(flags->read, "Reading the skeleton");
-    return {"animate", "Move a tree, in the wind or by keyframes, with one surface for all frames", options,
-            [flags](Run& run, const GivenOptions&) { return animate(run, *flags); }};
+    return {"animate", "Move a tree by keys or in the wind, with one surface for all frames, or let it grow",
+            options, [flags](Run& run, const GivenOptions&) { return animate(run, *flags); }};
 }
 
 }  // namespace coppice::cli

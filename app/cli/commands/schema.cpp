@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "coppice/animate/animate_options.h"
+#include "coppice/animate/growing.h"
 #include "coppice/animate/wind.h"
 #include "coppice/compose/compose.h"
 #include "coppice/extract/cloud/from_cloud.h"
@@ -73,6 +74,7 @@ ExitCode schema(Run& run) {
                    {"check_cloud", described<CloudDistanceOptions>()},
                    {"compare", described<CompareOptions>()},
                    {"animate", described<AnimateOptions>()},
+                   {"growing", described<GrowingOptions>()},
                    {"wind", described<WindOptions>()},
                    {"render", described<RenderOptions>()},
                    {"scan", described<ScanOptions>()},

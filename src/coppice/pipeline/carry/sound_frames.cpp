@@ -8,7 +8,7 @@ namespace coppice {
 namespace {
 
 constexpr std::uint32_t kRounds = 12;
-constexpr std::uint32_t kRoundsOfFaults = 5;  // after which what is held grows by itself
+constexpr int kPatience = 7;  // answers after which what is held grows by itself
 
 // Marks what moves the faces that are at fault.
 void hold_faults(const CarriedMesh& mesh, const CarriedFrame& frame, std::span<std::uint8_t> is_held) {
@@ -31,6 +31,61 @@ void hold_more(const Skeleton& s, std::span<std::uint8_t> is_held) {
     }
 }
 
+using Vertices = std::vector<std::uint32_t>;
+
+template <class Operation>
+Vertices combined(const Operation& operation, const Vertices& a, const Vertices& b) {
+    Vertices out;
+    operation(a, b, std::back_inserter(out));
+    return out;
+}
+
+// What is done about the faults of one frame, round by round.
+class Remedy {
+  public:
+    Remedy(const CarriedMesh& mesh, const Vertices& last_stiff)
+        : mesh_(mesh), last_stiff_(last_stiff), is_held_(mesh.skeleton().size()) {}
+
+    void answer(const CarriedFrame& frame) {
+        const Vertices bad = mesh_.at_fault(frame);
+        ++answers_;
+        // At first what is at fault is only carried stiffly: another branch may have come near, whose field
+        // moves it in a way that it cannot follow.
+        if (answers_ == 1) {
+            stiff_ = bad;
+            return;
+        }
+        // Where that did not help, branches are held as they were before, and as stiff as they were.
+        if (answers_ == 2) {
+            stiff_ = combined(std::ranges::set_union, combined(std::ranges::set_difference, stiff_, bad),
+                              combined(std::ranges::set_intersection, last_stiff_, bad));
+        }
+        const std::vector<std::uint8_t> before = is_held_;
+        hold_faults(mesh_, frame, is_held_);
+        if (is_held_ == before) {
+            stiff_ = combined(std::ranges::set_symmetric_difference, stiff_, bad);
+            if (turned_) hold_more(mesh_.skeleton(), is_held_);
+            turned_ = !turned_;
+        } else if (answers_ > kPatience) {
+            hold_more(mesh_.skeleton(), is_held_);
+        }
+    }
+
+    const Vertices& stiff() const { return stiff_; }
+    std::span<const std::uint8_t> is_held() const { return is_held_; }
+    std::uint32_t held_nodes() const {
+        return static_cast<std::uint32_t>(std::ranges::count(is_held_, std::uint8_t{1}));
+    }
+
+  private:
+    const CarriedMesh& mesh_;
+    const Vertices& last_stiff_;
+    std::vector<std::uint8_t> is_held_;
+    Vertices stiff_;
+    int answers_ = 0;
+    bool turned_ = false;  // soft and stiff were exchanged where holding did not help
+};
+
 }  // namespace
 
 SoundFrames::SoundFrames(CarriedMesh& mesh)
@@ -38,12 +93,11 @@ SoundFrames::SoundFrames(CarriedMesh& mesh)
 
 SoundFrame SoundFrames::next(const Pose& wanted, const Context& ctx) {
     SoundFrame out;
-    std::vector<std::uint8_t> is_held(wanted.positions.size());
-    std::vector<std::uint32_t> stiff;
+    Remedy remedy(mesh_, last_stiff_);
     Pose pose = wanted;
     for (out.rounds = 1;; ++out.rounds) {
         ctx.throw_if_cancelled();
-        CarriedFrame frame = mesh_.carry(pose, stiff, ctx);
+        CarriedFrame frame = mesh_.carry(pose, remedy.stiff(), ctx);
         if (out.rounds == 1) {
             out.folded = frame.folded.size();
             out.crossings = frame.crossings.size();
@@ -51,27 +105,19 @@ SoundFrame SoundFrames::next(const Pose& wanted, const Context& ctx) {
         out.not_converged = frame.projected.not_converged;
         if (frame.is_sound()) {
             last_ = std::move(pose);
+            last_stiff_ = remedy.stiff();
             positions_ = std::move(frame.positions);
+            out.held_nodes = remedy.held_nodes();
             break;
         }
         if (out.rounds == kRounds) {
             out.whole_tree_held = true;
-            std::ranges::fill(is_held, std::uint8_t{1});
+            out.held_nodes = mesh_.skeleton().size();
             break;
         }
-        // At first what is at fault is only carried stiffly: another branch may have come near, whose field
-        // moves it in a way that it cannot follow.
-        const std::size_t stiff_before = stiff.size();
-        std::vector<std::uint32_t> more;
-        std::ranges::set_union(stiff, mesh_.at_fault(frame), std::back_inserter(more));
-        stiff = std::move(more);
-        if (out.rounds == 1 && stiff.size() > stiff_before) continue;
-        const std::vector<std::uint8_t> before = is_held;
-        hold_faults(mesh_, frame, is_held);
-        if (is_held == before || out.rounds > kRoundsOfFaults) hold_more(mesh_.skeleton(), is_held);
-        pose = held(mesh_.skeleton(), wanted, last_, is_held);
+        remedy.answer(frame);
+        if (remedy.held_nodes() > 0) pose = held(mesh_.skeleton(), wanted, last_, remedy.is_held());
     }
-    out.held_nodes = static_cast<std::uint32_t>(std::ranges::count(is_held, std::uint8_t{1}));
     out.positions = positions_;
     out.pose = last_;
     return out;

@@ -39,7 +39,8 @@ class SoundFrames {
   private:
     CarriedMesh& mesh_;
     Pose last_;
-    Buffer<Vec3> positions_;  // of the last pose
+    Buffer<Vec3> positions_;                 // of the last pose
+    std::vector<std::uint32_t> last_stiff_;  // vertices that were only carried in it
 };
 
 }  // namespace coppice
