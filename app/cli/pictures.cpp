@@ -26,9 +26,7 @@ std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, i
 }
 
 void write_picture(const std::filesystem::path& path, const Image& image) {
-    AtomicFile file(path);
-    file.write(encode_png(image));
-    file.commit();
+    write_file(path, encode_png(image));
 }
 
 void write_sheet(const std::filesystem::path& path, std::span<const Image> pictures) {

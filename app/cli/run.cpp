@@ -136,11 +136,7 @@ void Run::warn(const std::string& text) {
 
 void Run::finish(const std::string& summary) {
     const double total = seconds_since(start_);
-    if (!flags_.report.empty()) {
-        AtomicFile file(flags_.report);
-        file.write(figures_json(report(total)));
-        file.commit();
-    }
+    if (!flags_.report.empty()) write_file(flags_.report, figures_json(report(total)));
     if (!terminal_) return;
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));

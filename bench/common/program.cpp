@@ -11,9 +11,7 @@ namespace {
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
     if (path.empty()) return;
-    AtomicFile file(path);
-    file.write(text);
-    file.commit();
+    write_file(path, text);
 }
 
 }  // namespace

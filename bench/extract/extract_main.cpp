@@ -68,9 +68,7 @@ void run(const Flags& flags) {
     const std::string table = bench::extract_markdown(results, threads, bench::machine_description());
     fmt::print("{}", table);
     if (flags.markdown.empty()) return;
-    AtomicFile file(flags.markdown);
-    file.write(table);
-    file.commit();
+    write_file(flags.markdown, table);
 }
 
 }  // namespace

@@ -81,10 +81,8 @@ Make by_grid(const Skeleton& skeleton, const Grid& grid, const Context& ctx) {
 void draw(const PolygonMesh& mesh, const std::filesystem::path& file, const Context& ctx) {
     constexpr int kSize = 640;
     constexpr int kSamples = 16;
-    AtomicFile out(file);
-    out.write(encode_png(render({.mesh = &mesh, .skeleton = nullptr, .deviation = {}},
-                                {.width = kSize, .height = kSize, .samples = kSamples}, ctx)));
-    out.commit();
+    write_file(file, encode_png(render({.mesh = &mesh, .skeleton = nullptr, .deviation = {}},
+                                       {.width = kSize, .height = kSize, .samples = kSamples}, ctx)));
 }
 
 /// An untimed run, which tells memory and figures, then the timed ones.

@@ -78,6 +78,17 @@ TEST_F(FileTest, AppearsOnCommitOnly) {
 }
 
 // As when the process is killed: nobody is left to clean up.
+TEST_F(FileTest, WritesWhatIsMadeAlready) {
+    const std::string text("a\0b\r\n", 5);
+    put(folder_ / "a", "before");
+    write_file(folder_ / "a", text);
+    EXPECT_EQ(read_file(folder_ / "a"), text);
+    write_file(folder_ / "a", "");
+    EXPECT_EQ(read_file(folder_ / "a"), "");
+    EXPECT_EQ(entries(), 1u);
+    EXPECT_NE(error_of([&] { write_file(folder_ / "no" / "a", text); }), "no error");
+}
+
 TEST_F(FileTest, WhatIsUnfinishedHasNoName) {
     AtomicFile file(folder_ / "a");
     file.write(std::string(1 << 20, 'x'));

@@ -50,9 +50,7 @@ void write_results(Run& run, const EditFlags& flags, const EditSession& session)
         const Skeleton edited = session.tree().skeleton();
         for (const auto& output : flags.outputs) write_skeleton(output, edited, {}, {}, ctx);
         if (flags.save_edits.empty()) return;
-        AtomicFile file(flags.save_edits);
-        file.write(session.saved());
-        file.commit();
+        write_file(flags.save_edits, session.saved());
     });
 }
 

@@ -215,4 +215,10 @@ void AtomicFile::commit() {
     unfinished_.clear();
 }
 
+void write_file(const std::filesystem::path& path, std::string_view bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
+}
+
 }  // namespace coppice

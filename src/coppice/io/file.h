@@ -63,4 +63,7 @@ class AtomicFile {
     int descriptor_ = -1;
 };
 
+/// Writes a file that is made already, whole or not at all; throws as AtomicFile does.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
 }  // namespace coppice

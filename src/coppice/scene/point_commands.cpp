@@ -228,11 +228,7 @@ SceneCommand quality_command() {
             const std::filesystem::path path = call.output("file");
             if (path.extension() != ".svg")
                 throw InvalidInput(fmt::format("'{}' is no name of such a picture; use .svg", path.string()));
-            if (call.settings().outputs) {
-                AtomicFile svg(path);
-                svg.write(quality_svg(report));
-                svg.commit();
-            }
+            if (call.settings().outputs) write_file(path, quality_svg(report));
         }
         SceneOutcome out;
         out.text = fmt::format(

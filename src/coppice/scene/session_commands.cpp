@@ -54,11 +54,7 @@ SceneCommand save_recipe_command() {
         const std::filesystem::path path = call.output("file");
         if (path.extension() != ".coppice")
             throw InvalidInput(fmt::format("'{}' is no name of a scene; use .coppice", path.string()));
-        if (call.settings().outputs) {
-            AtomicFile recipe(path);
-            recipe.write(recipe_of(call.state()));
-            recipe.commit();
-        }
+        if (call.settings().outputs) write_file(path, recipe_of(call.state()));
         return SceneOutcome{};
     };
     return c;
@@ -86,9 +82,7 @@ SceneCommand render_command() {
         if (!call.settings().outputs) return SceneOutcome{};
         const Drawing drawing(objects, static_cast<float>(call.number("point_radius")), call);
         const Image image = render(drawing.scene(), options, call.context());
-        AtomicFile png(path);
-        png.write(encode_png(image));
-        png.commit();
+        write_file(path, encode_png(image));
         return SceneOutcome{};
     };
     return c;

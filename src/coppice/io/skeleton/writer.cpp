@@ -262,9 +262,7 @@ void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
         chosen.format = *format;
     }
     const std::string bytes = encode_skeleton(skeleton, chosen, attributes, ctx);
-    AtomicFile file(path);
-    file.write(bytes);
-    file.commit();
+    write_file(path, bytes);
 }
 
 }  // namespace coppice

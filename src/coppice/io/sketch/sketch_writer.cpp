@@ -59,9 +59,7 @@ std::string encode_sketch(const Sketch& sketch) {
 }
 
 void write_sketch(const std::filesystem::path& path, const Sketch& sketch) {
-    AtomicFile file(path);
-    file.write(encode_sketch(sketch));
-    file.commit();
+    write_file(path, encode_sketch(sketch));
 }
 
 }  // namespace coppice
