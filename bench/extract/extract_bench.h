@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 #include "extract_truth.h"
 
 namespace coppice::bench {

@@ -13,7 +13,7 @@
 #include "clock.h"
 #include "coppice/base/error.h"
 #include "coppice/extract/cloud/from_cloud.h"
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 #include "leafy_tree.h"
 #include "machine.h"
 #include "scenes.h"

@@ -14,7 +14,7 @@
 #include "clock.h"
 #include "coppice/base/median.h"
 #include "coppice/base/segment_distance.h"
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 #include "coppice/render/render.h"
 #include "coppice/render/silhouette.h"
 #include "coppice/skeleton/random_tree.h"

@@ -4,7 +4,7 @@
 
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/points/sampling/near_mesh.h"
 #include "coppice/skeleton/random_tree.h"

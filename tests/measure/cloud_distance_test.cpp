@@ -1,4 +1,4 @@
-#include "coppice/measure/cloud_distance.h"
+#include "coppice/measure/match/cloud_distance.h"
 
 #include <gtest/gtest.h>
 

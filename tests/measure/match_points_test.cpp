@@ -1,4 +1,4 @@
-#include "coppice/measure/match_points_internal.h"
+#include "coppice/measure/match/match_points_internal.h"
 
 #include <gtest/gtest.h>
 

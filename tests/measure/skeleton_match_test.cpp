@@ -1,4 +1,4 @@
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 
 #include <gtest/gtest.h>
 

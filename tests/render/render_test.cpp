@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "coppice/render/scale_bar_internal.h"
+#include "coppice/render/trace/scale_bar_internal.h"
 
 namespace coppice {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "command.h"
 #include "coppice/io/points/writer.h"
-#include "coppice/measure/cloud_distance.h"
+#include "coppice/measure/match/cloud_distance.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/render/colors.h"
 #include "figures.h"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"

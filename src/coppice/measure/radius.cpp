@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
-#include "coppice/measure/area_points_internal.h"
+#include "coppice/measure/match/area_points_internal.h"
 
 namespace coppice {
 namespace {

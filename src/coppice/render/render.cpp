@@ -10,9 +10,9 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/render/colors.h"
-#include "coppice/render/ring_internal.h"
-#include "coppice/render/scale_bar_internal.h"
-#include "coppice/render/shading_internal.h"
+#include "coppice/render/trace/ring_internal.h"
+#include "coppice/render/trace/scale_bar_internal.h"
+#include "coppice/render/trace/shading_internal.h"
 
 namespace coppice {
 namespace {

@@ -12,7 +12,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
 #include "coppice/points/sampling/near_mesh.h"
-#include "coppice/render/embree_internal.h"
+#include "coppice/render/trace/embree_internal.h"
 
 namespace coppice {
 namespace {

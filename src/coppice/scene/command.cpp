@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

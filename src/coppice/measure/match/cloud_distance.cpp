@@ -1,4 +1,4 @@
-#include "coppice/measure/cloud_distance.h"
+#include "coppice/measure/match/cloud_distance.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
-#include "coppice/measure/area_points_internal.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/forks_internal.h"
+#include "coppice/measure/match/area_points_internal.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"

@@ -8,7 +8,7 @@
 #include "coppice/edit/rigid.h"
 #include "coppice/edit/selection.h"
 #include "coppice/edit/thickness.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

@@ -11,7 +11,7 @@
 #include "coppice/points/quality.h"
 #include "coppice/points/sampling/generate.h"
 #include "coppice/points/sampling/near_mesh.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

@@ -7,10 +7,10 @@
 #include "coppice/io/file.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
+#include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/drawing_internal.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/save.h"
-#include "coppice/scene/tables_internal.h"
 
 namespace coppice {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "coppice/render/camera_internal.h"
+#include "coppice/render/trace/camera_internal.h"
 
 namespace coppice {
 namespace {

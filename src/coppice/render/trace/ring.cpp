@@ -1,9 +1,9 @@
-#include "coppice/render/ring_internal.h"
+#include "coppice/render/trace/ring_internal.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/render/shading_internal.h"
+#include "coppice/render/trace/shading_internal.h"
 
 namespace coppice {
 namespace {

@@ -1,4 +1,4 @@
-#include "coppice/measure/area_points_internal.h"
+#include "coppice/measure/match/area_points_internal.h"
 
 #include <algorithm>
 #include <cmath>

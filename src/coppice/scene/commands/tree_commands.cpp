@@ -10,7 +10,7 @@
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

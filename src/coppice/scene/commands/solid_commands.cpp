@@ -5,7 +5,7 @@
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/pipeline/quantity.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/mesh.h"
-#include "coppice/render/camera_internal.h"
 #include "coppice/render/colors.h"
-#include "coppice/render/embree_internal.h"
 #include "coppice/render/render.h"
+#include "coppice/render/trace/camera_internal.h"
+#include "coppice/render/trace/embree_internal.h"
 
 namespace coppice {
 

@@ -1,4 +1,4 @@
-#include "coppice/render/shading_internal.h"
+#include "coppice/render/trace/shading_internal.h"
 
 #include <algorithm>
 #include <array>

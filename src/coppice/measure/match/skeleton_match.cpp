@@ -1,4 +1,4 @@
-#include "coppice/measure/skeleton_match.h"
+#include "coppice/measure/match/skeleton_match.h"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
-#include "coppice/measure/match_points_internal.h"
+#include "coppice/measure/match/match_points_internal.h"
 #include "coppice/skeleton/measure.h"
 
 namespace coppice {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "coppice/render/colors.h"
-#include "coppice/render/traced_scene_internal.h"
+#include "coppice/render/trace/traced_scene_internal.h"
 
 namespace coppice {
 

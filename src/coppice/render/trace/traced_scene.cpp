@@ -1,4 +1,4 @@
-#include "coppice/render/traced_scene_internal.h"
+#include "coppice/render/trace/traced_scene_internal.h"
 
 #include <algorithm>
 #include <limits>

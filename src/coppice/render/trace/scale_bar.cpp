@@ -1,4 +1,4 @@
-#include "coppice/render/scale_bar_internal.h"
+#include "coppice/render/trace/scale_bar_internal.h"
 
 #include <fmt/format.h>
 

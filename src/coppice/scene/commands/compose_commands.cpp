@@ -6,7 +6,7 @@
 
 #include "coppice/compose/compose.h"
 #include "coppice/io/library/tree_library.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

@@ -7,7 +7,7 @@
 #include "coppice/implicit/solid/mesh_solid.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/mesh/topology.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {

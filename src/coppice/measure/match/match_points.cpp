@@ -3,7 +3,7 @@
 #include <tuple>
 
 #include "coppice/base/parallel.h"
-#include "coppice/measure/match_points_internal.h"
+#include "coppice/measure/match/match_points_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::measure_internal {

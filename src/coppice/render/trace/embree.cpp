@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "coppice/base/error.h"
-#include "coppice/render/embree_internal.h"
+#include "coppice/render/trace/embree_internal.h"
 
 namespace coppice {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "coppice/implicit/solid/solid.h"
-#include "coppice/scene/tables_internal.h"
+#include "coppice/scene/commands/tables_internal.h"
 
 namespace coppice {
 namespace {
