@@ -39,6 +39,22 @@ TEST(Pose, WithNothingHeldIsTheOneThatIsWanted) {
     EXPECT_EQ(held(s, wanted, rest_pose(s), std::vector<std::uint8_t>(s.size())), wanted);
 }
 
+TEST(Pose, OnTheWayKeepsLengthsAndEndsWhereItShould) {
+    const Skeleton s = random_tree(100, 4);
+    const Pose rest = rest_pose(s), far = bent(s, 0.4);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        EXPECT_LT(distance(on_the_way(s, rest, far, 0).positions[i], rest.positions[i]), 1e-5f);
+        EXPECT_LT(distance(on_the_way(s, rest, far, 1).positions[i], far.positions[i]), 1e-4f);
+    }
+    const Pose half = on_the_way(s, rest, far, 0.5);
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const std::uint32_t i = n.index(), p = s.parent(n).index();
+        EXPECT_NEAR(distance(half.positions[i], half.positions[p]),
+                    distance(s.positions()[i], s.positions()[p]), 1e-4f);
+    }
+}
+
 TEST(Pose, HeldNodesStandToTheirParentsAsBefore) {
     const Skeleton s = random_tree(200, 3);
     const Pose last = bent(s, 0.05), wanted = bent(s, 0.2);

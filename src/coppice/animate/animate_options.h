@@ -6,8 +6,9 @@ namespace coppice {
 
 /// How an animation runs.
 struct AnimateOptions {
-    float duration = 0;  ///< [s] of all frames; 0 = that of its keys, or 4; in [0, 3600]
-    float rate = 24;     ///< [1/s] frames; in [1, 240]
+    float duration = 0;    ///< [s] of all frames; 0 = that of its keys, or 4; in [0, 3600]
+    float rate = 24;       ///< [1/s] frames; in [1, 240]
+    int gif_colors = 255;  ///< of a GIF at most; in [2, 255]
 };
 
 template <class Self, class Visitor>
@@ -16,6 +17,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"duration", "seconds that it lasts; 0 = as long as its keys, or else 4", Unit::none, 0, 3600},
           o.duration);
     visit(Field{"rate", "frames a second", Unit::none, 1, 240}, o.rate);
+    visit(Field{"gif_colors", "colours of a GIF; fewer make it smaller", Unit::none, 2, 255}, o.gif_colors);
 }
 
 }  // namespace coppice

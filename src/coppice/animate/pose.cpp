@@ -1,5 +1,7 @@
 #include "coppice/animate/pose.h"
 
+#include <cmath>
+
 namespace coppice {
 
 Pose rest_pose(const Skeleton& s) {
@@ -14,6 +16,28 @@ Skeleton posed(const Skeleton& s, const Pose& pose) {
             pose.radii,
             s.origin(),
             {s.stable_ids().begin(), s.stable_ids().end()}};
+}
+
+Pose on_the_way(const Skeleton& s, const Pose& from, const Pose& to, double part) {
+    Pose out = from;
+    for (const NodeId n : nodes(s)) {
+        const std::uint32_t i = n.index();
+        const Rotation end = signed_as(to.turns[i], from.turns[i]);
+        const Rotation &a = from.turns[i], turn = unit({std::lerp(a.w, end.w, part), lerp(a.v, end.v, part)});
+        out.turns[i] = turn;
+        out.radii[i] = static_cast<float>(std::lerp(double{from.radii[i]}, double{to.radii[i]}, part));
+        const NodeId parent = s.parent(n);
+        if (!parent) {
+            out.positions[i] = Vec3(lerp(Vec3d(from.positions[i]), Vec3d(to.positions[i]), part));
+            continue;
+        }
+        const std::uint32_t p = parent.index();
+        const auto own_way = [&](const Pose& pose) {
+            return inverse(pose.turns[i])(Vec3d(pose.positions[i]) - Vec3d(pose.positions[p]));
+        };
+        out.positions[i] = Vec3(Vec3d(out.positions[p]) + turn(lerp(own_way(from), own_way(to), part)));
+    }
+    return out;
 }
 
 Pose held(const Skeleton& s, const Pose& wanted, const Pose& last, std::span<const std::uint8_t> is_held) {

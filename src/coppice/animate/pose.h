@@ -26,6 +26,10 @@ Pose rest_pose(const Skeleton& skeleton);
 /// The skeleton in a pose. Throws what Skeleton throws.
 Skeleton posed(const Skeleton& skeleton, const Pose& pose);
 
+/// Part of the way from one pose to another, at `part` in [0, 1]: every segment turns and grows with respect
+/// to nothing but itself, so that branches keep their lengths. O(n).
+Pose on_the_way(const Skeleton& skeleton, const Pose& from, const Pose& to, double part);
+
 /// What is wanted, but for nodes that are held: these stand to their parents as in `last`, roots where they
 /// were; all that hangs on them goes along. O(n).
 Pose held(const Skeleton& skeleton, const Pose& wanted, const Pose& last,

@@ -92,6 +92,16 @@ SoundFrames::SoundFrames(CarriedMesh& mesh)
     : mesh_(mesh), last_(rest_pose(mesh.skeleton())), positions_(mesh.made().quads().mesh.positions) {}
 
 SoundFrame SoundFrames::next(const Pose& wanted, const Context& ctx) {
+    constexpr int kSteps = 8;
+    if (std::exchange(is_at_rest_, false)) {
+        const Pose rest = last_;
+        for (int i = 1; i < kSteps && !(wanted == rest); ++i)
+            step(on_the_way(mesh_.skeleton(), rest, wanted, static_cast<double>(i) / kSteps), ctx);
+    }
+    return step(wanted, ctx);
+}
+
+SoundFrame SoundFrames::step(const Pose& wanted, const Context& ctx) {
     SoundFrame out;
     Remedy remedy(mesh_, last_stiff_);
     Pose pose = wanted;

@@ -33,13 +33,17 @@ class SoundFrames {
     /// Begins at rest. The mesh must outlive this.
     explicit SoundFrames(CarriedMesh& mesh);
 
-    /// The next frame. O(n log n), for each round.
+    /// The next frame; the first one is reached from rest in steps, which are not shown. O(n log n), for each
+    /// round.
     SoundFrame next(const Pose& wanted, const Context& ctx = {});
 
   private:
+    SoundFrame step(const Pose& wanted, const Context& ctx);
+
     CarriedMesh& mesh_;
     Pose last_;
     Buffer<Vec3> positions_;                 // of the last pose
+    bool is_at_rest_ = true;                 // no frame has been made
     std::vector<std::uint32_t> last_stiff_;  // vertices that were only carried in it
 };
 
