@@ -63,7 +63,7 @@ class GifFile : public FrameSink {
     void add(const QuadMesh& frame, const Context& ctx) override {
         const Image picture = drawn(frame, series_, ctx);
         if (!encoder_) {
-            encoder_.emplace(picture, 1 / series_.rate);
+            encoder_.emplace(picture, 1 / series_.rate, series_.gif_colors);
             file_.write(encoder_->head());
         }
         file_.write(encoder_->add(picture));

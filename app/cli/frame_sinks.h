@@ -15,8 +15,9 @@ struct FrameSeries {
     std::size_t count = 0;           ///< of frames
     double rate = 24;                ///< [1/s]
     const QuadMesh* rest = nullptr;  ///< whose faces all frames have; null where each has its own
-    RenderOptions picture;           ///< how frames are drawn
-    std::vector<Vec3d> framed;       ///< [m] points that all pictures show
+    int gif_colors = 255;
+    RenderOptions picture;      ///< how frames are drawn
+    std::vector<Vec3d> framed;  ///< [m] points that all pictures show
 };
 
 /// A place that frames go to, in order.

@@ -124,10 +124,17 @@ TEST(Gif, HoldsOnlyWhatChanges) {
     EXPECT_LT(encoder.add(image).size(), first / 20);
 }
 
+TEST(Gif, IsSmallerOfFewerColors) {
+    const Image image = pattern(100, 100, 3);
+    GifEncoder all(image, 0.1), few(image, 0.1, 4);
+    EXPECT_LT(few.add(image).size(), all.add(image).size() / 2 + 100);
+}
+
 TEST(Gif, RefusesOtherSizes) {
     GifEncoder encoder(pattern(8, 8, 1), 0.1);
     EXPECT_THROW(encoder.add(pattern(9, 8, 1)), InvalidInput);
     EXPECT_THROW(GifEncoder(Image{}, 0.1), InvalidInput);
+    EXPECT_THROW(GifEncoder(pattern(8, 8, 1), 0.1, 1), InvalidInput);
 }
 
 }  // namespace

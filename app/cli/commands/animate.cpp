@@ -176,6 +176,7 @@ ExitCode animate_motion(Run& run, const AnimateFlags& flags, const Skeleton& tre
     const auto sinks = open_sinks(flags, {.count = count,
                                           .rate = rate,
                                           .rest = &rest,
+                                          .gif_colors = flags.run.gif_colors,
                                           .picture = flags.picture,
                                           .framed = framed(rest, tree, motion.poses)});
     FrameLog log;
@@ -215,6 +216,7 @@ ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tre
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(tree, flags.mesh, ctx); });
     const auto sinks = open_sinks(flags, {.count = count,
                                           .rate = double{flags.run.rate},
+                                          .gif_colors = flags.run.gif_colors,
                                           .picture = flags.picture,
                                           .framed = framed(last.quads().mesh, tree, {})});
     std::uint64_t crossings = 0;

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostColors = 255;
+constexpr int kMostColors = 255;
 constexpr std::uint8_t kUnchanged = 255;  // the index of what stays as in the picture before
 constexpr int kCodeSize = 8;              // [bits] of a palette of 256
 constexpr std::uint32_t kClear = 1u << kCodeSize, kEnd = kClear + 1, kMostCodes = 4096;
@@ -63,10 +63,10 @@ std::pair<double, std::size_t> spread(const std::vector<Bin>& box) {
 }
 
 /// Cuts the box of widest spread at its mean, until there are as many as colours.
-std::vector<std::array<std::uint8_t, 3>> palette_of(const Image& image) {
+std::vector<std::array<std::uint8_t, 3>> palette_of(const Image& image, std::size_t count) {
     std::vector<std::vector<Bin>> boxes{histogram(image)};
     std::vector<std::pair<double, std::size_t>> spreads{spread(boxes[0])};
-    while (boxes.size() < kMostColors) {
+    while (boxes.size() < count) {
         const auto widest = static_cast<std::size_t>(std::ranges::max_element(spreads) - spreads.begin());
         const std::size_t channel = spreads[widest].second;
         if (!(spreads[widest].first > 0)) break;
@@ -160,14 +160,15 @@ std::string compressed(const std::vector<std::uint8_t>& pixels) {
 
 }  // namespace
 
-GifEncoder::GifEncoder(const Image& first, double delay)
+GifEncoder::GifEncoder(const Image& first, double delay, int colors)
     : width_(first.width),
       height_(first.height),
       delay_(static_cast<unsigned>(std::clamp(std::lround(100 * delay), 2L, 65535L))),
       nearest_(1u << 15, -1) {
     if (first.pixels.empty()) throw InvalidInput("a GIF needs pictures with pixels");
     if (width_ > 65535 || height_ > 65535) throw InvalidInput("a GIF is at most 65,535 pixels wide and high");
-    colors_ = palette_of(first);
+    if (colors < 2 || colors > kMostColors) throw InvalidInput("a GIF has 2 to 255 colours");
+    colors_ = palette_of(first, static_cast<std::size_t>(colors));
 }
 
 std::string GifEncoder::head() const {

@@ -10,14 +10,14 @@
 namespace coppice {
 
 /// Pictures that follow each other, as the bytes of a GIF file that repeats for ever. All have the colours
-/// that are most in the first one, 255 at most, whose pixels count as opaque; of each only what differs from
+/// that are most in the first one, whose pixels count as opaque; of each only what differs from
 /// the one before is held. The same pictures give the same bytes. The caller writes them; nothing is written
 /// here.
 class GifEncoder {
   public:
-    /// `delay` [s] from one picture to the next, in hundredths; at least two of them, as viewers take less
-    /// for more.
-    GifEncoder(const Image& first, double delay);
+    /// `colors` in [2, 255], fewer for smaller files; `delay` [s] from one picture to the next, in
+    /// hundredths; at least two of them, as viewers take less for more.
+    GifEncoder(const Image& first, double delay, int colors = 255);
 
     /// What the file begins with.
     std::string head() const;
