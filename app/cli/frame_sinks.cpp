@@ -9,6 +9,7 @@
 #include "coppice/io/mesh/writer.h"
 #include "coppice/render/gif.h"
 #include "files.h"
+#include "film.h"
 #include "options.h"
 #include "pictures.h"
 
@@ -79,6 +80,18 @@ class GifFile : public FrameSink {
     std::optional<GifEncoder> encoder_;
 };
 
+class FilmFile : public FrameSink {
+  public:
+    FilmFile(const std::filesystem::path& path, const FrameSeries& series)
+        : film_(path, series.rate), series_(series) {}
+    void add(const QuadMesh& frame, const Context& ctx) override { film_.add(drawn(frame, series_, ctx)); }
+    void finish(const Context&) override { film_.finish(); }
+
+  private:
+    Film film_;
+    FrameSeries series_;
+};
+
 class MovingMeshFile : public FrameSink {
   public:
     MovingMeshFile(const std::filesystem::path& path, const FrameSeries& series)
@@ -105,9 +118,12 @@ class ChangingMeshFile : public FrameSink {
 
 }  // namespace
 
-bool is_drawn(const std::filesystem::path& path) { return is_picture_name(path) || is_gif_name(path); }
+bool is_drawn(const std::filesystem::path& path) {
+    return is_picture_name(path) || is_gif_name(path) || is_film_name(path);
+}
 
 void check_frames_output(const std::filesystem::path& path, bool same_faces) {
+    if (is_film_name(path)) check_film_program();
     if (is_drawn(path)) return check_output_folder(path);
     if (!mesh_format_of_name(path)) {
         throw UsageError(
@@ -127,6 +143,7 @@ void check_frames_output(const std::filesystem::path& path, bool same_faces) {
 
 std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series) {
     if (is_gif_name(path)) return std::make_unique<GifFile>(path, series);
+    if (is_film_name(path)) return std::make_unique<FilmFile>(path, series);
     if (is_picture_name(path)) return std::make_unique<PictureFiles>(path, series);
     const auto format = mesh_format_of_name(path);
     if (format != MeshFormat::glb && format != MeshFormat::usda) return std::make_unique<MeshFiles>(path);
