@@ -11,6 +11,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/subdivision/flat_ends_internal.h"
+#include "coppice/subdivision/fold_clusters_internal.h"
 #include "coppice/subdivision/folded_faces_internal.h"
 #include "coppice/subdivision/patch_index_internal.h"
 #include "coppice/subdivision/project_internal.h"
@@ -26,8 +27,10 @@ constexpr float kDamping = 0.95f;        // of each
 constexpr float kLongestStep = 0.3f;     // in distances to the anchor
 constexpr float kTolerance = 1e-4f;      // of the distance to the anchor
 constexpr std::uint32_t kPatience = 10;  // passes without gain
-constexpr std::size_t kMostMoves = 5;    // of each vertex, on average: a tangle is not worth more
+constexpr std::size_t kMostMoves = 25;   // of each vertex of a cluster, on average: a tangle is not worth more
 constexpr std::size_t kFacesPerRange = 1024;
+constexpr std::size_t kLarge = 8192;  // vertices of a cluster that is worth all threads
+constexpr std::size_t kClustersPerRange = 8;
 
 // A set of indices that is as cheap to empty as it was to fill.
 class IndexSet {
@@ -143,49 +146,62 @@ class MoverBatch {
     Readings readings_;
 };
 
-// The work around bad faces, pass by pass.
+// What holds for all clusters.
+struct Surface {
+    const Task& task;
+    int levels;
+    PatchStars stars;
+    FlatEnds ends;
+    FoldedFaces folds;
+};
+
+// What came of one cluster.
+struct Outcome {
+    std::uint32_t passes = 0;
+    std::uint64_t moved = 0;
+    std::vector<std::uint32_t> still_bad;  // ascending
+};
+
+// The work around the bad faces of one cluster, pass by pass.
 class Untangling {
   public:
-    Untangling(const Task& task, const PatchRefinement& patches, const FoldedFaces& folds,
-               std::vector<std::uint32_t> bad)
-        : task_(task),
-          levels_(patches.levels()),
-          stars_(patches.cage(), levels_),
-          ends_(task.regions.clips),
-          folds_(folds),
-          bad_(std::move(bad)),
-          vertex_set_(task.positions.size()),
-          touched_set_(task.positions.size()),
-          face_set_(task.quads.size()),
+    Untangling(const Surface& surface, const FoldClusters& clusters, std::size_t cluster)
+        : task_(surface.task),
+          surface_(surface),
+          clusters_(clusters),
+          vertex_count_(clusters.vertices[cluster].size()),
+          bad_(clusters.bad[cluster].begin(), clusters.bad[cluster].end()),
+          vertex_set_(vertex_count_),
+          touched_set_(vertex_count_),
+          face_set_(clusters.faces[cluster].size()),
           least_bad_(bad_) {}
 
-    UntangleReport run(const UntangleOptions& options, const Context& ctx) {
-        UntangleReport report{.bad_before = bad_.size()};
+    Outcome run(const UntangleOptions& options, const Context& ctx) {
+        Outcome out;
+        const auto projected = static_cast<std::uint32_t>(options.projected_passes);
         std::uint32_t best_pass = 0;
         std::size_t moves = 0;
-        while (!bad_.empty() && report.passes < static_cast<std::uint32_t>(options.passes) &&
-               report.passes < best_pass + kPatience && moves < kMostMoves * task_.positions.size()) {
+        while (!bad_.empty() && out.passes < static_cast<std::uint32_t>(options.passes) &&
+               out.passes < std::max(best_pass, projected) + kPatience &&
+               moves < kMostMoves * vertex_count_) {
             ctx.throw_if_cancelled();
-            ++report.passes;
-            collect_active(rings(static_cast<int>(report.passes) - options.projected_passes));
+            ++out.passes;
+            collect_active(rings(static_cast<int>(out.passes) - options.projected_passes));
             moves += active_.size();
-            move_active(report.passes <= static_cast<std::uint32_t>(options.projected_passes) ? kSteps : 0,
-                        ctx);
+            move_active(out.passes <= projected ? kSteps : 0, ctx);
             find_bad(ctx);
             if (bad_.size() < least_bad_.size()) {
                 least_bad_ = bad_;
-                best_pass = report.passes;
+                best_pass = out.passes;
                 for (Touched& t : touched_) t.best = task_.positions[t.vertex];
             }
         }
         for (const Touched& t : touched_) {
             task_.positions[t.vertex] = t.best;
-            report.moved += t.best != t.first;
+            out.moved += t.best != t.first;
         }
-        report.bad_after = least_bad_.size();
-        report.still_bad = std::move(least_bad_);
-        std::sort(report.still_bad.begin(), report.still_bad.end());
-        return report;
+        out.still_bad = std::move(least_bad_);
+        return out;
     }
 
   private:
@@ -194,20 +210,26 @@ class Untangling {
         return free_passes <= 0 ? kRings : std::min(kRings, (free_passes - 1) / kPassesPerRing);
     }
 
-    // The corners of the bad faces and of so many rings around them, less what is on a boundary; and all
+    // The corners of the bad faces and of so many rings around them, as far as the cluster reaches; and all
     // faces that have such a corner: no others change, and every bad face is one of them.
     void collect_active(int rings) {
         active_.clear();
         faces_.clear();
+        vertex_places_.clear();
+        face_places_.clear();
         const auto add_face = [&](std::uint32_t face) {
-            if (!face_set_.insert(face)) return false;
+            const std::uint32_t place = clusters_.face_place(face);
+            if (!face_set_.insert(place)) return false;
             faces_.push_back(face);
+            face_places_.push_back(place);
             return true;
         };
         const auto add_corners = [&](std::uint32_t face) {
             if (!add_face(face)) return;
             for (const std::uint32_t v : task_.quads[face]) {
-                if (vertex_set_.insert(v)) active_.push_back(v);
+                if (!clusters_.may_move(v) || !vertex_set_.insert(clusters_.vertex_place(v))) continue;
+                active_.push_back(v);
+                vertex_places_.push_back(clusters_.vertex_place(v));
             }
         };
         for (const std::uint32_t face : bad_) add_corners(face);
@@ -215,22 +237,21 @@ class Untangling {
         for (int ring = 0; ring < rings; ++ring) {
             const std::size_t end = active_.size();
             for (; begin < end; ++begin) {
-                stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add_corners(c.quad); });
+                surface_.stars.for_each_corner(active_[begin], [&](QuadCorner c) { add_corners(c.quad); });
             }
         }
         for (; begin < active_.size(); ++begin) {
-            stars_.for_each_corner(active_[begin], [&](QuadCorner c) { add_face(c.quad); });
+            surface_.stars.for_each_corner(active_[begin], [&](QuadCorner c) { add_face(c.quad); });
         }
-        vertex_set_.erase(active_);
-        face_set_.erase(faces_);
-        std::erase_if(active_, [&](std::uint32_t v) { return stars_.on_boundary(v); });
+        vertex_set_.erase(vertex_places_);
+        face_set_.erase(face_places_);
     }
 
     Vec3 smoothed(std::uint32_t vertex) const {
         const Vec3 p = task_.positions[vertex];
         Vec3 way;
         float count = 0;
-        stars_.for_each_corner(vertex, [&](QuadCorner c) {
+        surface_.stars.for_each_corner(vertex, [&](QuadCorner c) {
             way += task_.positions[task_.quads[c.quad][(c.corner + 1) & 3]] - p;
             count += 1;
         });
@@ -243,14 +264,14 @@ class Untangling {
                             [&](IndexRange range) { move_range(range, steps); });
         for (std::size_t k = 0; k < active_.size(); ++k) {
             Vec3& p = task_.positions[active_[k]];
-            if (touched_set_.insert(active_[k])) touched_.push_back({active_[k], p, p});
+            if (touched_set_.insert(vertex_places_[k])) touched_.push_back({active_[k], p, p});
             if (is_finite(moved_[k])) p = moved_[k];
         }
     }
 
     Mover mover(std::uint32_t slot) const {
         const std::uint32_t vertex = active_[slot];
-        const FlatEnds::Place place = ends_.of_vertex(stars_, levels_, vertex);
+        const FlatEnds::Place place = surface_.ends.of_vertex(surface_.stars, surface_.levels, vertex);
         const ClipPlane* plane = place.end == FlatEnds::kNone ? nullptr : &task_.regions.clips[place.end];
         return {slot, smoothed(vertex), task_.anchors[vertex], plane, plane != nullptr && !place.on_rim};
     }
@@ -259,7 +280,7 @@ class Untangling {
     void move_range(IndexRange range, int steps) {
         std::array<std::pair<std::uint32_t, std::uint32_t>, kFieldBatch> order;  // region, index in active_
         for (std::size_t k = range.begin; k < range.end; ++k) {
-            const std::uint32_t region = task_.regions.of_face[stars_.owner(active_[k])];
+            const std::uint32_t region = task_.regions.of_face[surface_.stars.owner(active_[k])];
             order[k - range.begin] = {region, static_cast<std::uint32_t>(k)};
         }
         std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(range.size()));
@@ -277,26 +298,47 @@ class Untangling {
 
     void find_bad(const Context& ctx) {
         verdicts_.resize(faces_.size());
-        parallel_for(ctx, faces_.size(), kFacesPerRange,
-                     [&](std::size_t k) { verdicts_[k] = folds_.is_bad(task_.quads[faces_[k]]) ? 1 : 0; });
+        parallel_for(ctx, faces_.size(), kFacesPerRange, [&](std::size_t k) {
+            verdicts_[k] = surface_.folds.is_bad(task_.quads[faces_[k]]) ? 1 : 0;
+        });
         bad_.clear();
         for (std::size_t k = 0; k < faces_.size(); ++k) {
             if (verdicts_[k] != 0) bad_.push_back(faces_[k]);
         }
+        std::sort(bad_.begin(), bad_.end());
     }
 
-    Task task_;
-    int levels_;
-    PatchStars stars_;
-    FlatEnds ends_;
-    FoldedFaces folds_;
+    const Task& task_;
+    const Surface& surface_;
+    const FoldClusters& clusters_;
+    std::size_t vertex_count_;
     std::vector<std::uint32_t> bad_, active_, faces_;
+    std::vector<std::uint32_t> vertex_places_, face_places_;  // of active_ and faces_ in their cluster
     std::vector<std::uint8_t> verdicts_;
     std::vector<Vec3> moved_;
     std::vector<Touched> touched_;
     IndexSet vertex_set_, touched_set_, face_set_;
     std::vector<std::uint32_t> least_bad_;
 };
+
+// Small clusters side by side, each with one thread; large ones with all threads.
+std::vector<Outcome> untangle_each(const Surface& surface, const FoldClusters& clusters,
+                                   const UntangleOptions& options, const Context& ctx) {
+    std::vector<Outcome> out(clusters.size());
+    std::vector<std::uint32_t> small;
+    for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+        if (clusters.size() > 1 && clusters.vertices[i].size() < kLarge) {
+            small.push_back(i);
+        } else {
+            out[i] = Untangling(surface, clusters, i).run(options, ctx);
+        }
+    }
+    const Context single{.threads = 1, .stop = ctx.stop};
+    parallel_for(ctx, small.size(), kClustersPerRange, [&](std::size_t k) {
+        out[small[k]] = Untangling(surface, clusters, small[k]).run(options, single);
+    });
+    return out;
+}
 
 }  // namespace
 
@@ -308,11 +350,21 @@ UntangleReport untangle(const RefinedQuads& surface, const PatchRefinement& patc
     check_projection("untangle", positions.size(), anchors.size(), patches, regions, target.field);
     if (quads.size() != patches.quad_count()) throw InvalidInput("untangle: give the refined quads");
     if (options.passes == 0) return {};
-    const FoldedFaces folds{positions, anchors, options.quality};
-    std::vector<std::uint32_t> bad = folds.all(patches, ctx);
+    const Task task{positions, anchors, quads, regions, target.field};
+    const Surface at{task, patches.levels(), PatchStars(patches.cage(), patches.levels()),
+                     FlatEnds(regions.clips), FoldedFaces{positions, anchors, options.quality}};
+    const std::vector<std::uint32_t> bad = at.folds.all(patches, ctx);
     if (bad.empty()) return {};
-    return Untangling({positions, anchors, quads, regions, target.field}, patches, folds, std::move(bad))
-        .run(options, ctx);
+    const FoldClusters clusters(bad, quads, positions.size(), at.stars);
+    UntangleReport report{.bad_before = bad.size(), .still_bad = clusters.fixed};
+    for (const Outcome& outcome : untangle_each(at, clusters, options, ctx)) {
+        report.passes = std::max(report.passes, outcome.passes);
+        report.moved += outcome.moved;
+        report.still_bad.insert(report.still_bad.end(), outcome.still_bad.begin(), outcome.still_bad.end());
+    }
+    std::sort(report.still_bad.begin(), report.still_bad.end());
+    report.bad_after = report.still_bad.size();
+    return report;
 }
 
 }  // namespace coppice

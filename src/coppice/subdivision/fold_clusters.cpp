@@ -1,0 +1,108 @@
+#include <algorithm>
+
+#include "coppice/base/disjoint_sets.h"
+#include "coppice/subdivision/fold_clusters_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr int kRings = 4;  // of faces around the bad ones: unfolding takes two, and may spread by as many
+
+// The corners of the bad faces and of the rings around them, and all faces that have such a corner; both
+// ascending.
+struct Surroundings {
+    std::vector<std::uint32_t> vertices, faces;
+
+    Surroundings(std::span<const std::uint32_t> bad, std::span<const Quad> quads, std::size_t vertex_count,
+                 const PatchStars& stars) {
+        NumberSet seen_vertices(vertex_count), seen_faces(quads.size());
+        const auto add_face = [&](std::uint32_t face) {
+            if (seen_faces.contains(face)) return false;
+            seen_faces.add(face);
+            faces.push_back(face);
+            return true;
+        };
+        const auto add_corners = [&](std::uint32_t face) {
+            if (!add_face(face)) return;
+            for (const std::uint32_t v : quads[face]) {
+                if (seen_vertices.contains(v)) continue;
+                seen_vertices.add(v);
+                vertices.push_back(v);
+            }
+        };
+        for (const std::uint32_t face : bad) add_corners(face);
+        std::size_t begin = 0;
+        for (int ring = 0; ring < kRings; ++ring) {
+            for (const std::size_t end = vertices.size(); begin < end; ++begin)
+                stars.for_each_corner(vertices[begin], [&](QuadCorner c) { add_corners(c.quad); });
+        }
+        for (; begin < vertices.size(); ++begin)
+            stars.for_each_corner(vertices[begin], [&](QuadCorner c) { add_face(c.quad); });
+        std::sort(vertices.begin(), vertices.end());
+        std::sort(faces.begin(), faces.end());
+    }
+};
+
+// The rows that hold values[i] for the keys, with the place in its row of each.
+CompressedRows<std::uint32_t> rows_of(std::span<const std::uint32_t> values,
+                                      std::span<const std::uint32_t> keys, std::size_t rows) {
+    return compress_rows<std::uint32_t>(rows, [&](const auto& put) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (keys[i] != kNoRow) put(keys[i], values[i]);
+        }
+    });
+}
+
+void set_places(const CompressedRows<std::uint32_t>& rows, Buffer<std::uint32_t>& place) {
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const auto row = rows[r];
+        for (std::uint32_t i = 0; i < row.size(); ++i) place[row[i]] = i;
+    }
+}
+
+}  // namespace
+
+FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::span<const Quad> quads,
+                           std::size_t vertex_count, const PatchStars& stars)
+    : movable_(vertex_count), vertex_place_(vertex_count), face_place_(quads.size()) {
+    Surroundings around(all_bad, quads, vertex_count, stars);
+    std::erase_if(around.vertices, [&](std::uint32_t v) { return stars.on_boundary(v); });
+    for (std::uint32_t i = 0; i < around.vertices.size(); ++i) {
+        movable_.add(around.vertices[i]);
+        vertex_place_[around.vertices[i]] = i;
+    }
+    // What has a face in common is one cluster.
+    DisjointSets sets(around.vertices.size());
+    const auto first_movable = [&](std::uint32_t face) {
+        std::uint32_t first = kNoRow;
+        for (const std::uint32_t v : quads[face]) {
+            if (!may_move(v)) continue;
+            if (first == kNoRow) first = vertex_place_[v];
+            sets.join(first, vertex_place_[v]);
+        }
+        return first;
+    };
+    std::vector<std::uint32_t> key_of_face;
+    for (const std::uint32_t face : around.faces) key_of_face.push_back(first_movable(face));
+    std::vector<std::uint32_t> cluster(around.vertices.size());
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < cluster.size(); ++i)
+        cluster[i] = sets.find(i) == i ? count++ : cluster[sets.find(i)];
+    const auto to_cluster = [&](std::uint32_t& key) {
+        if (key != kNoRow) key = cluster[key];
+    };
+    std::ranges::for_each(key_of_face, to_cluster);
+    std::vector<std::uint32_t> key_of_bad;
+    for (const std::uint32_t face : all_bad) {
+        key_of_bad.push_back(first_movable(face));
+        to_cluster(key_of_bad.back());
+        if (key_of_bad.back() == kNoRow) fixed.push_back(face);
+    }
+    vertices = rows_of(around.vertices, cluster, count);
+    faces = rows_of(around.faces, key_of_face, count);
+    bad = rows_of(all_bad, key_of_bad, count);
+    set_places(vertices, vertex_place_);
+    set_places(faces, face_place_);
+}
+
+}  // namespace coppice
