@@ -161,4 +161,13 @@ std::string count_surface(Run& run, const MeshResult& result) {
                        fitted.closed ? "" : " (parts of it are lost: see coppice check)");
 }
 
+std::string then_mesh(Run& run, const std::filesystem::path& path, const Skeleton& skeleton,
+                      const MeshOptions& options) {
+    if (path.empty()) return {};
+    const MeshResult made =
+        run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(skeleton, options, ctx); });
+    run.stage("write mesh", [&](const Context& ctx) { write_surface(path, made, ctx); });
+    return fmt::format("; {}: {}", path.string(), count_surface(run, made));
+}
+
 }  // namespace coppice::cli

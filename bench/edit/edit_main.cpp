@@ -13,21 +13,17 @@
 #include "clock.h"
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
-#include "coppice/base/random.h"
-#include "coppice/edit/cut.h"
-#include "coppice/edit/deform.h"
-#include "coppice/edit/join.h"
-#include "coppice/edit/rigid.h"
-#include "coppice/edit/selection.h"
-#include "coppice/edit/thickness.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/skeleton/random_tree.h"
 #include "machine.h"
 #include "program.h"
+#include "random_edits.h"
 
 namespace {
 
 using namespace coppice;
+using bench::Dice;
+using bench::Kind;
 
 struct Flags {
     bench::ProgramFlags program;
@@ -36,68 +32,6 @@ struct Flags {
     int edits = 10'000;
     unsigned seed = 1;
 };
-
-/// Draws in order.
-class Dice {
-  public:
-    explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
-    double uniform(double low, double high) { return random_.uniform(next_++, low, high); }
-    std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.bits(next_++) % n); }
-    StableId node(const EditableTree& tree) {
-        for (;;) {
-            const StableId n(static_cast<std::uint32_t>(below(tree.slots())));
-            if (tree.contains(n) && !tree.is_root(n)) return n;
-        }
-    }
-
-  private:
-    CounterRandom random_;
-    std::uint64_t next_ = 0;
-};
-
-struct Kind {
-    const char* name;
-    std::function<EditChange(EditableTree&, Dice&)> edit;
-    std::vector<double> seconds;
-    double nodes = 0, most_nodes = 0;
-};
-
-std::vector<Kind> all_kinds() {
-    using T = EditableTree;
-    const auto kind = [](const char* name, std::function<EditChange(T&, Dice&)> edit) {
-        return Kind{.name = name, .edit = std::move(edit), .seconds = {}};
-    };
-    return {
-        kind("rotate", [](T& t, Dice& d) { return rotate(t, {d.node(t)}, {.angle = d.uniform(-0.5, 0.5)}); }),
-        kind("translate",
-             [](T& t, Dice& d) {
-                 return translate(t, {d.node(t)}, {0, 0, d.uniform(0.01, 0.02)});
-             }),
-        kind("bend", [](T& t, Dice& d) { return bend(t, {d.node(t)}, d.uniform(-0.3, 0.3)); }),
-        kind("twist", [](T& t, Dice& d) { return twist(t, {d.node(t)}, d.uniform(-0.3, 0.3)); }),
-        kind("move a node",
-             [](T& t, Dice& d) {
-                 const StableId n = d.node(t);
-                 const double r = double{t.radius(n)};
-                 return move_node(t, n, t.origin() + Vec3d(t.position(n)) + Vec3d{r, 0, r}, 20 * r);
-             }),
-        kind("split", [](T& t, Dice& d) { return split(t, {d.node(t)}); }),
-        kind("append",
-             [](T& t, Dice& d) {
-                 return append(t, d.node(t), {0.01, 0.02, d.uniform(0.01, 0.03)});
-             }),
-        kind("delete a twig",
-             [](T& t, Dice& d) {
-                 StableId n = d.node(t);
-                 while (!t.is_tip(n)) n = t.first_child(n);
-                 return remove_branches(t, {n});
-             }),
-        kind("detach", [](T& t, Dice& d) { return detach(t, {d.node(t)}); }),
-        kind("graft", [](T& t, Dice& d) { return graft(t, d.node(t), d.node(t)); }),
-        kind("radius", [](T& t, Dice& d) { return scale_radii(t, {d.node(t)}, 1.01); }),
-        kind("pipe radii", [](T& t, Dice& d) { return pipe_radii(t, {d.node(t)}, 2.2); }),
-    };
-}
 
 double milliseconds(std::vector<double> seconds, bool most) {
     if (seconds.empty()) return 0;
@@ -119,7 +53,7 @@ void run(const Flags& flags) {
         flags.tree.empty() ? random_tree(flags.segments, flags.seed) : read_skeleton(flags.tree).skeleton;
     EditableTree tree(first);
     Dice dice(flags.seed);
-    std::vector<Kind> kinds = all_kinds();
+    std::vector<Kind> kinds = bench::all_kinds();
     const std::size_t before = bench::resident_bytes();
     for (int i = 0; i < flags.edits; ++i) {
         Kind& kind = kinds[dice.below(kinds.size())];

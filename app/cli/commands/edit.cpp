@@ -8,6 +8,7 @@
 #include "files.h"
 #include "options.h"
 #include "scene_files.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -16,9 +17,10 @@ struct EditFlags {
     std::filesystem::path tree;
     std::vector<std::filesystem::path> commands;  // texts, not files
     std::vector<std::filesystem::path> scenes, scripts, edits, outputs;
-    std::filesystem::path save_edits;
+    std::filesystem::path save_edits, mesh_output;
     bool reference = false;
     ReadSkeletonOptions read;
+    MeshOptions mesh;
 };
 
 void check_outputs(const EditFlags& flags) {
@@ -31,6 +33,7 @@ void check_outputs(const EditFlags& flags) {
         check_output_folder(output);
     }
     if (!flags.save_edits.empty()) check_output_folder(flags.save_edits);
+    if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
 }
 
 /// Makes saved edits again; returns how many did not bind, of which each is warned.
@@ -81,11 +84,12 @@ ExitCode edit(Run& run, const EditFlags& flags) {
         }));
     }
     write_results(run, flags, session);
+    const std::string surface = then_mesh(run, flags.mesh_output, session.tree().skeleton(), flags.mesh);
     run.counts()["edits"] = session.history().size();
     run.counts()["unbound_edits"] = unbound;
     run.counts()["nodes_after"] = session.tree().size();
-    run.finish(fmt::format("{}: {} edits, {} nodes", flags.tree.string(), session.history().size(),
-                           grouped(session.tree().size())));
+    run.finish(fmt::format("{}: {} edits, {} nodes{}", flags.tree.string(), session.history().size(),
+                           grouped(session.tree().size()), surface));
     return unbound == 0 ? kDone : kCheckFailed;
 }
 
@@ -106,8 +110,10 @@ Command edit_command() {
         "saved edits to make again first, where they bind; the others are warned of, and the exit code is 1");
     options.file("--save-edits", "FILE", flags->save_edits,
                  "write all edits with the places of the nodes they name");
+    options.file("--then-mesh", "MESH", flags->mesh_output, "also turn the edited tree into a surface");
     options.flag("--reference", flags->reference, "print the reference page of the edits");
     options.fields(flags->read, "Reading a skeleton");
+    options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"edit", "Edit a tree by commands: cut, bend, graft, draw, thicken branches, with ids that stay",
             options, [flags](Run& run, const GivenOptions&) { return edit(run, *flags); }};
 }

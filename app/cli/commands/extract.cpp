@@ -151,13 +151,7 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
         kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
     write(run, flags, result);
     fill_report(run, result);
-    std::string surface;
-    if (!flags.mesh_output.empty()) {
-        const MeshResult made = run.stage(
-            "mesh", [&](const Context& ctx) { return mesh_skeleton(result.skeleton, flags.mesh, ctx); });
-        run.stage("write mesh", [&](const Context& ctx) { write_surface(flags.mesh_output, made, ctx); });
-        surface = fmt::format("; {}: {}", flags.mesh_output.string(), count_surface(run, made));
-    }
+    const std::string surface = then_mesh(run, flags.mesh_output, result.skeleton, flags.mesh);
     run.finish(fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
                            grouped(result.skeleton.size()), grouped(result.report.trees), found, surface));
     return kDone;

@@ -188,8 +188,10 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
     }
     const Vec3d origin = g.axes.skeleton.origin();
     Skeleton tubes(std::move(parent), std::move(position), std::move(radius), origin);
-    return {skeleton_of(cut, origin), std::move(tubes), std::move(source), tubes_of_segments(g, cut, id),
-            g.plan.report};
+    std::vector<NodeId> segment;
+    for (const GraftNode& n : cut.nodes) segment.push_back(n.segment);
+    return {skeleton_of(cut, origin),      std::move(tubes), std::move(segment), std::move(source),
+            tubes_of_segments(g, cut, id), g.plan.report};
 }
 
 }  // namespace
@@ -198,7 +200,7 @@ GraftResult graft_branches(const Skeleton& skeleton, float depth, const Context&
     if (!(depth > 0) || skeleton.size() <= 2) {
         std::vector<NodeId> same;
         for (const NodeId n : nodes(skeleton)) same.push_back(n);
-        return {skeleton, skeleton, same, same, {}};
+        return {skeleton, skeleton, same, same, same, {}};
     }
     const Axes order(skeleton);
     const AxisGeometry axes{skeleton, order};

@@ -17,9 +17,10 @@ struct GraftReport {
 
 /// A skeleton, and the tree of tubes that shall wrap it.
 struct GraftResult {
-    Skeleton skeleton;           ///< the given one, with nodes added where pieces begin and end
-    Skeleton tubes;              ///< the pieces that show
-    std::vector<NodeId> source;  ///< per node of `tubes`: the node of `skeleton` that it stands for
+    Skeleton skeleton;            ///< the given one, with nodes added where pieces begin and end
+    Skeleton tubes;               ///< the pieces that show
+    std::vector<NodeId> segment;  ///< per node of `skeleton`: that of the given one on whose segment it lies
+    std::vector<NodeId> source;   ///< per node of `tubes`: the node of `skeleton` that it stands for
     std::vector<NodeId> tube;  ///< per node of `skeleton`: the node of `tubes` whose tube holds its segment;
                                ///< none for a little where a piece ends
     GraftReport report;        ///< what was done

@@ -53,9 +53,8 @@ class Hub {
 /// bookkeeping.
 class Flood {
   public:
-    Flood(const Skeleton& skeleton, std::span<const SegmentSupport> supports, std::span<const Hub> hubs,
-          std::size_t limit)
-        : skeleton_(skeleton), supports_(supports), hubs_(hubs), limit_(limit) {}
+    Flood(const Skeleton& skeleton, std::span<const SegmentSupport> supports, std::span<const Hub> hubs)
+        : skeleton_(skeleton), supports_(supports), hubs_(hubs) {}
 
     /// Appends the region's segments to `out`, sorted.
     void run(const FieldRegion& region, std::vector<std::uint32_t>& out) {
@@ -79,7 +78,7 @@ class Flood {
         NodeId segment;  ///< through which the flood came
     };
 
-    bool full(const std::vector<std::uint32_t>& out) const { return out.size() - first_ >= limit_; }
+    bool full(const std::vector<std::uint32_t>& out) const { return out.size() - first_ >= kLongestList; }
     static void accept(NodeId segment, std::vector<std::uint32_t>& out) { out.push_back(segment.index()); }
 
     bool touches(NodeId segment) const {
@@ -115,7 +114,6 @@ class Flood {
     const Skeleton& skeleton_;
     std::span<const SegmentSupport> supports_;
     std::span<const Hub> hubs_;
-    std::size_t limit_;
     Box3 box_;
     Vec3 center_;
     float half_diagonal_ = 0;
@@ -156,9 +154,8 @@ CandidateLists find_candidates(const Skeleton& skeleton, std::span<const Segment
     }));
     const std::vector<Hub> hubs = find_hubs(skeleton, supports, ctx);
     const std::size_t count = regions.size();
-    const std::size_t limit = longest_list(count);
     return collect_lists(count, kGrain, ctx, [&](IndexRange range, const auto& put) {
-        Flood flood(skeleton, supports, hubs, limit);
+        Flood flood(skeleton, supports, hubs);
         std::vector<std::uint32_t> list;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             list.clear();

@@ -53,7 +53,10 @@ struct CandidateLists {
     Buffer<std::uint32_t> segments;       ///< by child node
 };
 
-/// No list is longer than this, so that hubs and huge boxes cannot make time and memory quadratic.
+/// No list of find_candidates() is longer than this, so that hubs and huge boxes cannot make time and memory
+/// quadratic. It does not depend on how many regions there are: what lies elsewhere changes no list.
+inline constexpr std::size_t kLongestList = 512;
+/// The same for find_touching(), whose boxes may be few and large.
 std::size_t longest_list(std::size_t regions);
 
 /// Finds for every region the segments that matter in its box: those whose support touches the box and that
@@ -61,7 +64,7 @@ std::size_t longest_list(std::size_t regions);
 /// passes by is not.
 ///
 /// `supports` has one entry per node. O(sum of lists) whatever the size of the skeleton; the children of a
-/// node with very many are found through a tree of boxes. A list that would be longer than longest_list()
+/// node with very many are found through a tree of boxes. A list that would be longer than kLongestList
 /// keeps those with the fewest nodes between them and the seed.
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                                std::span<const FieldRegion> regions, const Context& ctx = {});

@@ -198,7 +198,6 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
     COPPICE_ASSERT(tubes.tree.size() == regions.size() && tubes.tube.size() == skeleton.size());
     const Kinship kinship(tubes.tree.parents());
     const Contents contents = contents_of(tubes);
-    const std::size_t longest = longest_list(regions.size());
     std::vector<FieldRegion> at_tubes(regions.begin(), regions.end());
     for (std::uint32_t r = 0; r < regions.size(); ++r) at_tubes[r].seed = NodeId(r);
     const CandidateLists near =
@@ -216,7 +215,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
                 if (!kinship.related(t, r)) continue;
                 for (const std::uint32_t s : contents[t]) {
                     const bool touches = t == r || may_touch(supports[s], box, center, half_diagonal);
-                    if (touches && list.size() < longest) list.push_back(s);
+                    if (touches && list.size() < kLongestList) list.push_back(s);
                 }
             }
             std::sort(list.begin(), list.end());

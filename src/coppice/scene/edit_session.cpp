@@ -80,7 +80,32 @@ EditSession::EditSession(const Skeleton& tree, SceneSettings settings)
     scene_.hold_tree(kTree, tree);
 }
 
+void EditSession::keep_surface(const MeshOptions& options, const Context& ctx) {
+    surface_.emplace(tree_.skeleton(), options, ctx);
+    unfollowed_.clear();
+}
+
+void EditSession::note(const EditChange& change) {
+    last_change_ = change;
+    if (!surface_) return;
+    for (const NodeSet* part :
+         {&change.added, &change.removed, &change.moved, &change.resized, &change.reparented})
+        unfollowed_.insert(unfollowed_.end(), part->begin(), part->end());
+}
+
+void EditSession::follow(const Context& ctx) {
+    if (!surface_) return;
+    last_surface_change_ = surface_->update(tree_.skeleton(), unfollowed_, ctx);
+    unfollowed_.clear();
+}
+
 std::string EditSession::run(std::string_view line, const std::string& place, const Context& ctx) {
+    std::string said = run_one(line, place, ctx);
+    follow(ctx);
+    return said;
+}
+
+std::string EditSession::run_one(std::string_view line, const std::string& place, const Context& ctx) {
     last_change_ = {};
     auto words = placed(place, [&] { return scene_words(line); });
     if (words.size() > 1 && words[0].text == "edit") words.erase(words.begin());
@@ -131,7 +156,7 @@ std::string EditSession::edit(const SceneCall& call) {
     }
     call.reserve(kBytesOfNode * tree_.size());
     made.change = call.command().edit(call, tree_);
-    last_change_ = made.change;
+    note(made.change);
     if (made.change.empty()) return "nothing changed\n";
     held_ = false;
     made_.push_back(std::move(made));
@@ -153,7 +178,7 @@ std::string EditSession::history_command(const std::vector<SceneWord>& words) {
                                        what == "undo" ? "taken back" : "made again"));
     }
     for (double i = 0; i < most; ++i) {
-        last_change_ = what == "undo" ? tree_.undo() : tree_.redo();
+        note(what == "undo" ? tree_.undo() : tree_.redo());
         to.push_back(std::move(from.back()));
         from.pop_back();
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "coppice/edit/anchor.h"
 #include "coppice/edit/editable_tree.h"
 #include "coppice/pipeline/json.h"
+#include "coppice/pipeline/live_surface.h"
 #include "coppice/scene/scene.h"
 
 namespace coppice {
@@ -64,6 +66,14 @@ class EditSession {
     const std::vector<Made>& history() const { return made_; }  ///< edits that `undo` can take back, in order
     EditChange last_change() const { return last_change_; }     ///< by the last run()
 
+    /// Makes a surface that follows every edit from now on. Throws what LiveSurface throws. An edit of which
+    /// no surface can be made stays made; run() throws, and the surface follows with the next that can be.
+    void keep_surface(const MeshOptions& options, const Context& ctx = {});
+    /// That surface as it is now; nullptr where none is kept.
+    const LiveSurface* surface() const { return surface_ ? &*surface_ : nullptr; }
+    /// What the last run() wrote of it.
+    const SurfaceChange& last_surface_change() const { return last_surface_change_; }
+
     /// The history as a file of edits (JSON): each command, and for every node that it names where that lay.
     std::string saved() const;
 
@@ -76,6 +86,9 @@ class EditSession {
     std::string edit(const SceneCall& call);
     std::string history_command(const std::vector<SceneWord>& words);
     std::string history_text() const;
+    std::string run_one(std::string_view line, const std::string& place, const Context& ctx);
+    void note(const EditChange& change);
+    void follow(const Context& ctx);
     SceneCall bind(std::vector<SceneWord> words, const Context& ctx);
     Named named(StableId n) const;
     SceneCall bind_edit(const std::string& command, const std::string& where, const Context& ctx);
@@ -88,7 +101,10 @@ class EditSession {
     std::uint32_t first_slots_;  ///< ids below were there from the beginning
     std::vector<Made> made_, undone_;
     EditChange last_change_;
-    bool held_ = true;  ///< the scene has the tree as it is now
+    std::optional<LiveSurface> surface_;
+    SurfaceChange last_surface_change_;
+    NodeSet unfollowed_;  ///< nodes that changed since the surface followed
+    bool held_ = true;    ///< the scene has the tree as it is now
 };
 
 }  // namespace coppice

@@ -192,6 +192,7 @@ EditSession::Replayed EditSession::replay(std::string_view json, const std::stri
         }
         made_as.push_back(made_.size() > before ? made_.size() : 0);
     }
+    follow(ctx);
     return out;
 }
 

@@ -220,4 +220,11 @@ std::uint32_t PatchRefinement::owned_vertices(std::uint32_t cage_quad, std::span
     return count;
 }
 
+Buffer<std::uint32_t> PatchRefinement::owners() const {
+    const PatchStars stars(cage_, levels_);
+    Buffer<std::uint32_t> out(vertex_count_);
+    for (std::uint32_t v = 0; v < vertex_count_; ++v) out[v] = stars.owner(v);
+    return out;
+}
+
 }  // namespace coppice

@@ -54,6 +54,9 @@ class PatchRefinement {
     /// how many; out holds max_owned().
     std::uint32_t owned_vertices(std::uint32_t cage_quad, std::span<std::uint32_t> out) const;
 
+    /// Per refined vertex, the cage quad that counts it as its own; CageTopology::kNone without quads.
+    Buffer<std::uint32_t> owners() const;
+
   private:
     CageTopology cage_;
     int levels_;

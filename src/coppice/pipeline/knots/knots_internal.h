@@ -53,6 +53,7 @@ class Knots {
     void take_around(Slice slice, float radii);
     /// Sees to it that two slices, once both are taken, are in one group; false when they were.
     bool join(Slice a, Slice b) { return together_.join(a, b); }
+    Slice group_of(Slice s) { return together_.find(s); }  ///< one that stands for all that were joined to it
 
     /// Takes what else has to go: all that meets at a branch node, and slices on from each seam until that
     /// lies well.

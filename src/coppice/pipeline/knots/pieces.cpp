@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
 
 namespace coppice::pipeline_internal {
@@ -182,8 +181,8 @@ bool Pieces::can_hold(std::span<const Segment> segments) const {
     return can_march(segments, mesh_, options_);
 }
 
-void put_into(QuadMesh& mesh, const Slices& slices, const Knots& knots, const Pieces& pieces,
-              const Context& ctx) {
+NumberSet put_into(QuadMesh& mesh, const Slices& slices, const Knots& knots, const Pieces& pieces,
+                   const Context& ctx) {
     // A vertex goes with its quads, but for those of the rings.
     NumberSet gone = drop_gone(mesh, slices, knots);
     std::vector<std::vector<std::uint32_t>> rings;
@@ -216,6 +215,7 @@ void put_into(QuadMesh& mesh, const Slices& slices, const Knots& knots, const Pi
             mesh.quads.push_back(quad);
         }
     }
+    return gone;
 }
 
 std::uint32_t count_bodies(const Slices& slices, const Knots& knots, const Pieces& pieces) {

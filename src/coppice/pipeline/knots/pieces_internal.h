@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/base/number_set.h"
 #include "coppice/pipeline/knots/knot_patch_internal.h"
 #include "coppice/pipeline/knots/knots_internal.h"
 
@@ -52,9 +53,10 @@ class Pieces {
     std::vector<std::uint32_t> owner_;  // per slice: the piece that replaces it
 };
 
-/// Puts the pieces into the mesh: quads and vertices that stay first, in their order. O(n).
-void put_into(QuadMesh& mesh, const Slices& slices, const Knots& knots, const Pieces& pieces,
-              const Context& ctx);
+/// Puts the pieces into the mesh: quads and vertices that stay first, in their order. Returns the vertices
+/// that went. O(n).
+NumberSet put_into(QuadMesh& mesh, const Slices& slices, const Knots& knots, const Pieces& pieces,
+                   const Context& ctx);
 
 /// The number of bodies that the mesh then has. O(slices + pieces).
 std::uint32_t count_bodies(const Slices& slices, const Knots& knots, const Pieces& pieces);

@@ -1,7 +1,9 @@
 #include "coppice/pipeline/knots/remesh_knots_internal.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
+#include <set>
 
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
@@ -40,7 +42,6 @@ class Remeshing {
         report.lossy = static_cast<std::uint32_t>(lossy.size());
         for (const std::uint32_t q : folded) knots_.take(slices_.of_quad(q));
         report.folded = static_cast<std::uint32_t>(folded.size());
-        bool has_taken_trees = false;
         for (int round = 0; round < rounds_; ++round) {
             pieces_.make(knots_, care_);
             const Draft now = draft(before_, knots_, pieces_, ctx_);
@@ -52,21 +53,36 @@ class Remeshing {
             const bool moved = round < kRoundsForFolds && move_folded_bands();
             if (report.pairs_after == 0 && !moved) break;
             forget_all_but(now, pairs);
-            const bool is_answered = answer(now, pairs) || moved;
-            if (!is_answered && has_taken_trees) break;
-            if (!is_answered || round + 2 >= rounds_) {
-                if (!take_trees(now, pairs, spared) && !is_answered) break;
-                has_taken_trees = true;
-            }
-            if (round + 2 >= rounds_) ask_all_care();
+            const bool is_last = round + 2 >= rounds_;
+            const std::vector<FacePair> unanswered = answer(now, pairs);
+            const bool is_answered = unanswered.size() < pairs.size() || moved;
+            const bool took = take_trees(now, is_last ? pairs : unanswered, spared);
+            if (!is_answered && !took) break;
+            if (is_last) ask_all_care(now, pairs);
         }
         report.slices = static_cast<std::uint32_t>(knots_.count());
         return report;
     }
 
     // Puts the pieces into the mesh.
-    void finish(QuadMesh& mesh, KnotReport& report) const {
-        put_into(mesh, slices_, knots_, pieces_, ctx_);
+    void finish(QuadMesh& mesh, KnotReport& report, RemeshTrace* trace) const {
+        NumberSet gone = put_into(mesh, slices_, knots_, pieces_, ctx_);
+        if (trace != nullptr) {
+            trace->is_local = taken_trees_.empty() && !knots_.spares_any() && care_.back() == Care::none;
+            trace->gone = gone.ascending();
+            trace->is_gone.resize(slices_.count());
+            for (const Slice s : knots_.taken()) trace->is_gone[s] = 1;
+            for (std::size_t i = 0; i < pieces_.size(); ++i) {
+                const KnotSurface& made = pieces_[i].surface;
+                std::vector<NodeId> segments = made.marched->segments;
+                for (const KnotSkeleton::Cut& cut : made.knot.cuts) segments.push_back(cut.segment);
+                std::vector<Slice> beside;
+                for (const Seam& seam : made.group.seams) beside.push_back(seam.kept);
+                trace->pieces.push_back({made.group.slices,
+                                         static_cast<std::uint32_t>(pieces_[i].quads.patch.quads.size()),
+                                         std::move(beside), std::move(segments)});
+            }
+        }
         report.parts = count_bodies(slices_, knots_, pieces_);
         // A closed mesh of quads has twice as many edges as quads.
         const auto euler =
@@ -98,33 +114,57 @@ class Remeshing {
 
     std::size_t care_place(Slice s) const { return std::min(s, slices_.count()); }
 
-    // Asks for more care where a new quad is.
-    void take_care(const Draft& now, std::uint32_t face, std::span<const Care> before) {
+    // Asks for more care where a new quad is; false when there is no more.
+    bool take_care(const Draft& now, std::uint32_t face, std::span<const Care> before) {
         const std::size_t at = care_place(now.slice[face]);
-        if (before[at] == Care::flat) return;
+        if (before[at] == Care::flat) return false;
         care_[at] = before[at] == Care::none ? Care::still : Care::flat;
         pieces_[now.piece[face]].is_current = false;
+        return true;
     }
 
-    // What is done about quads that cross; false when nothing is left to do.
-    bool answer(const Draft& now, std::span<const FacePair> pairs) {
+    // Does what can be done about quads that cross; returns the pairs in whose group nothing was left to do.
+    std::vector<FacePair> answer(const Draft& now, std::span<const FacePair> pairs) {
         const std::vector<Care> before = care_;
-        const std::size_t count = knots_.count();
-        bool joined = false;
+        std::vector<FacePair> unanswered;
+        std::vector<Slice> answered;
         for (const FacePair& p : pairs) {
-            for (const std::uint32_t face : {p.first, p.second}) {
-                if (now.seam[face] != kNoSeam) {
-                    knots_.move_on(pieces_[now.piece[face]].surface.group.seams[now.seam[face]], 1);
-                } else if (now.piece[face] == Draft::kNoPiece) {
-                    knots_.take(now.slice[face]);
-                } else if (now.piece[p.first] == now.piece[p.second]) {
-                    take_care(now, face, before);
-                }
+            if (!answer(now, p, before)) {
+                unanswered.push_back(p);
+            } else if (slice_of(now, p) != Slices::kNone) {
+                answered.push_back(slice_of(now, p));
             }
-            const Slice a = now.slice[p.first], b = now.slice[p.second];
-            if (a != Slices::kNone && b != Slices::kNone) joined |= knots_.join(a, b);
         }
-        return joined || knots_.count() != count || care_ != before;
+        for (Slice& s : answered) s = knots_.group_of(s);
+        std::sort(answered.begin(), answered.end());
+        std::erase_if(unanswered, [&](const FacePair& p) {
+            const Slice s = slice_of(now, p);
+            return s != Slices::kNone && std::ranges::binary_search(answered, knots_.group_of(s));
+        });
+        return unanswered;
+    }
+
+    // Where a pair is; none for quads near no slice.
+    static Slice slice_of(const Draft& now, const FacePair& p) {
+        return now.slice[p.first] != Slices::kNone ? now.slice[p.first] : now.slice[p.second];
+    }
+
+    // False when nothing changes by it.
+    bool answer(const Draft& now, const FacePair& p, std::span<const Care> before) {
+        const std::size_t count = knots_.count();
+        bool has_changed = false;
+        for (const std::uint32_t face : {p.first, p.second}) {
+            if (now.seam[face] != kNoSeam) {
+                knots_.move_on(pieces_[now.piece[face]].surface.group.seams[now.seam[face]], 1);
+            } else if (now.piece[face] == Draft::kNoPiece) {
+                knots_.take(now.slice[face]);
+            } else if (now.piece[p.first] == now.piece[p.second]) {
+                has_changed |= take_care(now, face, before);
+            }
+        }
+        const Slice a = now.slice[p.first], b = now.slice[p.second];
+        if (a != Slices::kNone && b != Slices::kNone) has_changed |= knots_.join(a, b);
+        return has_changed || knots_.count() != count;
     }
 
     // Moves seams on whose bands are folded; false when none is.
@@ -145,8 +185,9 @@ class Remeshing {
         return found;
     }
 
-    // The last resort: whole trees, where they are not too large for one piece; false when all are.
+    // The last resort: whole trees, where they are not too large for one piece; false when none is new.
     bool take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
+        if (pairs.empty() && spared.empty()) return false;
         const std::vector<NodeId> root = tree_roots(slices_.tubes());
         std::vector<NodeId> bad;
         const auto add = [&](Slice at) {
@@ -160,8 +201,11 @@ class Remeshing {
         }
         std::sort(bad.begin(), bad.end());
         bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
-        std::erase_if(bad, [&](NodeId tree) { return !pieces_.can_hold(segments_of(tree, root)); });
+        std::erase_if(bad, [&](NodeId tree) {
+            return taken_trees_.contains(tree) || !pieces_.can_hold(segments_of(tree, root));
+        });
         knots_.take_trees(bad, root);
+        taken_trees_.insert(bad.begin(), bad.end());
         return !bad.empty();
     }
 
@@ -174,9 +218,22 @@ class Remeshing {
         return out;
     }
 
-    void ask_all_care() {
-        std::fill(care_.begin(), care_.end(), Care::flat);
-        for (std::size_t i = 0; i < pieces_.size(); ++i) pieces_[i].is_current = false;
+    // Asks for all care in the pieces whose quads cross, and in trees that were taken.
+    void ask_all_care(const Draft& now, std::span<const FacePair> pairs) {
+        const auto ask = [&](std::size_t piece) {
+            for (const Slice s : pieces_[piece].surface.group.slices) care_[s] = Care::flat;
+            pieces_[piece].is_current = false;
+        };
+        for (const FacePair& p : pairs) {
+            for (const std::uint32_t face : {p.first, p.second}) {
+                if (now.piece[face] != Draft::kNoPiece) ask(now.piece[face]);
+            }
+        }
+        care_.back() = Care::flat;
+        const std::vector<NodeId> root = tree_roots(slices_.tubes());
+        for (Slice s = 0; s < slices_.count(); ++s) {
+            if (taken_trees_.contains(root[slices_.tube(s).index()])) care_[s] = Care::flat;
+        }
     }
 
     const TubeQuads& before_;
@@ -186,6 +243,7 @@ class Remeshing {
     Knots knots_;
     Pieces pieces_;
     std::vector<Care> care_;  // per slice, and one more for what is near none
+    std::set<NodeId> taken_trees_;
 };
 
 // Of the quads that could not be unfolded, those that are inverted, ascending.
@@ -200,21 +258,29 @@ std::vector<std::uint32_t> folded_quads(const QuadSurface& surface) {
 }  // namespace
 
 KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, const MeshOptions& options,
-                        const Context& ctx) {
+                        const Context& ctx, RemeshTrace* trace, std::span<const std::uint8_t> wanted) {
     if (options.remesh_rounds == 0 || options.overlaps == Overlaps::keep || levels == 0 ||
         options.project.method == ProjectionMethod::none || options.control.base == BaseShape::open) {
         return {};
     }
     const Slices slices(surface.cage, map.tubes, levels, map.sides);
-    const SliceCrossings found = slice_crossings(surface.mesh, slices, ctx);
+    SliceCrossings found = slice_crossings(surface.mesh, slices, ctx);
     const std::size_t count = found.pairs.size();
     if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
-    const std::vector<Slice> lossy = lossy_slices(map, found.tubes, ctx);
-    const std::vector<std::uint32_t> folded = folded_quads(surface);
+    std::vector<Slice> lossy = lossy_slices(map, found.tubes, ctx);
+    std::vector<std::uint32_t> folded = folded_quads(surface);
+    if (!wanted.empty()) {
+        const auto is_wanted = [&](Slice s) { return wanted[slices.tube(s).index()] != 0; };
+        const auto has_wanted = [&](std::uint32_t quad) { return is_wanted(slices.of_quad(quad)); };
+        std::erase_if(found.pairs,
+                      [&](const FacePair& p) { return !has_wanted(p.first) && !has_wanted(p.second); });
+        std::erase_if(lossy, std::not_fn(is_wanted));
+        std::erase_if(folded, std::not_fn(has_wanted));
+    }
     if (found.pairs.empty() && lossy.empty() && folded.empty()) return {};
     Remeshing remeshing(found.tubes, map, options, ctx);
     KnotReport report = remeshing.run(found.pairs, lossy, folded);
-    remeshing.finish(surface.mesh, report);
+    remeshing.finish(surface.mesh, report, trace);
     return report;
 }
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "coppice/base/random.h"
+#include "coppice/edit/editable_tree.h"
+
+namespace coppice::bench {
+
+/// Draws in order.
+class Dice {
+  public:
+    explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
+    double uniform(double low, double high) { return random_.uniform(next_++, low, high); }
+    std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.bits(next_++) % n); }
+    StableId node(const EditableTree& tree) {
+        for (;;) {
+            const StableId n(static_cast<std::uint32_t>(below(tree.slots())));
+            if (tree.contains(n) && !tree.is_root(n)) return n;
+        }
+    }
+
+  private:
+    CounterRandom random_;
+    std::uint64_t next_ = 0;
+};
+
+/// A kind of edit, at random places, and what its edits cost.
+struct Kind {
+    const char* name;
+    std::function<EditChange(EditableTree&, Dice&)> edit;
+    std::vector<double> seconds;
+    double nodes = 0, most_nodes = 0;
+};
+
+std::vector<Kind> all_kinds();
+
+}  // namespace coppice::bench

@@ -1,0 +1,225 @@
+#include "coppice/pipeline/quad_surface_internal.h"
+
+#include <fmt/format.h>
+
+#include "coppice/field/convolution_field.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/pipeline/surface_field_internal.h"
+
+namespace coppice {
+namespace {
+
+using pipeline_internal::QuadRows;
+using pipeline_internal::RemeshTrace;
+
+// Boxes about the quads of the regions and their anchors.
+std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
+    std::vector<FieldRegion> regions(control.region_node.size());
+    for (std::size_t f = 0; f < control.region.size(); ++f) {
+        Box3& box = regions[control.region[f]].box;
+        for (const std::uint32_t v : control.cage.quads[f]) {
+            box.extend(control.cage.positions[v]);
+            box.extend(control.anchors[v]);
+        }
+    }
+    pipeline_internal::complete(regions, control.region_node, skeleton);
+    return regions;
+}
+
+// The map that follows one map by another; none stays none.
+std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
+    std::vector<NodeId> both(first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (first[i]) both[i] = second[first[i].index()];
+    }
+    return both;
+}
+
+// The skeleton as quads wrap it.
+struct Wrapped {
+    GraftResult grafted;
+    PartResult parted;
+    std::vector<NodeId> source;  // per node of the tubes: that of the field's skeleton
+    std::vector<NodeId> tube;    // the other way around
+
+    const Skeleton& tubes() const { return parted.skeleton; }
+    const Skeleton& skeleton() const { return grafted.skeleton; }
+};
+
+Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages) {
+    const float graft = options.overlaps == Overlaps::graft ? options.graft : 0;
+    GraftResult grafted = stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, ctx); });
+    PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
+    auto source = composed(parted.source, grafted.source);
+    auto tube = composed(grafted.tube, parted.tube);
+    return {std::move(grafted), std::move(parted), std::move(source), std::move(tube)};
+}
+
+// How a cage was refined.
+struct Refined {
+    PatchRefinement patches;
+    Buffer<Vec3> anchors;  // per refined vertex
+};
+
+// Subdivides the cage of a surface, moves it onto the field, and unfolds it.
+Refined refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
+                    const MeshOptions& options, const Context& ctx, Stages& stages) {
+    stages.run("field", 0.25f, [&] {
+        field.set_regions(field_regions(out.cage, wrapped.skeleton()), {wrapped.tubes(), wrapped.tube}, ctx);
+        return true;
+    });
+    const QuadMesh& cage = out.cage.cage;
+    PatchRefinement patches = stages.run("topology", 0.3f, [&] {
+        return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), levels, ctx);
+    });
+    out.mesh.origin = cage.origin;
+    out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
+    out.mesh.positions = stages.run("refine", 0.45f, [&] { return patches.refine(cage.positions, ctx); });
+    Buffer<Vec3> anchors =
+        stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
+    const ProjectionTarget target{FieldRef(field), out.cage.region, out.cage.clip};
+    out.projected = stages.run("project", 0.85f, [&] {
+        return project(out.mesh.positions, anchors, patches, target, options.project, ctx);
+    });
+    if (options.project.method != ProjectionMethod::none && levels > 0) {
+        out.untangled = stages.run("untangle", 1.0f, [&] {
+            return untangle({out.mesh.positions, anchors, out.mesh.quads}, patches, target, options.untangle,
+                            ctx);
+        });
+    }
+    return {std::move(patches), std::move(anchors)};
+}
+
+BallReport balls_of(const ConvolutionField& field) {
+    BallReport out{0, field.chain()};
+    for (const auto& s : field.segments()) {
+        if (s.weight > 0 && s.balls > 0) out.balls += static_cast<std::uint64_t>(s.balls) + 1;
+    }
+    return out;
+}
+
+void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels, const MeshOptions& options,
+            const Context& ctx, Stages& stages, RemeshTrace* trace = nullptr,
+            std::span<const std::uint8_t> wanted = {}) {
+    out.knots = stages.run("remesh", 1.0f,
+                           [&] { return remesh_knots(out, map, levels, options, ctx, trace, wanted); });
+}
+
+// Whether a tube is only the branch node at a root.
+bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
+
+}  // namespace
+
+QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                          const QuadExtras& extras, const Context& ctx, Stages& stages) {
+    QuadSurface out;
+    const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    out.grafted = wrapped.grafted.report;
+    out.parted = wrapped.parted.report;
+    out.cage = stages.run("cage", 0.15f, [&] {
+        return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx);
+    });
+    ConvolutionField field = stages.run("weights", 0.2f, [&] {
+        return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
+    });
+    if (options.field.kernel == Kernel::balls) out.balls = balls_of(field);
+    Refined refined = refine_cage(out, options.levels, field, wrapped, options, ctx, stages);
+    if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
+    if (extras.origin != nullptr) {
+        *extras.origin = {{out.mesh, wrapped.tubes(), options.levels},
+                          std::move(refined.anchors),
+                          wrapped.skeleton(),
+                          wrapped.source,
+                          wrapped.tube};
+    }
+    const auto wrapping = compress_rows<NodeId>(wrapped.tube.size(), [&](const auto& put) {
+        for (std::size_t n = 0; n < wrapped.tube.size(); ++n) {
+            const NodeId tube = wrapped.tube[n];
+            if (tube && !is_bare_root(wrapped.tubes(), tube)) put(n, tube);
+        }
+    });
+    QuadTrace* const trace = extras.trace;
+    const pipeline_internal::TubeMap map{wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping};
+    if (trace == nullptr) {
+        remesh(out, map, options.levels, options, ctx, stages);
+        return out;
+    }
+    trace->segment = composed(wrapped.source, wrapped.grafted.segment);
+    trace->field_segment = wrapped.grafted.segment;
+    trace->patches = std::move(refined.patches);
+    trace->tubes = wrapped.tubes();
+    trace->refined = out.mesh.positions;
+    const std::vector<std::uint8_t> wanted =
+        extras.wanted ? extras.wanted(out, *trace) : std::vector<std::uint8_t>{};
+    remesh(out, map, options.levels, options, ctx, stages, &trace->remeshed, wanted);
+    return out;
+}
+
+QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& constraints,
+                                  const MeshOptions& options, const QuadExtras& extras, const Context& ctx,
+                                  Stages& stages) {
+    if (options.levels == 0)
+        throw InvalidInput("mesh: levels must be at least 1 for ramifications, which are pasted between two");
+    MeshOptions with = options;
+    with.control.sides = 4;
+    QuadSurface out;
+    const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    out.grafted = wrapped.grafted.report;
+    out.parted = wrapped.parted.report;
+    RamificationMesh made = stages.run("cage", 0.15f, [&] {
+        return build_ramifications(wrapped.tubes(), options.control, options.levels, options.ramification,
+                                   ctx);
+    });
+    out.ramified = made.report;
+    // The field knows the tubes that the units were built of, the rows are those of what was made of them.
+    out.cage = std::move(made.control);
+    const std::vector<std::uint32_t> rows_of = out.cage.region;
+    const std::vector<NodeId> source = std::exchange(out.cage.region_node, wrapped.source);
+    for (std::uint32_t& r : out.cage.region) r = source[r].index();
+    ConvolutionField field = stages.run("weights", 0.2f, [&] {
+        return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
+    });
+    const int levels = options.levels - 1;
+    refine_cage(out, levels, field, wrapped, options, ctx, stages);
+    out.cage.region = rows_of;
+    out.cage.region_node = composed(source, wrapped.source);
+    if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, made.tubes, levels};
+    const auto wrapping = compress_rows<NodeId>(wrapped.tube.size(), [&](const auto& put) {
+        for (std::size_t n = 0; n < wrapped.tube.size(); ++n) {
+            if (!wrapped.tube[n]) continue;
+            for (const NodeId t : made.wrapping[wrapped.tube[n].index()]) put(n, t);
+        }
+    });
+    remesh(out, {made.tubes, wrapped.skeleton(), out.cage.region_node, wrapping, made.sides}, levels, with,
+           ctx, stages);
+    return out;
+}
+
+// Hundreds of branches that all begin at one point overlap for most of their length: a surface of them takes
+// minutes and looks like none of them.
+void check_branches(const Skeleton& s) {
+    constexpr std::size_t kMost = 256;
+    for (const NodeId n : nodes(s)) {
+        const std::size_t count = s.children(n).size();
+        if (count <= kMost) continue;
+        const Vec3d at = Vec3d(s.position(n)) + s.origin();
+        throw InvalidInput(
+            fmt::format("mesh: {} branches begin at the node at {:.6g} {:.6g} {:.6g}, of which a surface can "
+                        "join {}: let "
+                        "them begin at nodes of their own along what they leave, or use the method cylinders",
+                        count, at.x, at.y, at.z, kMost));
+    }
+}
+
+// The quads that MeshMethod::bmesh stands for.
+MeshOptions on_metaballs(MeshOptions options) {
+    FieldOptions& field = options.field;
+    if (field.kernel != Kernel::quartic && field.kernel != Kernel::balls)
+        throw InvalidInput("mesh: kernel must be quartic or balls for bmesh, whose balls are quartic");
+    field.kernel = Kernel::balls;
+    field.blend = 1;
+    options.method = MeshMethod::quads;
+    return options;
+}
+
+}  // namespace coppice
