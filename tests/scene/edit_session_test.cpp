@@ -168,7 +168,8 @@ TEST(EditSession, TheSurfaceFollows) {
     const QuadMesh before = session.surface()->mesh();
     session.run("rotate 40 20");
     EXPECT_FALSE(session.last_surface_change().vertices.empty());
-    session.run("delete 90; bend 12 10");
+    session.run("delete 90");
+    session.run("bend 12 10");
     const auto is_same = [](const QuadMesh& a, const QuadMesh& b) {
         return std::ranges::equal(a.positions, b.positions) && std::ranges::equal(a.quads, b.quads);
     };

@@ -57,8 +57,9 @@ Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ct
     };
     std::optional<GlobalWeights> weights;
     QuadTrace trace;
-    const QuadSurface surface = mesh_by_quads(prepared.skeleton, PointSet{}, options,
-                                              {weights, nullptr, &trace, wanted_tubes}, ctx, stages);
+    const QuadSurface surface =
+        mesh_by_quads(prepared.skeleton, PointSet{}, options,
+                      {.weights = weights, .trace = &trace, .wanted = wanted_tubes}, ctx, stages);
     SurfacePatches patches = patches_of(surface, trace);
     // Where very much would be inserted, segments are split less everywhere.
     const bool is_local = trace.remeshed.is_local && prepared.report.resample.inserted <= tree.size();
