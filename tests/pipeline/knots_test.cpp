@@ -122,6 +122,15 @@ TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
     EXPECT_NEAR(shape(made.mesh).signed_volume / kCapsule, 1.03, 0.03);  // and 97 of neurites
 }
 
+TEST(Knots, ALoneNodeInTheWayOfABranchIsReplacedWhole) {
+    const NodeId none;
+    const Skeleton s({none, none, NodeId(1), NodeId(2)}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0.4f}, {0, 0, 2}},
+                     {0.2f, 0.2f, 0.2f, 0.2f});
+    const QuadSurface made = mesh_skeleton(s).quads();
+    EXPECT_GT(made.knots.slices, 0u);
+    EXPECT_EQ(crossings(made.mesh), 0u);
+}
+
 TEST(Knots, WhatIsThickBesideThreadsIsAllThere) {
     for (const Skeleton& s : {fat_end(), balls_with_threads()}) {
         const QuadSurface made = mesh_skeleton(s).quads();

@@ -58,10 +58,10 @@ Slice Slices::near(NodeId tube, Vec3 p) const {
 }
 
 Slice Slices::next(Slice s, bool towards_tip) const {
+    const NodeId here = tube(s);
+    if (tubes_->is_root(here)) return kNone;  // a ball, of which only the last slice has quads
     if (towards_tip && row(s) + 1 < per_tube()) return s + 1;
     if (!towards_tip && row(s) > 0) return s - 1;
-    const NodeId here = tube(s);
-    if (tubes_->is_root(here)) return kNone;
     const NodeId node = towards_tip ? here : tubes_->parent(here);
     if (is_fork(node) || degree(*tubes_, node) != 2) return kNone;
     Slice found = kNone;
