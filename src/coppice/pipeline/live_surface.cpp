@@ -89,7 +89,7 @@ class LiveSurface::State {
 
   private:
     SurfaceChange make_whole(const Skeleton& now, const Context& ctx) {
-        const std::vector<std::uint8_t> all(now.size(), 1);
+        std::vector<std::uint8_t> all(now.size(), 1);
         const Traced whole = trace(now, options_, ctx, [&](const SurfacePatches&) { return all; });
         PatchStore store;
         store.merge({now, whole.patches, all, all}, {});

@@ -61,8 +61,10 @@ struct UntangleReport {
 /// where the field has no gradient a vertex stays where smoothing put it; boundaries stay. What is still
 /// folded after `projected_passes` is smoothed without returning to the surface, at first the bad faces
 /// alone, then with one and two rings: it unfolds like a soap film, at the price of some radius in a crevice.
-/// Ends when no face is bad, when ten passes brought no gain, or when each vertex has moved five
-/// times on average; the state with the fewest bad faces is kept, the first of equals.
+/// Bad faces far from each other are clusters, which are unfolded each by itself: what becomes of one depends
+/// on nothing beyond four rings of faces about it. A cluster ends when none of its faces is bad, when ten
+/// passes that do not return to the surface brought no gain, or when each of its vertices has moved 25 times
+/// on average; its state with the fewest bad faces is kept, the first of equals.
 ///
 /// `target` as for project(). The first look at all faces is the cost of a
 /// clean mesh, which keeps its bits; after that time and memory go with the number of bad faces, but for two
