@@ -78,7 +78,7 @@ TEST_F(SceneCompose, ARecipeMakesTheSameTreeAgain) {
 TEST_F(SceneCompose, KeepsWithinACrownWhateverTheOriginOfTheTemplate) {
     const Skeleton& oak = tree("oak");
     const Vec3 center = oak.bounds().center();
-    const float radius = 0.35f * oak.bounds().diagonal();
+    const float radius = 0.2f * oak.bounds().diagonal();
     const auto ball = [&](Vec3d c) {
         return "sphere crown center=" + std::to_string(c.x) + "," + std::to_string(c.y) + "," +
                std::to_string(c.z) + " radius=" + std::to_string(radius);
