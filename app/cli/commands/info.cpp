@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command.h"
+#include "coppice/extract/stem/stem_form.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/json.h"
@@ -18,6 +19,7 @@ namespace {
 struct InfoFlags {
     std::filesystem::path file;
     bool json = false;
+    bool forestry = false;
     ReadSkeletonOptions read;
 };
 
@@ -86,10 +88,109 @@ Figures describe(const PointSet& points, const Context& ctx) {
     return out;
 }
 
+/// A diameter of a stem; what nothing tells is left out.
+Figures describe(const StemDiameter& d) {
+    Figures out;
+    out["height_m"] = d.height;
+    out["diameter_m"] = d.diameter;
+    if (d.coverage > 0) {
+        out["deviation_m"] = d.deviation;
+        out["residual_m"] = d.residual;
+        out["coverage"] = d.coverage;
+    }
+    return out;
+}
+
+/// What forestry wants to know, of one tree.
+Figures describe(const StemForm& form) {
+    Figures out;
+    out["foot_m"] = numbers(form.foot);
+    out["on_ground"] = form.on_ground;
+    out["height_m"] = form.height;
+    out["stems"] = form.stems;
+    if (form.breast.diameter > 0) {
+        out["dbh_m"] = form.breast.diameter;
+        if (form.breast.coverage > 0) {
+            out["dbh_deviation_m"] = form.breast.deviation;
+            out["dbh_residual_m"] = form.breast.residual;
+            out["dbh_coverage"] = form.breast.coverage;
+        }
+    }
+    Figure::List taper;
+    for (const StemDiameter& d : form.taper) taper.emplace_back(describe(d));
+    if (!taper.empty()) out["taper"] = taper;
+    return out;
+}
+
+/// For people: the taper as one line for each section.
+std::string forestry_text(const Figures& figures) {
+    Figures plain;
+    Figure::List taper;
+    for (const auto& [name, figure] : figures.entries()) {
+        if (name == "taper") {
+            taper = std::get<Figure::List>(figure.value);
+        } else {
+            plain[name] = figure;
+        }
+    }
+    std::string text = figures_text(plain);
+    if (!taper.empty()) text += "taper\n";
+    for (const Figure& section : taper) {
+        std::string line;
+        for (const auto& [name, figure] : std::get<Figures>(section.value).entries())
+            line += fmt::format("  {} {:<9.4g}", name, std::get<double>(figure.value));
+        text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    }
+    return text;
+}
+
+/// Adds the form of the stem to what is said of points, of each tree to what is said of a skeleton.
+std::string forestry(Figures figures, std::vector<StemForm> forms, bool json) {
+    if (forms.size() == 1) {
+        figures["forestry"] = describe(forms.front());
+    } else {
+        Figure::List list;
+        for (const StemForm& form : forms) list.emplace_back(describe(form));
+        figures["forestry"] = list;
+    }
+    if (json) return figures_json(figures);
+    Figures others;
+    for (const auto& [name, figure] : figures.entries())
+        if (name != "forestry") others[name] = figure;
+    std::string text = figures_text(others);
+    for (const StemForm& form : forms) text += "\nforestry\n" + forestry_text(describe(form));
+    return text;
+}
+
+/// With --forestry; of a mesh no stem can be told.
+ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
+    if (kind == FileKind::mesh) {
+        throw UsageError(
+            fmt::format("--forestry is for points and skeletons, and '{0}' is a mesh; make a skeleton of it "
+                        "with coppice extract {0} -o SKELETON",
+                        flags.file.string()));
+    }
+    std::string text;
+    if (kind == FileKind::skeleton) {
+        const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
+        text = forestry(describe(file), stem_forms(file.skeleton), flags.json);
+    } else {
+        const PointSet points = load_points(run, flags.file);
+        text = run.stage("measure", [&](const Context& ctx) {
+            const Figures figures = describe(points, ctx);
+            return forestry(figures, {stem_form(points, ctx)}, flags.json);
+        });
+    }
+    fmt::print("{}", text);
+    run.finish(flags.file.string() + " read");
+    return kDone;
+}
+
 ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.file.empty()) throw UsageError("name the file: coppice info FILE");
     Figures figures;
     const FileKind kind = kind_of_input(flags.file, flags.read.format);
+    if (flags.forestry) return info_of_stems(run, flags, kind);
     if (kind == FileKind::skeleton) {
         figures = describe(load_skeleton(run, flags.file, flags.read));
     } else if (kind == FileKind::points) {
@@ -111,6 +212,8 @@ Command info_command() {
     OptionList options;
     options.file("file", "FILE", flags->file, "skeleton, mesh or points");
     options.flag("--json", flags->json, "print JSON instead of a table");
+    options.flag("--forestry", flags->forestry,
+                 "also say the height of the tree, the diameter of its stem at 1.3 m, and how it tapers");
     options.fields(flags->read, "Reading a skeleton");
     return {"info", "Say what a file of a skeleton, a mesh or points holds", options,
             [flags](Run& run, const GivenOptions&) { return info(run, *flags); }};

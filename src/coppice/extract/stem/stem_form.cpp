@@ -1,0 +1,219 @@
+#include "coppice/extract/stem/stem_form.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/error.h"
+#include "coppice/base/median.h"
+#include "coppice/extract/plot/terrain.h"
+#include "coppice/extract/stem/stem_form_internal.h"
+#include "coppice/points/spacing.h"
+#include "coppice/skeleton/measure.h"
+
+namespace coppice {
+namespace {
+
+using namespace extract_internal;
+
+constexpr std::size_t kFewestPoints = 20;
+constexpr std::size_t kTogether = 5;  // points near each other in height are no strays
+constexpr double kLeastStep = 0.1, kMostStep = 0.5, kSteps = 40;  // [m] between sections, of the height
+constexpr double kLow = 1.1, kHigh = 1.5;                         // [m] of a skeleton, about breast height
+constexpr double kSecondStem = 0.4;                               // of the radius of the first one
+
+/// The lowest height with as many points close above it that they are no strays; `sign` -1 for the highest.
+double robust_end(std::vector<double> z, double sign, double reach) {
+    for (double& v : z) v *= sign;
+    std::ranges::sort(z);
+    for (std::size_t i = 0; i + kTogether <= z.size(); ++i) {
+        if (z[i + kTogether - 1] - z[i] <= reach) return sign * z[i];
+    }
+    return sign * z.front();
+}
+
+/// Trees below ten metres have stems that are shorter, too.
+double scale_of(const HeightOrder& points, double foot) {
+    return points.all().empty() ? 1 : std::clamp((highest_of(points) - foot) / 10, 0.3, 1.0);
+}
+
+StemDiameter diameter_of(const StemSection& s, Vec3d origin) {
+    return {s.height,          2 * s.radius(),    2 * s.circle.deviation,
+            s.circle.residual, s.circle.coverage, s.center + origin};
+}
+
+/// The lowest end of a stem in points without ground: of those about its axis.
+double foot_of(const HeightOrder& points, const StemTrack& track, double reach) {
+    std::vector<double> z;
+    for (const Vec3 p : points.all()) {
+        if (double{p.z} > track.middle().z) break;
+        const Vec3d at = track.at(p.z);
+        if (std::hypot(p.x - at.x, p.y - at.y) < 3 * track.radius + 0.05) z.push_back(p.z);
+    }
+    return z.empty() ? track.middle().z : robust_end(std::move(z), 1, reach);
+}
+
+/// The stem about a height by the sections within a metre of it; what was found first where there are few.
+StemTrack about(const StemTrack& track, std::span<const StemSection> sections, double height) {
+    constexpr double kNear = 1;  // [m]
+    StemTrack out;
+    std::vector<double> radii;
+    for (const StemSection& s : sections) {
+        if (std::abs(s.height - height) > kNear) continue;
+        out.sections.push_back(s);
+        radii.push_back(s.radius());
+    }
+    if (radii.size() < 4 || out.sections.front().height > height || out.sections.back().height < height)
+        return track;
+    out.radius = median_in_place(radii);
+    return out;
+}
+
+/// The axis of one tree that goes on with the thickest child, from the root.
+std::vector<NodeId> main_axis(const Skeleton& s, NodeId root) {
+    std::vector<NodeId> axis{root};
+    while (!s.is_tip(axis.back())) axis.push_back(s.leader(axis.back()));
+    return axis;
+}
+
+/// [m] Mean radius of an axis between two heights, by length; 0 where it does not reach there.
+double mean_radius(const Skeleton& s, const std::vector<NodeId>& axis, double low, double high) {
+    double sum = 0, total = 0;
+    for (std::size_t i = 1; i < axis.size(); ++i) {
+        const Segment segment = s.segment(axis[i]);
+        const double a = segment.a.z, b = segment.b.z, rise = b - a;
+        if (!(rise > 0) || b < low || a > high) continue;
+        const double t0 = std::max(low - a, 0.0) / rise, t1 = std::min(high - a, rise) / rise;
+        const double part = (t1 - t0) * distance(Vec3d(segment.a), Vec3d(segment.b));
+        sum += part * std::lerp(double{segment.radius_a}, double{segment.radius_b}, 0.5 * (t0 + t1));
+        total += part;
+    }
+    return total > 0 ? sum / total : 0;
+}
+
+StemForm form_of(const Skeleton& s, NodeId root) {
+    StemForm out;
+    out.foot = s.origin() + Vec3d(s.position(root));
+    const auto axis = main_axis(s, root);
+    const double z = s.position(root).z;
+    double radius = mean_radius(s, axis, z + kLow, z + kHigh);
+    if (!(radius > 0)) radius = mean_radius(s, axis, z + kBreastHeight, z + kBreastHeight);
+    for (const NodeId n : axis) {
+        out.taper.push_back({double{s.position(n).z} - z, 2 * double{s.radius(n)}, 0, 0, 0,
+                             s.origin() + Vec3d(s.position(n))});
+    }
+    if (radius > 0) {
+        out.breast = {kBreastHeight, 2 * radius, 0, 0, 0, out.foot + Vec3d{0, 0, kBreastHeight}};
+        for (std::size_t i = 1; i < out.taper.size(); ++i) {
+            const StemDiameter &a = out.taper[i - 1], &b = out.taper[i];
+            if (a.height > kBreastHeight || b.height < kBreastHeight) continue;
+            const double t = b.height > a.height ? (kBreastHeight - a.height) / (b.height - a.height) : 0;
+            out.breast.center = lerp(a.center, b.center, t);
+            break;
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+namespace extract_internal {
+
+double stem_noise(double spacing) { return std::clamp(0.25 * spacing, 0.005, 0.02); }
+
+StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const TraceOptions& trace,
+                      Vec3d origin) {
+    StemForm out;
+    const Vec3d foot = track.at(trace.foot);
+    out.foot = origin + foot;
+    out.height = trace.top - trace.foot;
+    const double step = std::clamp(out.height / kSteps, kLeastStep, kMostStep);
+    const std::vector<StemSection> sections = trace_stem(points, track, step, trace);
+    for (const StemSection& s : sections) out.taper.push_back(diameter_of(s, origin));
+    const DiameterAt breast =
+        diameter_at(points, about(track, sections, kBreastHeight), kBreastHeight, trace);
+    out.breast = {kBreastHeight,   breast.diameter, breast.deviation,
+                  breast.residual, breast.coverage, origin + breast.center};
+    return out;
+}
+
+double highest_of(const HeightOrder& points) {
+    std::vector<double> z;
+    for (const Vec3 p : points.all()) z.push_back(p.z);
+    const double reach = 0.02 * (z.back() - z.front()) + 0.05;
+    return robust_end(std::move(z), -1, reach);
+}
+
+}  // namespace extract_internal
+
+StemForm stem_form(const PointSet& set, const Context& ctx) {
+    if (set.size() < kFewestPoints) {
+        throw InvalidInput(fmt::format("forestry: the cloud has {} points, but a stem needs at least {}",
+                                       set.size(), kFewestPoints));
+    }
+    const double spacing = median_spacing(set, ctx);
+    Terrain terrain = find_terrain(set.positions, ctx);
+    ctx.throw_if_cancelled();
+    const HeightOrder order(set.positions);
+    const std::span<const Vec3> points = order.all();
+    const double reach = 0.02 * (double{points.back().z} - double{points.front().z}) + 0.05;
+    std::vector<double> z;
+    for (const Vec3 p : points) z.push_back(p.z);
+    const double lowest = robust_end(std::move(z), 1, reach);
+    const auto ground = [&](Vec3d p) { return terrain.is_ground ? terrain.height(p.x, p.y) : lowest; };
+    std::vector<float> height;
+    std::vector<Vec3> above;
+    for (const Vec3 p : points) {
+        const double h = double{p.z} - ground(Vec3d(p));
+        if (terrain.is_ground && h < terrain.clearance) continue;
+        above.push_back(p);
+        height.push_back(static_cast<float>(h));
+    }
+    const double noise = stem_noise(spacing);
+    const HeightOrder wood(above);
+    const auto stems = find_stems(
+        above, height,
+        {.least_radius = 0.008, .greatest_radius = 1.5, .noise = noise, .scale = scale_of(wood, lowest)},
+        ctx);
+    TraceOptions trace{
+        .foot = lowest, .top = above.empty() ? lowest : highest_of(wood), .noise = noise, .spacing = spacing};
+    StemForm out;
+    if (stems.empty()) {
+        out.foot = set.origin + Vec3d{0, 0, lowest};
+        out.height = trace.top - lowest;
+    } else {
+        StemTrack track = stems.front();
+        track.raise(ground(track.middle()));
+        trace.foot =
+            terrain.is_ground ? ground(track.at(ground(track.middle()))) : foot_of(wood, track, reach);
+        out = measure_stem(wood, track, trace, set.origin);
+    }
+    out.on_ground = terrain.is_ground;
+    for (const StemTrack& t : stems) out.stems += t.radius >= kSecondStem * stems.front().radius;
+    return out;
+}
+
+std::vector<StemForm> stem_forms(const Skeleton& skeleton) {
+    std::vector<StemForm> out;
+    std::vector<std::uint32_t> of_root(skeleton.size(), 0);
+    const std::vector<NodeId> roots = tree_roots(skeleton);
+    for (const NodeId n : nodes(skeleton)) {
+        if (!skeleton.is_root(n)) continue;
+        of_root[n.index()] = static_cast<std::uint32_t>(out.size());
+        out.push_back(form_of(skeleton, n));
+    }
+    for (const NodeId n : nodes(skeleton)) {
+        StemForm& form = out[of_root[roots[n.index()].index()]];
+        const double top = skeleton.origin().z + double{skeleton.position(n).z} + double{skeleton.radius(n)};
+        form.height = std::max(form.height, top - form.foot.z);
+        if (skeleton.is_root(n) || !(form.breast.diameter > 0)) continue;
+        const Segment s = skeleton.segment(n);
+        const double at = form.foot.z - skeleton.origin().z + kBreastHeight;
+        if (s.a.z <= at && s.b.z > at && double{s.radius_b} >= kSecondStem * 0.5 * form.breast.diameter)
+            ++form.stems;
+    }
+    return out;
+}
+
+}  // namespace coppice

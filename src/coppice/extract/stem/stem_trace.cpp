@@ -1,0 +1,178 @@
+#include "coppice/extract/stem/stem_trace_internal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "coppice/base/median.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr double kSlab = 0.12;        // [m] thickness of a section
+constexpr double kAbout = 0.45;       // [m] above and below a height, where its diameter is read
+constexpr double kAboutStep = 0.075;  // [m]
+constexpr double kHidden = 1.5;       // [m] without sections, after which a stem is lost
+constexpr double kThin = 0.004;       // [m] squares of which one point counts
+
+/// What is known of a stem where a section is to be cut.
+struct Guess {
+    Vec3d center, direction;
+    double radius;
+};
+
+/// A section about a guess; none where no circle is seen.
+std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, double thickness,
+                               const TraceOptions& options) {
+    const Vec3d d = guess.direction, u = perpendicular(d), v = cross(d, u);
+    const double wide = 2.2 * guess.radius + 4 * options.noise;
+    const double lean = std::hypot(d.x, d.y);
+    const double reach = 0.5 * thickness + wide * lean;
+    std::vector<PlanePoint> plane;
+    for (const Vec3 p : points.between(guess.center.z - reach, guess.center.z + reach)) {
+        const Vec3d off = Vec3d(p) - guess.center;
+        if (std::abs(off.x) > wide + reach || std::abs(off.y) > wide + reach) continue;
+        const double along = dot(off, d), x = dot(off, u), y = dot(off, v);
+        if (std::abs(along) <= 0.5 * thickness && x * x + y * y < wide * wide) plane.push_back({x, y, 1});
+    }
+    plane = thin_plane(plane, kThin);
+    const FoundCircle c = find_circle(plane, {.least_radius = 0.5 * guess.radius,
+                                              .greatest_radius = 1.5 * guess.radius,
+                                              .noise = options.noise,
+                                              .seed = 1,
+                                              .anywhere = false,
+                                              .reach = 0.6 * guess.radius + 0.02});
+    if (c.used == 0 || c.inside > 0.5 || c.residual > 0.2 * c.radius + options.noise) return {};
+    if (std::hypot(c.x, c.y) > 0.8 * guess.radius + 0.03) return {};
+    StemSection section{guess.center + u * c.x + v * c.y, 0, c};
+    section.height = section.center.z - options.foot;
+    section.circle.radius = outline_radius(plane, c, options.noise);
+    return section;
+}
+
+/// One radius that others agree on, and how it runs with height.
+struct Line {
+    double at = 0, slope = 0, deviation = 0;
+};
+
+/// A straight line through (t, value) by weights, in which what lies far off drops out.
+Line robust_line(std::span<const double> t, std::span<const double> value, std::span<const double> weight) {
+    Line line{median(value), 0, 0};
+    std::vector<double> off(value.size());
+    double scale = 0;
+    double s0 = 0, s1 = 0, s2 = 0, b0 = 0, b1 = 0, squares = 0, used = 0;
+    for (int pass = 0; pass < 8; ++pass) {
+        for (std::size_t i = 0; i < t.size(); ++i) off[i] = std::abs(value[i] - line.at - line.slope * t[i]);
+        scale = std::max(4.685 * 1.4826 * median(off), 0.01 * line.at);
+        s0 = s1 = s2 = b0 = b1 = squares = used = 0;
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            const double r = off[i] / scale;
+            if (r >= 1) continue;
+            const double w = weight[i] * (1 - r * r) * (1 - r * r);
+            s0 += w, s1 += w * t[i], s2 += w * t[i] * t[i];
+            b0 += w * value[i], b1 += w * value[i] * t[i];
+            squares += w * off[i] * off[i];
+            used += 1;
+        }
+        // A stem tapers by some centimetres per metre: a slope that few sections say is drawn to that.
+        const double kStiff = 0.01 * s0;
+        const double det = s0 * (s2 + kStiff) - s1 * s1;
+        if (!(det > 0)) break;
+        line.at = (b0 * (s2 + kStiff) - s1 * b1) / det;
+        line.slope = (s0 * b1 - s1 * b0) / det;
+        const double variance = squares / s0 * (used > 2 ? used / (used - 2) : 4);
+        line.deviation = std::sqrt(std::max(variance, 0.0) * (s2 + kStiff) / det * s0 / std::max(used, 1.0));
+    }
+    return line;
+}
+
+}  // namespace
+
+HeightOrder::HeightOrder(std::span<const Vec3> points) : points_(points.begin(), points.end()) {
+    std::ranges::sort(points_, [](Vec3 a, Vec3 b) {
+        return a.z != b.z ? a.z < b.z : a.x != b.x ? a.x < b.x : a.y < b.y;
+    });
+}
+
+std::span<const Vec3> HeightOrder::between(double low, double high) const {
+    const auto first = std::ranges::lower_bound(points_, low, {}, [](Vec3 p) { return double{p.z}; });
+    const auto last =
+        std::ranges::lower_bound(first, points_.end(), high, {}, [](Vec3 p) { return double{p.z}; });
+    return {first, last};
+}
+
+std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& track, double step,
+                                    const TraceOptions& options) {
+    std::vector<StemSection> sections;
+    const double start = std::clamp(track.middle().z, options.foot + 0.5 * step, options.top);
+    const double least = std::max(0.7 * options.spacing, 0.004);
+    // Down first, then up, each from breast height.
+    for (const double way : {-1.0, 1.0}) {
+        Guess guess{track.at(start), track.direction_at(start), track.radius};
+        std::vector<StemSection> found;
+        double hidden = 0;
+        for (double z = way < 0 ? start : start + step; z > options.foot && z < options.top;
+             z += way * step) {
+            guess.center = guess.center + guess.direction * ((z - guess.center.z) / guess.direction.z);
+            auto section = cut(points, guess, kSlab, options);
+            if (!section) section = cut(points, guess, 2.5 * kSlab, options);
+            if (section && way > 0 && section->radius() > 1.2 * guess.radius + options.noise) section.reset();
+            if (!section) {
+                hidden += step;
+                if (hidden > std::max(kHidden, 3 * step)) break;
+                continue;
+            }
+            hidden = 0;
+            if (way > 0 && section->radius() < least) break;
+            found.push_back(*section);
+            // The axis through the last few sections, as steep as a stem can be.
+            const std::size_t back = std::min<std::size_t>(found.size() - 1, 4);
+            Vec3d along = found.back().center - found[found.size() - 1 - back].center;
+            if (back >= 2) {
+                along = normalized(along * way);
+                if (along.z > 0.3) guess.direction = normalized(lerp(guess.direction, along, 0.6));
+            }
+            guess.center = section->center;
+            guess.radius = std::lerp(guess.radius, section->radius(), 0.6);
+        }
+        sections.insert(sections.end(), found.begin(), found.end());
+    }
+    std::ranges::sort(sections, {}, [](const StemSection& s) { return s.center.z; });
+    return sections;
+}
+
+DiameterAt diameter_at(const HeightOrder& points, const StemTrack& track, double height,
+                       const TraceOptions& options) {
+    DiameterAt out;
+    std::vector<double> t, radius, weight, residual, coverage, x, y;
+    double nearest = 1e9;
+    for (double off = -kAbout; off <= kAbout + 1e-9; off += kAboutStep) {
+        const double z = options.foot + height + off;
+        if (z <= options.foot || z >= options.top) continue;
+        const auto section = cut(points, {track.at(z), track.direction_at(z), track.radius}, kSlab, options);
+        if (!section) continue;
+        const double sure = std::max(section->circle.deviation, 0.005 * section->radius());
+        t.push_back(section->height - height);
+        radius.push_back(section->radius());
+        weight.push_back(1 / (sure * sure + 1e-8));
+        residual.push_back(section->circle.residual);
+        coverage.push_back(section->circle.coverage);
+        if (std::abs(off) < nearest) {
+            nearest = std::abs(off);
+            out.center = section->center;
+        }
+    }
+    out.sections = t.size();
+    if (t.empty()) return out;
+    const Line line = robust_line(t, radius, weight);
+    out.diameter = 2 * line.at;
+    out.residual = median_in_place(residual);
+    out.coverage = median_in_place(coverage);
+    // Of one section it is what its points leave open; bark and slices that overlap keep it above a percent.
+    double formal = 0;
+    for (const double w : weight) formal += w;
+    out.deviation = 2 * std::hypot(line.deviation, std::sqrt(1 / formal));
+    return out;
+}
+
+}  // namespace coppice::extract_internal

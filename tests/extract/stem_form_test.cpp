@@ -1,0 +1,138 @@
+#include "coppice/extract/stem/stem_form.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coppice/base/error.h"
+#include "extract/cloud_support.h"
+
+namespace coppice {
+namespace {
+
+/// A stem of 8 m that leans by 0.1 and tapers from 0.15 to 0.05 m, with a lateral every metre.
+PointSet leaning_stem(double noise = 0.004, bool half = false) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0.8, 0, 8}, 0.15, 0.05, 20000, noise, half, 1);
+    for (int i = 0; i < 8; ++i) {
+        const double z = i + 0.6, turn = 2.4 * i;
+        const Vec3d from{0.1 * z, 0, z};
+        strew_cone(set, from, from + Vec3d{std::cos(turn), std::sin(turn), 0.4}, 0.02, 0.01, 300, 0.002,
+                   false, static_cast<std::uint64_t>(i) + 2);
+    }
+    return set;
+}
+
+void add_ground(PointSet& set, double slope, double wide = 4) {
+    const CounterRandom random(9, 9);
+    for (std::uint64_t i = 0; i < 20000; ++i) {
+        const double x = random.uniform(3 * i, -wide, wide), y = random.uniform(3 * i + 1, -wide, wide);
+        set.positions.push_back(Vec3(Vec3d{x, y, slope * x + 0.01 * random.uniform(3 * i + 2)}));
+    }
+}
+
+// At 1.3 m above the foot the stem has a radius of 0.15 - 0.1 * 1.3 / 8 = 0.13375 m.
+constexpr double kBreast = 0.2675;
+
+TEST(StemForm, ReadsDiameterAndHeightOfALeaningStem) {
+    const StemForm form = stem_form(leaning_stem());
+    EXPECT_FALSE(form.on_ground);
+    EXPECT_EQ(form.stems, 1u);
+    EXPECT_NEAR(form.height, 8, 0.05);
+    EXPECT_NEAR(form.breast.diameter, kBreast, 0.01 * kBreast);
+    EXPECT_LT(form.breast.deviation, 0.01 * kBreast);
+    EXPECT_GT(form.breast.coverage, 0.9);
+    EXPECT_NEAR(form.foot.x, 0, 0.02);
+    EXPECT_NEAR(form.foot.z, 0, 0.02);
+}
+
+TEST(StemForm, FollowsTheTaperToTheTop) {
+    const StemForm form = stem_form(leaning_stem());
+    ASSERT_GT(form.taper.size(), 25u);
+    EXPECT_LT(form.taper.front().height, 0.5);
+    EXPECT_GT(form.taper.back().height, 7);
+    for (const StemDiameter& d : form.taper) {
+        const double z = d.center.z, expected = 2 * (0.15 - 0.1 * z / 8);
+        if (z < 0.2 || z > 7.8) continue;
+        EXPECT_NEAR(d.diameter, expected, 0.03 * expected) << z;
+    }
+}
+
+TEST(StemForm, HalfAStemIsEnough) {
+    const StemForm form = stem_form(leaning_stem(0.004, true));
+    EXPECT_NEAR(form.breast.diameter, kBreast, 0.03 * kBreast);
+    EXPECT_LT(form.breast.coverage, 0.6);
+}
+
+TEST(StemForm, MeasuresAboveTheGroundOnASlope) {
+    PointSet set = leaning_stem();
+    add_ground(set, 0.3);
+    const StemForm form = stem_form(set);
+    EXPECT_TRUE(form.on_ground);
+    EXPECT_NEAR(form.foot.z, 0, 0.05);
+    EXPECT_NEAR(form.height, 8, 0.1);
+    EXPECT_NEAR(form.breast.diameter, kBreast, 0.01 * kBreast);
+}
+
+TEST(StemForm, KeepsToTheFrameOfTheFile) {
+    PointSet set = leaning_stem();
+    const StemForm at_home = stem_form(set);
+    set.origin = {500'000, 5'200'000, 300};
+    const StemForm far = stem_form(set);
+    EXPECT_EQ(far.breast.diameter, at_home.breast.diameter);
+    EXPECT_NEAR(far.foot.x - at_home.foot.x, 500'000, 1e-6);
+    EXPECT_NEAR(far.foot.z - at_home.foot.z, 300, 1e-6);
+}
+
+TEST(StemForm, StraysDoNoHarm) {
+    PointSet set = leaning_stem();
+    set.positions.push_back({20, 3, -5});
+    set.positions.push_back({-12, 3, 30});
+    const StemForm form = stem_form(set);
+    EXPECT_NEAR(form.height, 8, 0.05);
+    EXPECT_NEAR(form.breast.diameter, kBreast, 0.01 * kBreast);
+}
+
+TEST(StemForm, SaysNothingOfWhatIsNoStem) {
+    PointSet ball;
+    const CounterRandom random(3, 3);
+    for (std::uint64_t i = 0; ball.size() < 4000; ++i) {
+        const Vec3 p(static_cast<float>(random.uniform(3 * i, -1, 1)),
+                     static_cast<float>(random.uniform(3 * i + 1, -1, 1)),
+                     static_cast<float>(random.uniform(3 * i + 2, -1, 1)));
+        if (length(p) < 1) ball.positions.push_back(p * 2.0f);
+    }
+    const StemForm form = stem_form(ball);
+    EXPECT_EQ(form.stems, 0u);
+    EXPECT_EQ(form.breast.diameter, 0);
+    EXPECT_THROW(stem_form(PointSet{{{0, 0, 0}, {0, 0, 1}}, {}}), InvalidInput);
+}
+
+TEST(StemForm, SameBitsForAnyNumberOfThreads) {
+    const PointSet set = leaning_stem();
+    const StemForm one = stem_form(set, {.threads = 1, .stop = {}, .progress = {}});
+    for (const unsigned threads : {2u, 7u}) {
+        const StemForm many = stem_form(set, {.threads = threads, .stop = {}, .progress = {}});
+        EXPECT_EQ(many.breast.diameter, one.breast.diameter);
+        EXPECT_EQ(many.taper.size(), one.taper.size());
+    }
+}
+
+TEST(StemForm, OfASkeletonIsWhatItsNodesSay) {
+    // The stem has 0.2 - 0.05 z at height z: 0.135 m at breast height, of which 1.1 to 1.5 m is the mean.
+    const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1), NodeId()},
+                     {{0, 0, 10}, {0, 0, 12}, {0, 0, 13}, {1, 0, 12.5}, {5, 5, 0}},
+                     {0.2f, 0.1f, 0.05f, 0.04f, 0.1f}, {100, 200, 300});
+    const auto forms = stem_forms(s);
+    ASSERT_EQ(forms.size(), 2u);
+    EXPECT_NEAR(forms[0].breast.diameter, 0.27, 1e-6);
+    EXPECT_NEAR(forms[0].height, 3.05, 1e-5);
+    EXPECT_EQ(forms[0].stems, 1u);
+    EXPECT_EQ(forms[0].taper.size(), 3u);
+    EXPECT_NEAR(forms[0].foot.z, 310, 1e-5);
+    EXPECT_NEAR(forms[0].breast.center.z, 311.3, 1e-5);
+    EXPECT_EQ(forms[1].breast.diameter, 0);  // it ends below breast height
+}
+
+}  // namespace
+}  // namespace coppice
