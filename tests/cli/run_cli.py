@@ -116,6 +116,8 @@ def make_inputs():
     las[104], las[105], las[107] = 0x80, 20, 1  # compressed points of 20 bytes, of which there is one
     las[131:155] = struct.pack("<3d", 0.01, 0.01, 0.01)
     write("cut.laz", bytes(las))
+    with open(os.path.join(os.path.dirname(__file__), "../io/laz/format7.laz"), "rb") as scan:
+        write("scan.laz", scan.read())
     write("cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty float x\nproperty float y\n"
           "property float z\nelement face 50\nproperty list uchar int vertex_indices\nend_header\n1234")
     write("cut.glb", b"glTF\x02\x00\x00\x00\xff\xff\x00\x00")

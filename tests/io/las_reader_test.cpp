@@ -97,7 +97,7 @@ TEST(LasReader, RefusesWhatItCannotRead) {
     put(bytes, 131, std::nan(""));
     EXPECT_EQ(error_of(bytes), "p.las: its LAS header has scales or offsets that are zero or not finite");
     put(bytes, 131, 1e300);
-    EXPECT_EQ(error_of(bytes), "p.las: point 0 is not finite or beyond 1e30");
+    EXPECT_EQ(error_of(bytes), "p.las: the coordinates of its points are not finite or beyond 1e30");
     bytes = las_file({2, 3, 34});
     put<std::uint32_t>(bytes, 107, 0);
     EXPECT_EQ(error_of(bytes), "p.las: it holds no points");

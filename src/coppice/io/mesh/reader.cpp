@@ -32,6 +32,10 @@ Vec3d choose_origin(std::span<const Vec3d> vertices) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
+    return choose_origin(low, high);
+}
+
+Vec3d choose_origin(Vec3d low, Vec3d high) {
     const double size = length(high - low);
     const double reach = std::max(length(low), length(high));
     if (size == 0 || reach < 8 * size) return {};

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file_progress.h"
-#include "coppice/io/points/las_header_internal.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
+#include "coppice/io/mesh/read_internal.h"
+#include "coppice/io/points/las_internal.h"
 #include "coppice/io/points/read_internal.h"
 
 namespace coppice::io_internal {
@@ -14,6 +17,7 @@ namespace {
 
 // Bytes of a record of each format, at least.
 constexpr std::array<std::uint16_t, 11> kRecordBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr std::uint64_t kPart = 65536;      // records that are read in one go
 constexpr std::uint8_t kCompressed = 0xc0;  // LASzip sets bit 7, older ones bit 6
 
 LasHeader parse_header(std::string_view bytes, const std::string& source) {
@@ -55,13 +59,14 @@ LasHeader parse_header(std::string_view bytes, const std::string& source) {
     return h;
 }
 
-/// Marked by whoever made the file as not to be used.
-bool withheld(std::string_view record, bool recent) {
-    return (static_cast<std::uint8_t>(record[15]) & (recent ? 0x04 : 0x80)) != 0;
+LasPoint parse_record(std::string_view record, bool recent) {
+    return {{number_at<std::int32_t>(record, 0), number_at<std::int32_t>(record, 4),
+             number_at<std::int32_t>(record, 8)},
+            (static_cast<std::uint8_t>(record[15]) & (recent ? 0x04 : 0x80)) != 0};
 }
 
-std::vector<Vec3d> read_plain(std::string_view bytes, const LasHeader& h, const std::string& source,
-                              const Context& ctx) {
+std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, LasColumns& columns,
+                                const std::string& source, const Context& ctx) {
     if (h.data < kOldLasHeader || h.data > bytes.size() || h.count > (bytes.size() - h.data) / h.record) {
         const std::uint64_t held =
             h.data < bytes.size() ? (bytes.size() - h.data) / h.record : std::uint64_t{0};
@@ -69,18 +74,73 @@ std::vector<Vec3d> read_plain(std::string_view bytes, const LasHeader& h, const 
                     fmt::format("the file is cut off or damaged: its header names {} points, but it holds {}",
                                 h.count, held));
     }
-    std::vector<Vec3d> points;
-    points.reserve(h.count);
-    FileProgress progress(ctx, h.count);
-    for (std::uint64_t i = 0; i < h.count; ++i) {
-        progress.at(i);
-        const std::string_view record = bytes.substr(h.data + i * h.record, h.record);
-        if (withheld(record, h.recent())) continue;
-        const Vec3d raw(number_at<std::int32_t>(record, 0), number_at<std::int32_t>(record, 4),
-                        number_at<std::int32_t>(record, 8));
-        add_las_point(points, h, raw, source, i);
-    }
-    return points;
+    columns.places.resize(h.count);
+    std::vector<LasPart> parts((h.count + kPart - 1) / kPart);
+    parallel_with_progress(ctx, h.count, kPart, [&](IndexRange range) {
+        LasPart part{&columns, range.begin};
+        for (std::uint64_t i = range.begin; i < range.end; ++i)
+            part.put(parse_record(bytes.substr(h.data + i * h.record, h.record), h.recent()));
+        parts[range.begin / kPart] = part;
+    });
+    return parts;
+}
+
+using Place = std::array<std::int32_t, 3>;
+
+Vec3d world(const Place& p, const LasHeader& h) {
+    return {p[0] * h.scale.x + h.offset.x, p[1] * h.scale.y + h.offset.y, p[2] * h.scale.z + h.offset.z};
+}
+
+/// Two opposite corners of the box of the points, in the file's frame.
+std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
+                             const Context& ctx) {
+    struct Range {
+        Place low, high;
+        void extend(const Place& a, const Place& b) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], a[axis]);
+                high[axis] = std::max(high[axis], b[axis]);
+            }
+        }
+    };
+    constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
+    constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+    const Range nothing{{kMost, kMost, kMost}, {kLeast, kLeast, kLeast}};
+    const Range range = parallel_reduce(
+        ctx, parts.size(), 1, nothing,
+        [&](IndexRange r) {
+            Range of_part = nothing;
+            const LasPart& part = parts[r.begin];
+            for (std::uint64_t i = part.first; i < part.first + part.kept; ++i)
+                of_part.extend(columns.places[i], columns.places[i]);
+            return of_part;
+        },
+        [](Range a, const Range& b) {
+            a.extend(b.low, b.high);
+            return a;
+        });
+    return {world(range.low, h), world(range.high, h)};
+}
+
+PointSet to_point_set(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
+                      const std::string& source, const Context& ctx) {
+    std::vector<std::uint64_t> begin;
+    begin.reserve(parts.size());
+    for (const LasPart& part : parts) begin.push_back(part.kept);
+    const std::uint64_t count = exclusive_scan(std::span(begin));
+    if (count == 0) throw InvalidInput(fmt::format("{}: it holds no points", source));
+    const auto [a, b] = corners(columns, parts, h, ctx);
+    if (!fits_points(a) || !fits_points(b))
+        las_trouble(source, "the coordinates of its points are not finite or beyond 1e30");
+    PointSet set;
+    set.origin = choose_origin(a, b);
+    set.positions.resize(count);
+    parallel_for(ctx, parts.size(), 1, [&](std::size_t k) {
+        const LasPart& part = parts[k];
+        for (std::uint64_t i = 0; i < part.kept; ++i)
+            set.positions[begin[k] + i] = Vec3(world(columns.places[part.first + i], h) - set.origin);
+    });
+    return set;
 }
 
 }  // namespace
@@ -91,19 +151,12 @@ void las_trouble(const std::string& source, const std::string& what) {
     throw InvalidInput(fmt::format("{}: {}", source, what));
 }
 
-void add_las_point(std::vector<Vec3d>& points, const LasHeader& h, Vec3d raw, const std::string& source,
-                   std::uint64_t i) {
-    const Vec3d p{raw.x * h.scale.x + h.offset.x, raw.y * h.scale.y + h.offset.y,
-                  raw.z * h.scale.z + h.offset.z};
-    if (!fits_points(p)) las_trouble(source, fmt::format("point {} is not finite or beyond 1e30", i));
-    points.push_back(p);
-}
-
 PointSet parse_las(std::string_view bytes, const std::string& source, const Context& ctx) {
     const LasHeader header = parse_header(bytes, source);
-    return to_point_set(
-        header.compressed ? read_laz(bytes, header, source, ctx) : read_plain(bytes, header, source, ctx),
-        source);
+    LasColumns columns;
+    const std::vector<LasPart> parts = header.compressed ? read_laz(bytes, header, columns, source, ctx)
+                                                         : read_plain(bytes, header, columns, source, ctx);
+    return to_point_set(columns, parts, header, source, ctx);
 }
 
 }  // namespace coppice::io_internal

@@ -18,8 +18,7 @@ PointSet to_point_set(const std::vector<Vec3d>& points, const std::string& sourc
 bool is_las(std::string_view bytes);  ///< starts with the signature "LASF"; LAZ does too
 bool is_pcd(std::string_view bytes);  ///< starts with the comment or the version line of PCD
 
-/// LAS 1.0 to 1.4, all point formats from 0 to 10; points marked as withheld are passed over. LAZ where the
-/// build found a LASzip library, else `Unsupported`.
+/// LAS 1.0 to 1.4, all point formats from 0 to 10; points marked as withheld are passed over. LAZ too.
 PointSet parse_las(std::string_view bytes, const std::string& source, const Context& ctx);
 
 /// PCD 0.5 to 0.7, data ascii, binary and binary_compressed; points without numbers (NaN) are passed over.

@@ -28,8 +28,8 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
 /// they are the first three numbers. Other columns are passed over, as are empty lines and what stands behind
 /// `#` or `//`.
 /// PLY: x, y and z of the element `vertex`; everything else is passed over.
-/// LAS: 1.0 to 1.4, point formats 0 to 10; what is marked as withheld is passed over. LAZ needs a build with
-/// LASzip.
+/// LAS: 1.0 to 1.4, point formats 0 to 10; what is marked as withheld is passed over. LAZ: all that
+/// [LAZ] knows, chunks unpacked in parallel.
 /// PCD: x, y and z, in ascii, binary or binary_compressed; points that are not a number are passed over.
 /// OFF: the vertices of a text without faces.
 ///
@@ -38,8 +38,8 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
 ///
 /// Throws, each with one sentence that names the file and the line or point: `IoError` (see `read_file`),
 /// `InvalidInput` for damaged files, files without points, names of columns that lack x, y or z, and
-/// coordinates that are not finite or beyond 1e30, `Unsupported` for LAS of a kind that is not known, and for
-/// LAZ without LASzip; `Cancelled`.
+/// coordinates that are not finite or beyond 1e30, `Unsupported` for LAS of a kind that is not known;
+/// `Cancelled`.
 /// Linear; memory is bounded by a small multiple of the file.
 PointSet read_points(const std::filesystem::path& path, const Context& ctx = {});
 

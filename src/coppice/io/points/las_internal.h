@@ -1,13 +1,17 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
+#include "coppice/points/point_set.h"
 
 namespace coppice::io_internal {
 
@@ -42,16 +46,32 @@ struct LasHeader {
     bool recent() const { return format >= 6; }  ///< records as LAS 1.4 has them
 };
 
+/// What is used of a record.
+struct LasPoint {
+    std::array<std::int32_t, 3> place{};  ///< in steps of the header's scale
+    bool withheld = false;                ///< marked by whoever made the file as not to be used
+};
+
+/// Points of a file in the making, in their order.
+struct LasColumns {
+    Buffer<std::array<std::int32_t, 3>> places;
+};
+
+/// A run of records that is read by itself: it fills the columns from its first record on, without gaps.
+struct LasPart {
+    LasColumns* columns = nullptr;
+    std::uint64_t first = 0, kept = 0;
+
+    void put(const LasPoint& p) {
+        if (!p.withheld) columns->places[first + kept++] = p.place;
+    }
+};
+
 /// Throws `InvalidInput` of `source`.
 [[noreturn]] void las_trouble(const std::string& source, const std::string& what);
 
-/// Adds the point whose integers are `raw`, which must be the `i`-th; throws `InvalidInput` when it is beyond
-/// 1e30.
-void add_las_point(std::vector<Vec3d>& points, const LasHeader& h, Vec3d raw, const std::string& source,
-                   std::uint64_t i);
-
-/// The points of a LAZ file; `Unsupported` where the build found no LASzip library.
-std::vector<Vec3d> read_laz(std::string_view bytes, const LasHeader& h, const std::string& source,
-                            const Context& ctx);
+/// The points of a LAZ file, whose columns have room for all.
+std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, LasColumns& columns,
+                              const std::string& source, const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -1,0 +1,384 @@
+// Formats 0 to 5: every record is packed by its difference from the one before, in versions 1 and 2 of [LAZ]
+// [Isenburg2013].
+
+#include <array>
+#include <memory>
+
+#include "coppice/base/progress.h"
+#include "coppice/io/points/laz/chunk_internal.h"
+#include "coppice/io/points/laz/integers_internal.h"
+#include "coppice/io/points/laz/prediction_internal.h"
+
+namespace coppice::io_internal {
+namespace {
+
+/// The part that every record of these formats begins with.
+struct Point10 {
+    std::int32_t x = 0, y = 0, z = 0;
+    std::uint16_t intensity = 0;
+    std::uint8_t returns = 0, classification = 0, angle = 0, user = 0;
+    std::uint16_t source = 0;
+
+    explicit Point10(std::string_view bytes)
+        : x(number_at<std::int32_t>(bytes, 0)),
+          y(number_at<std::int32_t>(bytes, 4)),
+          z(number_at<std::int32_t>(bytes, 8)),
+          intensity(number_at<std::uint16_t>(bytes, 12)),
+          returns(number_at<std::uint8_t>(bytes, 14)),
+          classification(number_at<std::uint8_t>(bytes, 15)),
+          angle(number_at<std::uint8_t>(bytes, 16)),
+          user(number_at<std::uint8_t>(bytes, 17)),
+          source(number_at<std::uint16_t>(bytes, 18)) {}
+
+    LasPoint point() const { return {{x, y, z}, (classification & 0x80) != 0}; }
+    void move(std::int32_t dx, std::int32_t dy) {
+        x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(dx));
+        y = static_cast<std::int32_t>(static_cast<std::uint32_t>(y) + static_cast<std::uint32_t>(dy));
+    }
+};
+
+std::int32_t median_of(const std::array<std::int32_t, 3>& v) {
+    return std::max(std::min(v[0], v[1]), std::min(std::max(v[0], v[1]), v[2]));
+}
+
+/// What versions 1 and 2 share: the byte that says what changed, and the models for bytes by what they were.
+struct Point10Models {
+    SymbolModel changes{64};
+    SymbolModels returns{256, 256}, classes{256, 256}, users{256, 256};
+    IntegerDecoder sources{16};
+};
+
+void read_byte(ArithmeticDecoder& in, std::uint8_t& byte, SymbolModels& by_last) {
+    byte = static_cast<std::uint8_t>(in.symbol(by_last[byte]));
+}
+
+class Point10Version1 {
+  public:
+    void next(ArithmeticDecoder& in, Point10& p) {
+        constexpr unsigned kMost = 19;
+        const std::int32_t dx = dx_.read(in, median_of(last_dx_));
+        const unsigned x_bits = dx_.length();
+        const std::int32_t dy = dy_.read(in, median_of(last_dy_), std::min(x_bits, kMost));
+        const unsigned bits = (x_bits + dy_.length()) / 2;
+        p.move(dx, dy);
+        p.z = z_.read(in, p.z, std::min(bits, kMost));
+        const unsigned changes = in.symbol(models_.changes);
+        if (changes & 32) p.intensity = static_cast<std::uint16_t>(intensities_.read(in, p.intensity, 0u));
+        if (changes & 16) read_byte(in, p.returns, models_.returns);
+        if (changes & 8) read_byte(in, p.classification, models_.classes);
+        if (changes & 4) p.angle = static_cast<std::uint8_t>(angles_.read(in, p.angle, bits < 3 ? 1u : 0u));
+        if (changes & 2) read_byte(in, p.user, models_.users);
+        if (changes & 1) p.source = static_cast<std::uint16_t>(models_.sources.read(in, p.source, 0u));
+        last_dx_[turn_] = dx;
+        last_dy_[turn_] = dy;
+        turn_ = (turn_ + 1) % 3;
+    }
+
+  private:
+    Point10Models models_;
+    IntegerDecoder dx_{32}, dy_{32, 20}, z_{32, 20}, intensities_{16}, angles_{8, 2};
+    std::array<std::int32_t, 3> last_dx_{}, last_dy_{};
+    std::size_t turn_ = 0;
+};
+
+// By the number of returns of a pulse and which of them it is: of which points a point is taken for a
+// successor. Sound pairs have numbers of their own, others share them.
+constexpr std::uint8_t kReturnKind[8][8] = {{15, 14, 13, 12, 11, 10, 9, 8},  {14, 0, 1, 3, 6, 10, 10, 9},
+                                            {13, 1, 2, 4, 7, 11, 11, 10},    {12, 3, 4, 5, 8, 12, 12, 11},
+                                            {11, 6, 7, 8, 9, 13, 13, 12},    {10, 10, 11, 12, 13, 14, 14, 13},
+                                            {9, 10, 11, 12, 13, 14, 15, 14}, {8, 9, 10, 11, 12, 13, 14, 15}};
+
+class Point10Version2 {
+  public:
+    void next(ArithmeticDecoder& in, Point10& p) {
+        const unsigned changes = in.symbol(models_.changes);
+        if (changes & 32) read_byte(in, p.returns, models_.returns);
+        const unsigned number = p.returns & 7u, count = p.returns >> 3 & 7u;
+        const unsigned kind = kReturnKind[count][number];
+        const unsigned level = number > count ? number - count : count - number;
+        if (changes & 16) {
+            last_intensity_[kind] = static_cast<std::uint16_t>(
+                intensities_.read(in, std::uint32_t{last_intensity_[kind]}, std::min(kind, 3u)));
+        }
+        p.intensity = last_intensity_[kind];
+        if (changes & 8) read_byte(in, p.classification, models_.classes);
+        if (changes & 4) {
+            const unsigned backward = p.returns >> 6 & 1u;
+            p.angle = static_cast<std::uint8_t>(p.angle + in.symbol(angles_[backward]));
+        }
+        if (changes & 2) read_byte(in, p.user, models_.users);
+        if (changes & 1)
+            p.source = static_cast<std::uint16_t>(models_.sources.read(in, std::uint32_t{p.source}));
+        read_place(in, p, kind, level, count == 1);
+    }
+
+  private:
+    void read_place(ArithmeticDecoder& in, Point10& p, unsigned kind, unsigned level, bool single) {
+        const std::int32_t dx = dx_.read(in, median_dx_[kind].get(), single ? 1u : 0u);
+        median_dx_[kind].add(dx);
+        const std::int32_t dy =
+            dy_.read(in, median_dy_[kind].get(), coordinate_context(dx_.length(), 20, single));
+        median_dy_[kind].add(dy);
+        p.move(dx, dy);
+        const unsigned bits = (dx_.length() + dy_.length()) / 2;
+        p.z = z_.read(in, last_z_[level], coordinate_context(bits, 18, single));
+        last_z_[level] = p.z;
+    }
+
+    Point10Models models_;
+    IntegerDecoder dx_{32, 2}, dy_{32, 22}, z_{32, 20}, intensities_{16, 4};
+    SymbolModels angles_{2, 256};
+    std::array<RunningMedian, 16> median_dx_, median_dy_;
+    std::array<std::uint16_t, 16> last_intensity_{};
+    std::array<std::int32_t, 8> last_z_{};
+};
+
+/// A part of a record that nothing is taken from: it is read as the next part follows it.
+class PassedItem {
+  public:
+    virtual ~PassedItem() = default;
+    virtual void next(ArithmeticDecoder& in) = 0;
+};
+
+/// Times, as differences or as multiples of the last difference. The times themselves are not kept, but what
+/// is read next depends on whether the last difference was zero.
+class GpsTimeVersion1 : public PassedItem {
+  public:
+    void next(ArithmeticDecoder& in) override {
+        if (last_ == 0) {
+            const unsigned code = in.symbol(from_zero_);
+            if (code == 1) last_ = differences_.read(in, 0, 0);
+            if (code == 2) read_whole(in);
+            return;
+        }
+        const unsigned multiple = in.symbol(multiples_);
+        if (multiple == kUnchanged) return;
+        if (multiple == kWhole) return read_whole(in);
+        if (multiple == 1) {
+            last_ = differences_.read(in, last_, 1);
+            extremes_ = 0;
+        } else if (multiple == 0) {
+            take_extreme(differences_.read(in, last_ / 4, 2));
+        } else {
+            const std::int32_t difference = differences_.read(in, times(multiple),
+                                                              multiple < 10   ? 3u
+                                                              : multiple < 50 ? 4u
+                                                                              : 5u);
+            if (multiple == kMost) take_extreme(difference);
+        }
+    }
+
+  private:
+    static constexpr unsigned kMost = 509, kWhole = 510, kUnchanged = 511;
+
+    static void read_whole(ArithmeticDecoder& in) {
+        for (int i = 0; i < 4; ++i) in.bits(16);
+    }
+    std::int32_t times(unsigned multiple) const {
+        return static_cast<std::int32_t>(multiple * static_cast<std::uint32_t>(last_));
+    }
+    /// The fourth difference beyond what multiples reach becomes the last one.
+    void take_extreme(std::int32_t difference) {
+        if (++extremes_ <= 3) return;
+        last_ = difference;
+        extremes_ = 0;
+    }
+
+    SymbolModel multiples_{512}, from_zero_{3};
+    IntegerDecoder differences_{32, 6};
+    std::int32_t last_ = 0;
+    int extremes_ = 0;
+};
+
+/// The same with four times in turn, as pulses of several scanners mix.
+class GpsTimeVersion2 : public PassedItem {
+  public:
+    void next(ArithmeticDecoder& in) override {
+        // A writer changes to another time at most once, and then it is that time's difference.
+        for (int turn = 0; turn < 4; ++turn) {
+            const unsigned next = times_[at_].last == 0 ? read_from_zero(in) : read_multiple(in);
+            if (next == 0) return;
+            at_ = (at_ + next) & 3;
+        }
+    }
+
+  private:
+    static constexpr unsigned kMost = 500, kLeast = 510, kWhole = 512;  // 511: unchanged
+    struct Time {
+        std::int32_t last = 0;
+        int extremes = 0;
+    };
+
+    /// How many times farther to go on, or 0 when one was read.
+    unsigned read_from_zero(ArithmeticDecoder& in) {
+        const unsigned code = in.symbol(from_zero_);
+        if (code > 2) return code - 2;
+        if (code == 1) times_[at_] = {differences_.read(in, 0, 0), 0};
+        if (code == 2) read_whole(in);
+        return 0;
+    }
+    unsigned read_multiple(ArithmeticDecoder& in) {
+        Time& time = times_[at_];
+        const unsigned code = in.symbol(multiples_);
+        if (code > kWhole) return code - kWhole;
+        if (code == kWhole) {
+            read_whole(in);
+        } else if (code == 1) {
+            differences_.read(in, time.last, 1);
+            time.extremes = 0;
+        } else if (code == 0) {
+            take_extreme(time, differences_.read(in, 0, 7));
+        } else if (code == kMost) {
+            take_extreme(time, differences_.read(in, times(500, time), 4));
+        } else if (code == kLeast) {
+            take_extreme(time, differences_.read(in, times(-10, time), 6));
+        } else if (code < kMost) {
+            differences_.read(in, times(static_cast<int>(code), time), code < 10 ? 2u : 3u);
+        } else if (code < kLeast) {
+            differences_.read(in, times(static_cast<int>(kMost) - static_cast<int>(code), time), 5);
+        }
+        return 0;
+    }
+    void read_whole(ArithmeticDecoder& in) {
+        differences_.read(in, 0, 8);
+        in.bits(16);
+        in.bits(16);
+        newest_ = (newest_ + 1) & 3;
+        at_ = newest_;
+        times_[at_] = {};
+    }
+    static std::int32_t times(int multiple, const Time& time) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(multiple) *
+                                         static_cast<std::uint32_t>(time.last));
+    }
+    static void take_extreme(Time& time, std::int32_t difference) {
+        if (++time.extremes > 3) time = {difference, 0};
+    }
+
+    SymbolModel multiples_{516}, from_zero_{6};
+    IntegerDecoder differences_{32, 9};
+    std::array<Time, 4> times_;
+    std::size_t at_ = 0, newest_ = 0;
+};
+
+class ColorVersion1 : public PassedItem {
+  public:
+    void next(ArithmeticDecoder& in) override {
+        const unsigned changes = in.symbol(changes_);
+        for (unsigned i = 0; i < 6; ++i) {
+            if (changes >> i & 1u) bytes_.read(in, 0, i);
+        }
+    }
+
+  private:
+    SymbolModel changes_{64};
+    IntegerDecoder bytes_{8, 6};
+};
+
+class ColorVersion2 : public PassedItem {
+  public:
+    void next(ArithmeticDecoder& in) override {
+        const unsigned changes = in.symbol(changes_);
+        const bool grey = (changes & 64u) == 0;
+        for (const unsigned i : {0u, 1u, 2u, 4u, 3u, 5u}) {
+            if ((changes >> i & 1u) != 0 && (i < 2 || !grey)) in.symbol(differences_[i]);
+        }
+    }
+
+  private:
+    SymbolModel changes_{128};
+    SymbolModels differences_{6, 256};
+};
+
+class WavePacket : public PassedItem {
+  public:
+    void next(ArithmeticDecoder& in) override {
+        in.symbol(indices_);
+        last_offset_ = in.symbol(offsets_[last_offset_]);
+        if (last_offset_ == 2) offset_differences_.read(in, 0);
+        if (last_offset_ == 3) {
+            for (int i = 0; i < 4; ++i) in.bits(16);
+        }
+        sizes_.read(in, 0);
+        return_points_.read(in, 0);
+        for (unsigned axis = 0; axis < 3; ++axis) directions_.read(in, 0, axis);
+    }
+
+  private:
+    SymbolModel indices_{256};
+    SymbolModels offsets_{4, 4};
+    IntegerDecoder offset_differences_{32}, sizes_{32}, return_points_{32}, directions_{32, 3};
+    unsigned last_offset_ = 0;
+};
+
+class BytesVersion1 : public PassedItem {
+  public:
+    explicit BytesVersion1(unsigned count) : bytes_(8, count), count_(count) {}
+    void next(ArithmeticDecoder& in) override {
+        for (unsigned i = 0; i < count_; ++i) bytes_.read(in, 0, i);
+    }
+
+  private:
+    IntegerDecoder bytes_;
+    unsigned count_;
+};
+
+class BytesVersion2 : public PassedItem {
+  public:
+    explicit BytesVersion2(unsigned count) : bytes_(count, 256), count_(count) {}
+    void next(ArithmeticDecoder& in) override {
+        for (unsigned i = 0; i < count_; ++i) in.symbol(bytes_[i]);
+    }
+
+  private:
+    SymbolModels bytes_;
+    unsigned count_;
+};
+
+std::unique_ptr<PassedItem> passed_item(const LazPacking::Item& item) {
+    const bool old = item.version == 1;
+    switch (item.type) {
+        case LazItem::gps_time11:
+            if (old) return std::make_unique<GpsTimeVersion1>();
+            return std::make_unique<GpsTimeVersion2>();
+        case LazItem::rgb12:
+            if (old) return std::make_unique<ColorVersion1>();
+            return std::make_unique<ColorVersion2>();
+        case LazItem::wave_packet13:
+            return std::make_unique<WavePacket>();
+        default:
+            if (old) return std::make_unique<BytesVersion1>(item.size);
+            return std::make_unique<BytesVersion2>(item.size);
+    }
+}
+
+template <class Points>
+std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
+                                  const Context& ctx) {
+    Point10 p(chunk.bytes);
+    out.put(p.point());
+    if (chunk.count == 1 && packing.record + 4u > chunk.bytes.size()) return packing.record;
+    ArithmeticDecoder in(chunk.bytes.substr(packing.record));
+    Points points;
+    std::vector<std::unique_ptr<PassedItem>> others;
+    for (std::size_t i = 1; i < packing.items.size(); ++i) others.push_back(passed_item(packing.items[i]));
+    for (std::uint64_t i = 1; i < chunk.count; ++i) {
+        poll_stop(ctx, i);
+        points.next(in, p);
+        for (const auto& item : others) item->next(in);
+        if (in.damaged()) return {};
+        out.put(p.point());
+    }
+    return static_cast<std::size_t>(in.position() - chunk.bytes.data());
+}
+
+}  // namespace
+
+std::optional<std::size_t> unpack_records(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
+                                          const Context& ctx) {
+    if (chunk.bytes.size() < packing.record) return {};
+    return packing.items[0].version == 1 ? unpack<Point10Version1>(chunk, packing, out, ctx)
+                                         : unpack<Point10Version2>(chunk, packing, out, ctx);
+}
+
+}  // namespace coppice::io_internal
