@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "coppice/base/error.h"
@@ -15,6 +14,7 @@
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/scan.h"
 #include "coppice/skeleton/measure.h"
+#include "face_at.h"
 
 namespace coppice::bench {
 namespace {
@@ -73,25 +73,6 @@ void add_foliage(PolygonMesh& mesh, const Skeleton& tree, const Foliage& foliage
     }
 }
 
-std::uint32_t nearest_face(const SurfaceTree& tree, Vec3d p) {
-    double best = std::numeric_limits<double>::infinity();
-    std::uint32_t face = 0;
-    const auto bound = [&](std::uint32_t level, std::uint32_t i) {
-        return distance_squared(tree.boxes().level(level)[i], p);
-    };
-    tree.boxes().search(bound, best, [&](std::uint32_t item) {
-        const SurfaceTree::Piece& piece = tree.piece(item);
-        const auto corner = [&](std::uint32_t v) { return Vec3d(tree.mesh().positions[v]); };
-        for (const Triangle& t : tree.triangles(piece)) {
-            const double d = distance_squared(p, corner(t[0]), corner(t[1]), corner(t[2]));
-            if (d >= best) continue;
-            best = d;
-            face = piece.face;
-        }
-    });
-    return face;
-}
-
 }  // namespace
 
 Foliage foliage_named(const std::string& name) {
@@ -119,7 +100,7 @@ LeafyScan scan_leafy_tree(const Skeleton& tree, const Foliage& foliage, int poin
     const SurfaceTree surface(mesh, ctx);
     out.leaf.resize(out.points.size());
     parallel_for(ctx, out.points.size(), 1024, [&](std::size_t i) {
-        out.leaf[i] = nearest_face(surface, Vec3d(out.points.positions[i])) >= wood_faces;
+        out.leaf[i] = face_at(surface, Vec3d(out.points.positions[i])) >= wood_faces;
     });
     return out;
 }

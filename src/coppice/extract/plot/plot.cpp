@@ -1,0 +1,218 @@
+#include "coppice/extract/plot/plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
+#include "coppice/extract/plot/crown_internal.h"
+#include "coppice/extract/plot/segments_internal.h"
+#include "coppice/extract/stem/stem_form_internal.h"
+#include "coppice/points/spacing.h"
+#include "coppice/skeleton/measure.h"
+
+namespace coppice {
+namespace {
+
+using namespace extract_internal;
+
+static_assert(kPointOfGround == kGroundPoint && kPointOfNoTree == kNoTree);
+
+constexpr std::size_t kFewestPoints = 20;
+constexpr double kMostVoxels = 1.5e6;
+constexpr double kFinest = 0.02;    // [m] voxels
+constexpr double kLeastHeight = 2;  // [m] of a tree
+constexpr std::size_t kFewestOfTree = 50;
+constexpr double kFewerCoverage = 0.35, kMostDeviation = 0.05;  // of a diameter that is worth a look
+constexpr float kGroundFound = 0.06f, kStemsFound = 0.25f, kPointsGiven = 0.95f;  // shares of segment_plot
+constexpr float kSegmented = 0.3f;                                                // of extract_plot
+
+void check_points(const PointSet& set) {
+    if (set.size() < kFewestPoints)
+        throw InvalidInput(
+            fmt::format("extract: {} points are left in the cloud, but a plot needs at least {}", set.size(),
+                        kFewestPoints));
+    if (set.size() > std::numeric_limits<std::uint32_t>::max() / 2)
+        throw InvalidInput(
+            fmt::format("extract: {} points are too many; downsample the cloud to 2^31 first", set.size()));
+}
+
+/// [m] The edge at which there are few enough voxels: points lie on surfaces, so their number falls with its
+/// square.
+double resolution_of(const PointSet& set, const PlotOptions& options, const Context& ctx) {
+    if (options.resolution > 0) return options.resolution;
+    const double spacing = median_spacing(set, ctx);
+    const double share = static_cast<double>(set.size()) / kMostVoxels;
+    return std::clamp(std::max(2 * spacing, spacing * std::sqrt(std::max(share, 1.0)) * 2), kFinest, 0.5);
+}
+
+/// Stems by the points above the ground near to it.
+std::vector<TreeStems> find_trees(std::span<const Vec3> points, std::span<const float> height,
+                                  const Terrain& terrain, const PlotOptions& options, double noise,
+                                  const Context& ctx) {
+    constexpr float kHighest = 4;  // [m] that find_stems looks at
+    std::vector<Vec3> low;
+    std::vector<float> above;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (height[i] > kHighest || double{height[i]} < terrain.clearance) continue;
+        low.push_back(points[i]);
+        above.push_back(height[i]);
+    }
+    const StemSearch search{.least_radius = 0.4 * double{options.least_diameter},
+                            .greatest_radius = 0.5 * double{options.greatest_diameter},
+                            .noise = noise};
+    return trees_of_stems(find_stems(low, above, search, ctx));
+}
+
+/// The points of every tree, in their order.
+std::vector<Buffer<Vec3>> points_of_trees(std::span<const Vec3> points,
+                                          std::span<const std::uint32_t> tree_of, std::size_t trees) {
+    std::vector<std::size_t> count(trees, 0);
+    for (const std::uint32_t t : tree_of)
+        if (t < trees) ++count[t];
+    std::vector<Buffer<Vec3>> out(trees);
+    for (std::size_t t = 0; t < trees; ++t) out[t].reserve(count[t]);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (tree_of[i] < trees) out[tree_of[i]].push_back(points[i]);
+    return out;
+}
+
+/// Thinner than asked for, too low or of too few points: no tree.
+bool is_tree(const StemForm& form, std::size_t points, const PlotOptions& options) {
+    const bool thick = form.breast.diameter == 0 || form.breast.diameter >= double{options.least_diameter};
+    return points >= kFewestOfTree && form.height >= kLeastHeight && thick;
+}
+
+/// The form of each tree from its own points; trees that are none go, and their points to no tree.
+void measure_trees(const PointSet& set, const std::vector<TreeStems>& trees, const PlotOptions& options,
+                   double noise, PlotSegments& out, const Context& ctx) {
+    const auto points = points_of_trees(set.positions, out.tree_of, trees.size());
+    std::vector<StemForm> forms(trees.size());
+    parallel_for(ctx, trees.size(), 1, [&](std::size_t t) {
+        if (points[t].size() < kFewestOfTree) return;
+        StemTrack track = trees[t].stems.front();
+        const Vec3d foot = track.at(0);
+        const HeightOrder order(points[t]);
+        TraceOptions trace{.foot = out.terrain.height(foot.x, foot.y), .noise = noise, .spacing = 0.01};
+        trace.top = highest_of(order);
+        track.raise(trace.foot);
+        forms[t] = measure_stem(order, track, trace, set.origin);
+        forms[t].on_ground = out.terrain.is_ground;
+        forms[t].stems = static_cast<std::uint32_t>(trees[t].stems.size());
+    });
+    std::vector<std::uint32_t> number(trees.size(), kNoTree);
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+        if (!is_tree(forms[t], points[t].size(), options)) continue;
+        number[t] = static_cast<std::uint32_t>(out.trees.size());
+        out.trees.push_back(std::move(forms[t]));
+    }
+    for (std::uint32_t& t : out.tree_of)
+        if (t < number.size()) t = number[t];
+}
+
+/// A skeleton that starts on the ground: its root moves down along the axis.
+void stand_on_ground(ExtractResult& result, Vec3d foot) {
+    const Skeleton& s = result.skeleton;
+    const NodeId root(0);
+    const Vec3d at = s.origin() + Vec3d(s.position(root));
+    const double below = at.z - foot.z;
+    if (!(below > 0.1 * double{s.radius(root)})) return;
+    std::vector<NodeId> parents{NodeId()};
+    std::vector<Vec3> positions{Vec3(foot - s.origin())};
+    std::vector<float> radii{s.radius(root)};
+    for (const NodeId n : nodes(s)) {
+        parents.push_back(s.is_root(n) ? NodeId(0) : NodeId(s.parent(n).index() + 1));
+        positions.push_back(s.position(n));
+        radii.push_back(s.radius(n));
+    }
+    result.skeleton = Skeleton(std::move(parents), std::move(positions), std::move(radii), s.origin());
+    result.confidence.insert(result.confidence.begin(), NodeConfidence{});
+}
+
+void add_warnings(PlotTree& tree) {
+    const StemDiameter& breast = tree.form.breast;
+    if (!(breast.diameter > 0)) {
+        tree.warnings.emplace_back("no circle is seen at breast height");
+        return;
+    }
+    if (breast.coverage < kFewerCoverage) {
+        tree.warnings.push_back(
+            fmt::format("only {:.0f} % of the stem is seen at breast height", 100 * breast.coverage));
+    }
+    if (breast.deviation > kMostDeviation * breast.diameter)
+        tree.warnings.emplace_back("the diameter at breast height is uncertain");
+    if (tree.form.stems > 1)
+        tree.warnings.push_back(
+            fmt::format("{} stems; the diameter is that of the thickest", tree.form.stems));
+}
+
+/// Extracts one tree from its points.
+void extract_tree(PlotTree& tree, const PointSet& points, CloudOptions options, const Context& ctx) {
+    tree.points = points.size();
+    options.ground = GroundRule::none;
+    options.root = tree.form.foot;
+    options.max_trees = 1;
+    try {
+        CloudExtraction result = extract_from_cloud(points, options, ctx);
+        if (result.skeleton.tree_count() == 1) stand_on_ground(result, tree.form.foot);
+        const SkeletonMeasures m = measure(result.skeleton);
+        tree.length = m.length;
+        tree.volume = m.volume;
+        tree.crown_base = crown_base(result.skeleton, tree.form);
+        tree.result = std::move(result);
+    } catch (const InvalidInput& error) {
+        tree.warnings.push_back(fmt::format("no skeleton: {}", error.what()));
+    }
+    tree.crown_area = crown_area(points, tree.form.foot.z + tree.crown_base);
+}
+
+}  // namespace
+
+PlotSegments segment_plot(const PointSet& set, const PlotOptions& options, const Context& ctx) {
+    check_fields(options, "plot");
+    check_points(set);
+    PlotSegments out;
+    const std::span<const Vec3> points = set.positions;
+    out.terrain = find_terrain(points, ctx);
+    Buffer<float> height(points.size());
+    parallel_for(ctx, points.size(), 16384, [&](std::size_t i) {
+        height[i] = static_cast<float>(double{points[i].z} - out.terrain.height(points[i].x, points[i].y));
+    });
+    ctx.report(kGroundFound);
+    const double edge = resolution_of(set, options, ctx);
+    const double noise = stem_noise(0.5 * edge);
+    const auto trees =
+        find_trees(points, height, out.terrain, options, noise, part_of(ctx, kGroundFound, kStemsFound));
+    ctx.report(kStemsFound);
+    out.tree_of = give_points_to_trees(points, height, out.terrain, trees,
+                                       {.voxel = edge, .widest_gap = double{options.widest_gap}},
+                                       part_of(ctx, kStemsFound, kPointsGiven));
+    measure_trees(set, trees, options, noise, out, ctx);
+    ctx.report(1);
+    return out;
+}
+
+PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, const CloudOptions& tree,
+                            const Context& ctx) {
+    check_fields(tree, "extract");
+    PlotExtraction out{segment_plot(set, options, part_of(ctx, 0, kSegmented)), {}};
+    const std::size_t count = out.segments.trees.size();
+    auto points = points_of_trees(set.positions, out.segments.tree_of, count);
+    out.trees.resize(count);
+    const Context alone{.threads = 1, .stop = ctx.stop, .progress = {}};
+    parallel_with_progress(part_of(ctx, kSegmented, 1), count, 1, [&](IndexRange range) {
+        for (std::size_t t = range.begin; t < range.end; ++t) {
+            out.trees[t].form = out.segments.trees[t];
+            extract_tree(out.trees[t], {std::move(points[t]), set.origin}, tree, alone);
+            add_warnings(out.trees[t]);
+        }
+    });
+    return out;
+}
+
+}  // namespace coppice

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/plot/terrain.h"
+#include "coppice/extract/stem/stem_form.h"
+#include "coppice/points/point_set.h"
+
+namespace coppice {
+
+/// How trees are told apart.
+struct PlotOptions {
+    float least_diameter = 0.05f;  ///< [m] at breast height; thinner stems are understorey; in [0.01, 1]
+    float greatest_diameter = 2;   ///< [m] of a stem; in [0.05, 20]
+    float resolution =
+        0;  ///< [m] edge of voxels within which all points go to one tree; 0 = from their number
+    float widest_gap = 0.5f;  ///< [m] between points of one tree; in [0.01, 10]
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, PlotOptions>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"least_diameter", "Diameter at breast height below which stems are understorey", Unit::metre,
+                0.01, 1},
+          o.least_diameter);
+    visit(Field{"greatest_diameter", "Diameter above which nothing is a stem", Unit::metre, 0.05, 20},
+          o.greatest_diameter);
+    visit(Field{"resolution", "Edge of the voxels within which all points go to one tree; 0 chooses it",
+                Unit::metre, 0, 1},
+          o.resolution);
+    visit(Field{"widest_gap", "Widest gap between points of one tree", Unit::metre, 0.01, 10}, o.widest_gap);
+}
+
+inline constexpr std::uint32_t kPointOfGround = std::numeric_limits<std::uint32_t>::max();
+inline constexpr std::uint32_t kPointOfNoTree = kPointOfGround - 1;
+
+/// The trees of a plot, and whose each point is.
+struct PlotSegments {
+    Terrain terrain;              ///< relative to the origin of the points
+    std::vector<StemForm> trees;  ///< their stems and heights, the thickest stem first
+    std::vector<std::uint32_t>
+        tree_of;  ///< of every point: index of its tree, kPointOfGround, kPointOfNoTree
+};
+
+/// Finds the ground, stems and, for every point, the tree that it belongs to.
+///
+/// Ground as find_terrain() has it. Stems are circles in slices from 0.3 to 3.9 m above it that lie above
+/// each other (see stem_form()); those that meet above the ground belong to one tree. From all stems at once
+/// shortest paths grow through the points, from one to its neighbours, so that a point goes to the tree that
+/// it hangs on by the shortest way; a way counts by its length over the diameter to the power of 2/3, as a
+/// thick tree reaches farther [Tao2015], and jumps over gaps count more. What grows on the ground beside the
+/// stems is understorey, and goes to no tree, as does what is joined to none.
+///
+/// O(n log n). Memory: some 60 bytes per point and 400 for each of at most 1.5 million voxels. The same bits
+/// for any number of threads. Throws InvalidInput for options out of range and for fewer than 20 points, or
+/// more than 2^31; Cancelled.
+PlotSegments segment_plot(const PointSet& points, const PlotOptions& options = {}, const Context& ctx = {});
+
+/// A tree of a plot.
+struct PlotTree {
+    StemForm form;                          ///< position, height, diameters
+    std::uint64_t points = 0;               ///< that belong to it
+    std::optional<CloudExtraction> result;  ///< its skeleton; none where `warnings` say why
+    double length = 0;                      ///< [m] of the skeleton
+    double volume = 0;                      ///< [m^3] of the cones between its nodes
+    double crown_area = 0;  ///< [m^2] of the convex hull, seen from above, of what is above crown_base
+    double crown_base = 0;  ///< [m] above the ground, where the lowest large branch leaves the stem
+    std::vector<std::string> warnings;  ///< what to look at
+};
+
+/// The skeletons of all trees of a plot.
+struct PlotExtraction {
+    PlotSegments segments;
+    std::vector<PlotTree> trees;  ///< as in `segments`
+};
+
+/// Segments a plot and extracts each of its trees by extract_from_cloud(), from the foot of its stem up, with
+/// `tree` for options; those for ground and the root do not count. The skeleton starts on the ground. A tree
+/// that fails has no skeleton and says why in its warnings; the others come out as ever.
+///
+/// Time and memory are those of segment_plot() and, for each tree, of extract_from_cloud(); as many trees are
+/// worked on at once as there are threads. The same bits for any number of threads. Throws as segment_plot().
+PlotExtraction extract_plot(const PointSet& points, const PlotOptions& options = {},
+                            const CloudOptions& tree = {}, const Context& ctx = {});
+
+}  // namespace coppice
