@@ -95,6 +95,13 @@ def make_inputs():
             wide = r * math.sqrt(1 - up * up)
             leaves.append("%.4f %.4f %.4f" % (x + wide * math.cos(turn), y + wide * math.sin(turn), z + r * up))
     write("leafy.xyz", "\n".join(rows + leaves))
+    # Three stems of 4 m on a slope, each with two branches, and the ground around them.
+    plot = ["%.4f %.4f %.4f" % (0.25 * i, 0.25 * k, 0.05 * i) for i in range(33) for k in range(25)]
+    for x, y, r in ((1.5, 1.5, 0.1), (4.5, 2, 0.12), (3, 4.5, 0.08)):
+        plot += ["%.4f %.4f %.4f" % (x + r * px / 0.1, y + r * py / 0.1, 0.2 * x + 2 * pz) for px, py, pz in stem]
+        plot += ["%.4f %.4f %.4f" % (x + 0.02 * k * side, y + 0.03 * math.sin(k), 0.2 * x + 3 + 0.01 * k + 0.03 * math.cos(k))
+                 for k in range(40) for side in (-1, 1)]
+    write("plot.xyz", "\n".join(plot))
     write("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
     write("leafy_far.xyz", "\n".join("%d %s" % (5000, row) for row in ("0 0", "1 0", "1 1")))

@@ -6,6 +6,7 @@
 #include "command.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/extract/plot/plot.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -13,6 +14,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "plots.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -20,11 +22,13 @@ namespace {
 
 constexpr const char* kMeshGroup = "From a mesh";
 constexpr const char* kCloudGroup = "From a cloud of points";
+constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 
 struct ExtractFlags {
-    std::filesystem::path input, output, mesh_output, leaf_output;
+    std::filesystem::path input, output, mesh_output, leaf_output, tree_points;
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
+    PlotOptions from_plot;
     WriteSkeletonOptions write;
     MeshOptions mesh;
 };
@@ -135,7 +139,55 @@ void write(Run& run, const ExtractFlags& flags, const ExtractResult& result) {
     });
 }
 
+bool is_given(const GivenOptions& given, std::string_view name) {
+    return std::ranges::any_of(given, [&](const Option* option) { return option->name == name; });
+}
+
+/// A plot has a ground, and roots, of its own.
+void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
+    for (const char* name : {"--root", "--ground", "--ground-height", "--max-trees"}) {
+        if (!is_given(given, name)) continue;
+        throw UsageError(fmt::format(
+            "{} is for one tree, and '{}' names a folder, as for a plot of many; name "
+            "the skeleton, as {}.swc",
+            name, flags.output.string(), flags.output.has_filename() ? flags.output.string() : "tree"));
+    }
+    if (kind_of_input(flags.input) == FileKind::points) return;
+    throw UsageError(
+        fmt::format("'{}' names a folder, as for a plot of many trees, and '{}' is no cloud of points; "
+                    "name the skeleton, as tree.swc",
+                    flags.output.string(), flags.input.string()));
+}
+
+ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
+    const PlotFiles files{flags.output,      flags.mesh_output, flags.tree_points,
+                          flags.leaf_output, flags.write,       flags.mesh};
+    check_plot_files(files);
+    check_plot_options(given, flags);
+    check_groups(given, flags.input, FileKind::points);
+    const PointSet points = load_points(run, flags.input);
+    const PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
+        return extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
+    });
+    if (plot.trees.empty()) {
+        throw InvalidInput(
+            fmt::format("{0}: extract: no stem of a tree is seen from 0.3 to 3.9 m above the ground; "
+                        "--least-diameter may be "
+                        "less, and a cloud of one tree is read by coppice extract {0} -o tree.swc",
+                        flags.input.string()));
+    }
+    write_plot(run, points, plot, files);
+    return kDone;
+}
+
 ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
+    if (!flags.input.empty() && is_plot_folder(flags.output, flags.write.format))
+        return from_plot(run, given, flags);
+    for (const Option* option : given) {
+        if (option->group != kPlotGroup) continue;
+        throw UsageError(
+            fmt::format("{} is for plots of many trees; name a folder for them, as -o trees/", option->name));
+    }
     check_flags(flags);
     const FileKind kind = kind_of_input(flags.input);
     if (kind == FileKind::skeleton) {
@@ -143,8 +195,7 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
                                      flags.input.string()));
     }
     check_groups(given, flags.input, kind);
-    const auto is_height = [](const Option* option) { return option->name == "--ground-height"; };
-    if (std::ranges::any_of(given, is_height) && flags.from_cloud.ground != GroundRule::height)
+    if (is_given(given, "--ground-height") && flags.from_cloud.ground != GroundRule::height)
         throw UsageError("--ground-height is for the rule of that name; add --ground height");
     std::string found;
     const ExtractResult result =
@@ -165,9 +216,11 @@ Command extract_command() {
     options.file(
         "input", "FILE", flags->input,
         "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .ply, .pcd, .las, .laz)");
-    options.file("-o,--output", "SKELETON", flags->output, "skeleton to write; its ending tells the format");
-    options.file("--then-mesh", "MESH", flags->mesh_output,
-                 "also turn the skeleton into a surface, and write that");
+    options.file("-o,--output", "SKELETON", flags->output,
+                 "skeleton to write, its ending tells the format; or a folder for the trees of a plot");
+    options.file(
+        "--then-mesh", "MESH", flags->mesh_output,
+        "also turn the skeleton into a surface, and write that; of a plot each, with this ending (.ply)");
     // Of both kinds of input, and so not among the options of either.
     options.value({{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
                     Unit::metre},
@@ -176,10 +229,13 @@ Command extract_command() {
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.file("--leaf-points", "POINTS", flags->leaf_output,
                  "also write the points that are left out as leaves, if any", kCloudGroup);
+    options.fields(flags->from_plot, kPlotGroup);
+    options.file("--tree-points", "PLY", flags->tree_points,
+                 "also write all points, those of each tree in a colour of its own", kPlotGroup);
     options.fields(flags->write, "Writing the skeleton");
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree", options,
-            [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};
+    return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree, or each of a plot",
+            options, [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -9,6 +9,7 @@
 #include "coppice/compose/compose.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/extract/plot/plot.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/measure/match/cloud_distance.h"
@@ -67,6 +68,7 @@ ExitCode schema(Run& run) {
                    {"restore", described<RestoreOptions>()},
                    {"extract_mesh", described<FromMeshOptions>()},
                    {"extract_cloud", described<CloudOptions>()},
+                   {"extract_plot", described<PlotOptions>()},
                    {"sketch", described<SketchOptions>()},
                    {"draw_sketch", described<DrawOptions>()},
                    {"compose", described<ComposeOptions>()},

@@ -1,0 +1,307 @@
+#include "plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "coppice/base/error.h"
+#include "coppice/io/file.h"
+#include "coppice/io/mesh/format.h"
+#include "coppice/io/points/writer.h"
+#include "coppice/io/skeleton/format.h"
+#include "coppice/render/colors.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+#include "surfaces.h"
+
+namespace coppice::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kTable = "trees.csv";
+constexpr Rgb kGroundColor{110, 95, 80}, kNoTreeColor{150, 150, 150};
+
+/// The path without the slash at its end.
+fs::path trimmed(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
+
+/// A folder that is filled under a hidden name beside its own, and gone unless `commit` gives it that.
+class UnfinishedFolder {
+  public:
+    explicit UnfinishedFolder(fs::path target) : target_(std::move(target)) {
+        hidden_ = target_.parent_path() / fmt::format(".{}.unfinished", target_.filename().string());
+        std::error_code error;
+        fs::remove_all(hidden_, error);
+        fs::create_directory(hidden_, error);
+        if (error)
+            throw IoError(fmt::format("cannot make the folder '{}': {}", target_.string(), error.message()));
+    }
+    ~UnfinishedFolder() {
+        std::error_code error;
+        fs::remove_all(hidden_, error);
+    }
+    UnfinishedFolder(const UnfinishedFolder&) = delete;
+    UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
+
+    fs::path operator/(const std::string& name) const { return hidden_ / name; }
+
+    /// What is there already stays, but for files of the same names. The table comes last.
+    void commit() {
+        std::error_code error;
+        if (!fs::exists(target_)) {
+            fs::rename(hidden_, target_, error);
+        } else {
+            for (const auto& file : fs::directory_iterator(hidden_)) {
+                if (!error && file.path().filename() != kTable)
+                    fs::rename(file.path(), target_ / file.path().filename(), error);
+            }
+            if (!error) fs::rename(hidden_ / kTable, target_ / kTable, error);
+        }
+        if (error) throw IoError(fmt::format("cannot write to '{}': {}", target_.string(), error.message()));
+    }
+
+  private:
+    fs::path target_, hidden_;
+};
+
+/// "swc" of what is asked for.
+std::string ending_of(const WriteSkeletonOptions& write) {
+    switch (write.format) {
+        case SkeletonFormat::automatic:
+            return "swc";
+        case SkeletonFormat::cylinders:
+            return "csv";
+        default:
+            return std::string(name_of(write.format));
+    }
+}
+
+std::string name_of_tree(std::size_t tree, const std::string& ending) {
+    return fmt::format("tree_{:03}{}", tree + 1, ending);
+}
+
+/// A colour for each tree: neighbours in the list are far apart in hue.
+Rgb color_of_tree(std::size_t tree) {
+    const double hue = 6 * std::fmod(0.13 + 0.618034 * static_cast<double>(tree), 1.0);
+    const double light = tree % 3 == 0 ? 0.95 : tree % 3 == 1 ? 0.75 : 0.6;
+    const auto part = [&](double shift) {
+        const double t = std::fmod(hue + shift, 6.0);
+        const double full = std::clamp(std::min(t, 4 - t), 0.0, 1.0);
+        return static_cast<std::uint8_t>(std::lround(255 * light * (0.2 + 0.8 * full)));
+    };
+    return {part(2), part(0), part(4)};
+}
+
+PaintedPoints painted(const PointSet& points, const std::vector<std::uint32_t>& tree_of) {
+    PaintedPoints out{points, {}, {}};
+    out.colors.reserve(points.size());
+    for (const std::uint32_t tree : tree_of) {
+        out.colors.push_back(tree == kPointOfGround   ? kGroundColor
+                             : tree == kPointOfNoTree ? kNoTreeColor
+                                                      : color_of_tree(tree));
+    }
+    return out;
+}
+
+std::string quoted(const std::vector<std::string>& texts) {
+    std::string out = fmt::format("{}", fmt::join(texts, "; "));
+    for (std::size_t at = 0; (at = out.find('"', at)) != std::string::npos; at += 2) out.insert(at, 1, '"');
+    return fmt::format("\"{}\"", out);
+}
+
+/// What is known of a tree besides its files; the same in the table and in the report.
+Figures figures_of_tree(const PlotTree& tree) {
+    Figures out;
+    out["x"] = tree.form.foot.x;
+    out["y"] = tree.form.foot.y;
+    out["z"] = tree.form.foot.z;
+    out["height_m"] = tree.form.height;
+    out["dbh_m"] = tree.form.breast.diameter;
+    out["dbh_deviation_m"] = tree.form.breast.deviation;
+    out["dbh_residual_m"] = tree.form.breast.residual;
+    out["dbh_coverage"] = tree.form.breast.coverage;
+    out["stems"] = tree.form.stems;
+    out["length_m"] = tree.length;
+    out["volume_m3"] = tree.volume;
+    out["crown_area_m2"] = tree.crown_area;
+    out["crown_base_m"] = tree.crown_base;
+    out["points"] = tree.points;
+    return out;
+}
+
+/// A number of the table: whole, or in tenths of a millimetre.
+std::string cell_of(const Figure& figure) {
+    if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.4f}", *number);
+    return fmt::format("{}", std::get<std::uint64_t>(figure.value));
+}
+
+std::string table_of(const std::vector<PlotTree>& trees, const std::string& ending) {
+    std::string out;
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+        const Figures figures = figures_of_tree(trees[t]);
+        if (t == 0) {
+            out += "tree,file";
+            for (const auto& [name, figure] : figures.entries()) out.append(1, ',').append(name);
+            out += ",color,warnings\n";
+        }
+        out += fmt::format("{},{}", t + 1, trees[t].result ? name_of_tree(t, ending) : "");
+        for (const auto& [name, figure] : figures.entries()) out.append(1, ',').append(cell_of(figure));
+        const Rgb color = color_of_tree(t);
+        fmt::format_to(std::back_inserter(out), ",#{:02x}{:02x}{:02x},{}\n", color[0], color[1], color[2],
+                       quoted(trees[t].warnings));
+    }
+    return out;
+}
+
+void write_tree(const fs::path& path, const CloudExtraction& result, const WriteSkeletonOptions& options,
+                const Context& ctx) {
+    std::array<NodeAttribute, 2> attributes{{{"samples", {}}, {"residual", {}}}};
+    for (const NodeConfidence& c : result.confidence) {
+        attributes[0].values.push_back(static_cast<float>(c.samples));
+        attributes[1].values.push_back(c.residual);
+    }
+    write_skeleton(path, result.skeleton, options, attributes, ctx);
+}
+
+/// The surface of each tree; what cannot be made is said in its row.
+void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& files,
+                    const UnfinishedFolder& folder) {
+    run.stage("mesh", [&](const Context& ctx) {
+        for (std::size_t t = 0; t < trees.size(); ++t) {
+            ctx.throw_if_cancelled();
+            ctx.report(static_cast<float>(t) / static_cast<float>(trees.size()));
+            if (!trees[t].result) continue;
+            const Context part{.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
+            try {
+                const MeshResult made = mesh_skeleton(trees[t].result->skeleton, files.surface, part);
+                write_surface(folder / name_of_tree(t, files.mesh.string()), made, part);
+            } catch (const InvalidInput& error) {
+                trees[t].warnings.push_back(fmt::format("no surface: {}", error.what()));
+            } catch (const Unsupported& error) {
+                trees[t].warnings.push_back(fmt::format("no surface: {}", error.what()));
+            }
+        }
+    });
+}
+
+void write_leaves(const fs::path& path, const std::vector<PlotTree>& trees, Vec3d origin,
+                  const Context& ctx) {
+    PointSet leaves{{}, origin};
+    for (const PlotTree& tree : trees) {
+        if (!tree.result) continue;
+        const auto& of = tree.result->leaves.positions;
+        leaves.positions.insert(leaves.positions.end(), of.begin(), of.end());
+    }
+    if (!leaves.empty()) write_points(path, leaves, ctx);
+}
+
+void count(Run& run, const PointSet& points, const PlotExtraction& plot, const std::vector<PlotTree>& trees) {
+    Figures& counts = run.counts();
+    counts["trees"] = trees.size();
+    counts["points"] = points.size();
+    counts["ground_points"] =
+        static_cast<std::uint64_t>(std::ranges::count(plot.segments.tree_of, kPointOfGround));
+    counts["points_of_no_tree"] =
+        static_cast<std::uint64_t>(std::ranges::count(plot.segments.tree_of, kPointOfNoTree));
+    counts["ground_found"] = plot.segments.terrain.is_ground;
+    Figure::List list;
+    for (const PlotTree& tree : trees) {
+        Figures figures = figures_of_tree(tree);
+        if (!tree.warnings.empty())
+            figures["warnings"] = Figure::List(tree.warnings.begin(), tree.warnings.end());
+        list.emplace_back(figures);
+    }
+    counts["trees_found"] = list;
+}
+
+std::string summary_of(const std::vector<PlotTree>& trees, const PlotFiles& files) {
+    std::size_t failed = 0, warned = 0;
+    for (const PlotTree& tree : trees) {
+        failed += !tree.result;
+        warned += !tree.warnings.empty();
+    }
+    std::string out =
+        fmt::format("{}: {} trees", (trimmed(files.folder) / kTable).string(), grouped(trees.size()));
+    if (failed > 0) out += fmt::format(", {} without a skeleton", grouped(failed));
+    if (warned > 0) out += fmt::format(", {} with warnings", grouped(warned));
+    return out;
+}
+
+}  // namespace
+
+bool is_plot_folder(const fs::path& output, SkeletonFormat format) {
+    std::error_code error;
+    if (output.empty()) return false;
+    if (!output.has_filename() || fs::is_directory(output, error)) return true;
+    return format == SkeletonFormat::automatic && !output.has_extension() && !fs::exists(output, error);
+}
+
+void check_plot_files(const PlotFiles& files) {
+    const fs::path folder = trimmed(files.folder);
+    std::error_code error;
+    if (folder.empty() || (fs::exists(folder, error) && !fs::is_directory(folder, error)))
+        throw UsageError(fmt::format("'{}' is no folder; name one for the trees", files.folder.string()));
+    check_output_folder(folder);
+    using enum SkeletonFormat;
+    if (files.write.format == mat || files.write.format == raycloud || files.write.format == gel)
+        throw UsageError(fmt::format("--format {} is read only; use swc, cylinders, ply, obj or json",
+                                     name_of(files.write.format)));
+    if (!files.mesh.empty()) {
+        const std::string ending = files.mesh.string();
+        const auto format = mesh_format_of_name(fmt::format("tree{}", ending));
+        if (ending.front() != '.' || !format || *format == MeshFormat::off) {
+            throw UsageError(
+                fmt::format("of a plot each tree gets a surface of its own: --then-mesh takes an ending, "
+                            ".obj, .ply, .stl, .glb or .usda, not '{}'",
+                            ending));
+        }
+        if (ending.substr(1) == ending_of(files.write))
+            throw UsageError(
+                fmt::format("skeletons and surfaces would both be tree_001{}; use another --format or "
+                            "--then-mesh",
+                            ending));
+    }
+    if (!files.leaf_points.empty()) check_points_output(files.leaf_points);
+    if (files.tree_points.empty()) return;
+    if (files.tree_points.extension() != ".ply")
+        throw UsageError(fmt::format("points keep their colours in PLY alone; '{}' needs the ending .ply",
+                                     files.tree_points.string()));
+    check_output_folder(files.tree_points);
+}
+
+void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files) {
+    std::vector<PlotTree> trees = plot.trees;
+    UnfinishedFolder folder(trimmed(files.folder));
+    const std::string ending = fmt::format(".{}", ending_of(files.write));
+    run.stage("write", [&](const Context& ctx) {
+        for (std::size_t t = 0; t < trees.size(); ++t) {
+            if (!trees[t].result) continue;
+            try {
+                write_tree(folder / name_of_tree(t, ending), *trees[t].result, files.write, ctx);
+            } catch (const Unsupported& error) {
+                trees[t].warnings.emplace_back(error.what());
+                trees[t].result.reset();
+            }
+        }
+    });
+    if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
+    run.stage("write points", [&](const Context& ctx) {
+        if (!files.tree_points.empty()) {
+            write_painted_points(files.tree_points, painted(points, plot.segments.tree_of),
+                                 "each tree in a colour of its own, as trees.csv has it", ctx);
+        }
+        if (!files.leaf_points.empty()) write_leaves(files.leaf_points, trees, points.origin, ctx);
+        write_file(folder / kTable, table_of(trees, ending));
+        folder.commit();
+    });
+    count(run, points, plot, trees);
+    run.finish(summary_of(trees, files));
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+
+#include "coppice/extract/plot/plot.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "run.h"
+
+namespace coppice::cli {
+
+/// What is written of a plot.
+struct PlotFiles {
+    std::filesystem::path folder;
+    std::filesystem::path mesh;         ///< ".ply": each tree as a surface; or none
+    std::filesystem::path tree_points;  ///< all points, in the colours of their trees; or none
+    std::filesystem::path leaf_points;  ///< of all trees; or none
+    WriteSkeletonOptions write;
+    MeshOptions surface;
+};
+
+/// Whether -o names a folder: by a slash at its end, because it is one, or for want of an ending where no
+/// format is asked for.
+bool is_plot_folder(const std::filesystem::path& output, SkeletonFormat format);
+
+/// Throws what writing would throw in the end: UsageError for endings that name no format, IoError where a
+/// folder is missing.
+void check_plot_files(const PlotFiles& files);
+
+/// Writes tree_001.swc and so on, trees.csv, and what else is asked for, as stages of the run; fills its
+/// counts, and says what came out. The folder appears whole, or what is new in it does; nothing of it where
+/// that fails. A tree of which no surface can be made says so in its row.
+void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files);
+
+}  // namespace coppice::cli
