@@ -109,9 +109,9 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path) {
     return mesh;
 }
 
-PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path) {
+PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns) {
     PaintedPoints painted =
-        run.stage("read", [&](const Context& ctx) { return read_painted_points(path, ctx); });
+        run.stage("read", [&](const Context& ctx) { return read_painted_points(path, columns, ctx); });
     run.counts()["points"] = painted.points.size();
     if (const auto warning = warning_of_extent(painted.points))
         run.warn(fmt::format("{}: {}", path.string(), *warning));
@@ -119,7 +119,7 @@ PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path) {
 }
 
 PointSet load_points(Run& run, const std::filesystem::path& path) {
-    return load_painted_points(run, path).points;
+    return load_painted_points(run, path, kNoColumns).points;
 }
 
 }  // namespace coppice::cli

@@ -35,7 +35,7 @@ void check_points_output(const std::filesystem::path& path);
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
 PointSet load_points(Run& run, const std::filesystem::path& path);
-PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path);
+PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns);
 
 /// What was wrong with a skeleton, and the gaps and jumps between its cylinders, which are not.
 Figures repairs_of(const RepairReport& report);

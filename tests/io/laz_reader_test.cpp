@@ -70,16 +70,35 @@ constexpr std::size_t kKept = made::kCount - made::kCount / 50;  // every 50th i
 
 std::string laz_file(const char* name) { return LazFile{name, 0}.bytes(); }
 
-void expect_made_points(const PointSet& set, const LazFile& file) {
+bool has_color(int format) {
+    return format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
+}
+
+void expect_made_points(const PaintedPoints& found, const LazFile& file) {
+    const PointSet& set = found.points;
     ASSERT_EQ(set.size(), kKept);
     EXPECT_NE(set.origin.y, 0);  // so that no millimetre is lost but in leaps of 20 km
+    ASSERT_EQ(found.colors.size(), has_color(file.format) ? kKept : 0);
+    ASSERT_EQ(found.classes.size(), kKept);
+    ASSERT_EQ(found.intensities.size(), kKept);
+    ASSERT_EQ(found.return_numbers.size(), kKept);
+    ASSERT_EQ(found.return_counts.size(), kKept);
     std::size_t k = 0;
     for (std::uint32_t i = 0; i < made::kCount; ++i) {
         const made::Point p = made::point(file.format, i, file.channels);
         if (p.withheld) continue;
         const Vec3d wanted(made::kOffset[0] + p.x * 0.001, made::kOffset[1] + p.y * 0.001,
                            made::kOffset[2] + p.z * 0.001);
-        ASSERT_EQ(set.positions[k++], Vec3(wanted - set.origin)) << i;
+        ASSERT_EQ(set.positions[k], Vec3(wanted - set.origin)) << i;
+        ASSERT_EQ(found.classes[k], p.classification) << i;
+        ASSERT_EQ(found.intensities[k], p.intensity) << i;
+        ASSERT_EQ(found.return_numbers[k], p.return_number) << i;
+        ASSERT_EQ(found.return_counts[k], p.return_count) << i;
+        const auto byte = [](std::uint16_t c) { return static_cast<std::uint8_t>(c >> 8); };
+        if (!found.colors.empty()) {
+            ASSERT_EQ(found.colors[k], (Rgb{byte(p.red), byte(p.green), byte(p.blue)})) << i;
+        }
+        ++k;
     }
 }
 
@@ -89,7 +108,9 @@ std::size_t packing_at(const std::string& bytes) { return get<std::uint16_t>(byt
 TEST(LazReader, ReadsAllFormatsAndVersions) {
     for (const LazFile& file : kFiles) {
         SCOPED_TRACE(file.name);
-        expect_made_points(parse_points(file.bytes(), "p.laz"), file);
+        expect_made_points(parse_painted_points(file.bytes(), "p.laz"), file);
+        EXPECT_TRUE(parse_points(file.bytes(), "p.laz") ==
+                    parse_painted_points(file.bytes(), "p.laz").points);
     }
 }
 
@@ -129,7 +150,7 @@ TEST(LazReader, ReadsFilesWithoutATableOfEqualChunks) {
         const auto data = get<std::uint32_t>(bytes, 96);
         bytes.resize(static_cast<std::size_t>(get<std::int64_t>(bytes, data)));
         put<std::int64_t>(bytes, data, data);
-        expect_made_points(parse_points(bytes, "p.laz"), file);
+        expect_made_points(parse_painted_points(bytes, "p.laz"), file);
     }
     std::string bytes = laz_file("format1_varying");
     put<std::int64_t>(bytes, get<std::uint32_t>(bytes, 96), get<std::uint32_t>(bytes, 96));
@@ -230,7 +251,7 @@ TEST(LazReader, SurvivesDamage) {
             bytes[4 + (draw >> 8) % (range - 4)] = static_cast<char>(draw);
         }
         try {
-            const PointSet set = parse_points(bytes, "p.laz");
+            const PointSet set = parse_painted_points(bytes, "p.laz").points;
             for (const Vec3 p : set.positions) ASSERT_TRUE(is_finite(p));
         } catch (const Error&) {  // the proper answer to a bad file
         }

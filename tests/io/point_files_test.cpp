@@ -151,6 +151,92 @@ TEST(PointText, NamesWithoutCoordinatesAreRefused) {
     EXPECT_EQ(error_of("tree1 2 3 4\n"), "p.xyz:1: 'tree1' is not a number");
 }
 
+TEST(PointText, RowNamesOfRArePassedOver) {
+    PointSet expected;
+    expected.positions = {{5, 2, 3}, {-0.5f, 1000, 0}, {1, 1, 7}};
+    EXPECT_EQ(parse_points("\"X\" \"Y\" \"Z\"\n\"1\" 5 2 3\n\"2\" -0.5 1000 0\n\"9\" 1 1 7\n", "p"),
+              expected);
+    EXPECT_EQ(parse_points("X Y Z\n1 5 2 3\n2 -0.5 1000 0\n3 1 1 7\n", "p"), expected);
+    EXPECT_EQ(parse_points("\"\",\"X\",\"Y\",\"Z\"\n\"1\",5,2,3\n\"2\",-0.5,1000,0\n\"3\",1,1,7\n", "p"),
+              expected);
+    // Rows that do not count up have a column without a name at their end.
+    EXPECT_EQ(parse_points("X Y Z\n5 2 3 9\n-0.5 1000 0 8\n1 1 7 7\n", "p"), expected);
+}
+
+TEST(PointText, DecimalCommasAreRefused) {
+    for (const char* text : {"1,5;2,25;3\n", "1,5 2,25 3\n", "x;y;z\n1,5;2,25;3,0\n", "0 0 0\n1,5\t2\t3\n"})
+        EXPECT_NE(error_of(text).find("commas for decimal points"), std::string::npos) << text;
+    PointSet expected;
+    expected.positions = {{1, 2, 3}};
+    EXPECT_EQ(parse_points("1,2,3,2026-01-02 10:11:12\n", "p"), expected);
+    EXPECT_EQ(parse_points("1, 2, 3\n", "p"), expected);
+}
+
+TEST(PointText, ColumnsWithNamesAreKept) {
+    const PaintedPoints found = parse_painted_points(
+        "//X Y Z R G B Scalar_Classification Intensity\n1 2 3 255 0 10 4 -0.5\n4 5 6 1 2 3 2 7e2\n", "p");
+    EXPECT_EQ(found.colors, (std::vector<Rgb>{{255, 0, 10}, {1, 2, 3}}));
+    EXPECT_EQ(found.classes, (std::vector<std::uint8_t>{4, 2}));
+    EXPECT_EQ(found.intensities, (std::vector<float>{-0.5f, 700}));
+    // A column in which a value is missing is none, nor is one that is not wanted.
+    EXPECT_TRUE(parse_painted_points("x y z reflectance\n1 2 3 NA\n4 5 6 1\n", "p").intensities.empty());
+    EXPECT_TRUE(parse_painted_points("x y z class\n1 2 3 4\n", "p", {.classes = false}).classes.empty());
+    const PaintedPoints ply = parse_painted_points(
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float scalar_Classification\nproperty float reflectance\nend_header\n1 2 3 5 -12.5\n",
+        "p");
+    EXPECT_EQ(ply.classes, (std::vector<std::uint8_t>{5}));
+    EXPECT_EQ(ply.intensities, (std::vector<float>{-12.5f}));
+}
+
+TEST(ScannerText, PtsIsReadBlockByBlock) {
+    const PaintedPoints found =
+        parse_painted_points("2\n1 2 3 -700 10 20 30\n4 5 6 900 1 2 3\n\n1\r\n7 8 9 0 0 0 255\n", "p");
+    PointSet expected;
+    expected.positions = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+    EXPECT_EQ(found.points, expected);
+    EXPECT_EQ(found.intensities, (std::vector<float>{-700, 900, 0}));
+    EXPECT_EQ(found.colors, (std::vector<Rgb>{{10, 20, 30}, {1, 2, 3}, {0, 0, 255}}));
+    EXPECT_EQ(error_of("3\n1 2 3 0\n4 5 6 0\n"),
+              "p.xyz: the file is cut off: it says that 3 points follow, but 2 do");
+    EXPECT_EQ(error_of("1\n1 2\n"), "p.xyz:2: a point needs three coordinates");
+    EXPECT_EQ(error_of("2\n1 2 3\n1 2 x\n"), "p.xyz:3: 'x' is not a number");
+}
+
+TEST(ScannerText, PtxScansAreMovedToTheirPlace) {
+    // A quarter turn about z, then (10, 20, 30): (1, 2, 3) goes to (-2, 1, 3) + (10, 20, 30).
+    const std::string turned =
+        "2\n1\n10 20 30\n1 0 0\n0 1 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n";
+    const std::string plain = "1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+    const PaintedPoints found =
+        parse_painted_points(turned + "1 2 3 0.25\n0 0 0 0.5\n" + plain + "4 5 6 0.75\n7 8 9 1\n", "p");
+    PointSet expected;
+    expected.positions = {{8, 21, 33}, {4, 5, 6}, {7, 8, 9}};
+    EXPECT_EQ(found.points, expected);
+    EXPECT_EQ(found.intensities, (std::vector<float>{0.25f, 0.75f, 1}));
+    EXPECT_EQ(error_of(turned + "1 2 3 0\n"),
+              "p.xyz: the file is cut off: it says that 2 points follow, but 1 do");
+    EXPECT_NE(error_of("2\n1\n0 0 0\n1 0 0\n").find("the place and the axes of the scanner"),
+              std::string::npos);
+    EXPECT_EQ(error_of(turned + "0 0 0 0\n0 0 0 0\n"), "p.xyz: it holds no points");
+}
+
+TEST(PointFormats, OthersAreRefusedWithWhatToDo) {
+    const auto refusal = [](std::string_view bytes) -> std::string {
+        try {
+            parse_points(bytes, "p");
+        } catch (const Unsupported& e) {
+            return e.what();
+        }
+        return "none";
+    };
+    EXPECT_EQ(
+        refusal("ASTM-E57"),
+        "p: it is an E57 file, which is not read; save it as LAZ, LAS or PLY, for one with CloudCompare");
+    EXPECT_EQ(refusal("\x1f\x8b\x08"), "p: it is packed by gzip; unpack it first: gunzip FILE");
+    EXPECT_NE(refusal("PK\3\4").find("a ZIP archive"), std::string::npos);
+}
+
 TEST(PointText, AnOffFileWithoutFacesIsPoints) {
     PointSet expected;
     expected.positions = {{1, 2, 3}, {-0.5f, 1000, 0}};

@@ -87,7 +87,8 @@ Inputs load(Run& run, const RenderFlags& flags) {
         if (kind == FileKind::skeleton) {
             in.skeleton = load_skeleton(run, path, flags.read);
         } else if (kind == FileKind::points) {
-            in.cloud = load_painted_points(run, path);
+            in.cloud =
+                load_painted_points(run, path, {.classes = false, .intensities = false, .returns = false});
             in.point_radius = point_radius(run, in.cloud->points, flags);
         } else {
             in.mesh = load_mesh(run, path);

@@ -75,7 +75,7 @@ bool is_one_of(const std::string& ending, std::initializer_list<std::string_view
 
 std::optional<FileKind> kind_of_name(const std::filesystem::path& path) {
     const std::string ending = ending_of(path);
-    if (is_one_of(ending, {".xyz", ".asc", ".pcd", ".las", ".laz"})) return FileKind::points;
+    if (is_one_of(ending, {".xyz", ".asc", ".pts", ".ptx", ".pcd", ".las", ".laz"})) return FileKind::points;
     if (mesh_format_of_name(path)) return FileKind::mesh;
     if (format_of_extension(path)) return FileKind::skeleton;
     return {};
@@ -87,6 +87,7 @@ std::optional<FileKind> kind_of_content(const std::string& head) {
     if (mesh == MeshFormat::off) return kind_of_off(head);
     if (mesh) return FileKind::mesh;
     if (head.starts_with("LASF") || head.starts_with("# .PCD")) return FileKind::points;
+    if (other_point_format(head)) return FileKind::points;  // its reader says what to do
     if (format_of_content(head)) return FileKind::skeleton;
     return {};
 }

@@ -59,14 +59,23 @@ LasHeader parse_header(std::string_view bytes, const std::string& source) {
     return h;
 }
 
-LasPoint parse_record(std::string_view record, bool recent) {
-    return {{number_at<std::int32_t>(record, 0), number_at<std::int32_t>(record, 4),
-             number_at<std::int32_t>(record, 8)},
-            (static_cast<std::uint8_t>(record[15]) & (recent ? 0x04 : 0x80)) != 0};
+LasPoint parse_record(std::string_view record, const LasHeader& h) {
+    const bool recent = h.recent();
+    const auto returns = number_at<std::uint8_t>(record, 14), flags = number_at<std::uint8_t>(record, 15);
+    LasPoint p;
+    p.place = {number_at<std::int32_t>(record, 0), number_at<std::int32_t>(record, 4),
+               number_at<std::int32_t>(record, 8)};
+    p.withheld = (flags & (recent ? 0x04 : 0x80)) != 0;
+    p.intensity = number_at<std::uint16_t>(record, 12);
+    p.return_number = returns & (recent ? 15 : 7);
+    p.return_count = recent ? returns >> 4 : returns >> 3 & 7;
+    p.classification = recent ? number_at<std::uint8_t>(record, 16) : flags & 31;
+    if (const std::size_t color = h.color()) p.color = color_at(record, color);
+    return p;
 }
 
-std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, LasColumns& columns,
-                                const std::string& source, const Context& ctx) {
+std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, const PointColumns& wanted,
+                                LasColumns& columns, const std::string& source, const Context& ctx) {
     if (h.data < kOldLasHeader || h.data > bytes.size() || h.count > (bytes.size() - h.data) / h.record) {
         const std::uint64_t held =
             h.data < bytes.size() ? (bytes.size() - h.data) / h.record : std::uint64_t{0};
@@ -74,12 +83,12 @@ std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, LasC
                     fmt::format("the file is cut off or damaged: its header names {} points, but it holds {}",
                                 h.count, held));
     }
-    columns.places.resize(h.count);
+    columns.resize(h.count, wanted, h);
     std::vector<LasPart> parts((h.count + kPart - 1) / kPart);
     parallel_with_progress(ctx, h.count, kPart, [&](IndexRange range) {
         LasPart part{&columns, range.begin};
         for (std::uint64_t i = range.begin; i < range.end; ++i)
-            part.put(parse_record(bytes.substr(h.data + i * h.record, h.record), h.recent()));
+            part.put(parse_record(bytes.substr(h.data + i * h.record, h.record), h));
         parts[range.begin / kPart] = part;
     });
     return parts;
@@ -122,25 +131,74 @@ std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPar
     return {world(range.low, h), world(range.high, h)};
 }
 
-PointSet to_point_set(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
-                      const std::string& source, const Context& ctx) {
-    std::vector<std::uint64_t> begin;
-    begin.reserve(parts.size());
-    for (const LasPart& part : parts) begin.push_back(part.kept);
-    const std::uint64_t count = exclusive_scan(std::span(begin));
-    if (count == 0) throw InvalidInput(fmt::format("{}: it holds no points", source));
+/// What the parts kept, in their order.
+class Gathering {
+  public:
+    Gathering(const std::vector<LasPart>& parts, const Context& ctx) : parts_(parts), ctx_(ctx) {
+        begin_.reserve(parts.size());
+        for (const LasPart& part : parts) begin_.push_back(part.kept);
+        count_ = exclusive_scan(std::span(begin_));
+    }
+    std::uint64_t count() const { return count_; }
+
+    /// convert(value) of every value that was kept.
+    template <class From, class To, class Convert>
+    void gather(const From& from, To& to, const Convert& convert) const {
+        to.resize(count_);
+        parallel_for(ctx_, parts_.size(), 1, [&](std::size_t k) {
+            const LasPart& part = parts_[k];
+            for (std::uint64_t i = 0; i < part.kept; ++i) to[begin_[k] + i] = convert(from[part.first + i]);
+        });
+    }
+    /// The same; nothing where the column is empty or zero throughout, as writers leave what they do not
+    /// know.
+    template <class From, class To>
+    void gather_known(const From& from, std::vector<To>& to) const {
+        if (from.empty()) return;
+        gather(from, to, [](auto value) { return static_cast<To>(value); });
+        if (std::ranges::all_of(to, [](To value) { return value == 0; })) to = {};
+    }
+    /// Some writers put 8 bits where LAS has 16.
+    void gather_colors(const Buffer<Rgb16>& from, std::vector<Rgb>& to) const {
+        if (from.empty()) return;
+        std::uint16_t most = 0;
+        for (const LasPart& part : parts_) {
+            for (std::uint64_t i = part.first; i < part.first + part.kept; ++i)
+                most = std::max(most, *std::ranges::max_element(from[i]));
+        }
+        if (most == 0) return;
+        const int shift = most > 255 ? 8 : 0;
+        gather(from, to, [&](const Rgb16& c) {
+            const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(c[i] >> shift); };
+            return Rgb{byte(0), byte(1), byte(2)};
+        });
+    }
+
+  private:
+    const std::vector<LasPart>& parts_;
+    const Context& ctx_;
+    std::vector<std::uint64_t> begin_;
+    std::uint64_t count_ = 0;
+};
+
+PaintedPoints finish(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
+                     const std::string& source, const Context& ctx) {
+    const Gathering kept(parts, ctx);
+    if (kept.count() == 0) throw InvalidInput(fmt::format("{}: it holds no points", source));
     const auto [a, b] = corners(columns, parts, h, ctx);
     if (!fits_points(a) || !fits_points(b))
         las_trouble(source, "the coordinates of its points are not finite or beyond 1e30");
-    PointSet set;
+    PaintedPoints out;
+    PointSet& set = out.points;
     set.origin = choose_origin(a, b);
-    set.positions.resize(count);
-    parallel_for(ctx, parts.size(), 1, [&](std::size_t k) {
-        const LasPart& part = parts[k];
-        for (std::uint64_t i = 0; i < part.kept; ++i)
-            set.positions[begin[k] + i] = Vec3(world(columns.places[part.first + i], h) - set.origin);
-    });
-    return set;
+    kept.gather(columns.places, set.positions,
+                [&](const Place& p) { return Vec3(world(p, h) - set.origin); });
+    kept.gather_known(columns.classes, out.classes);
+    kept.gather_known(columns.intensities, out.intensities);
+    kept.gather_known(columns.return_numbers, out.return_numbers);
+    kept.gather_known(columns.return_counts, out.return_counts);
+    kept.gather_colors(columns.colors, out.colors);
+    return out;
 }
 
 }  // namespace
@@ -151,12 +209,19 @@ void las_trouble(const std::string& source, const std::string& what) {
     throw InvalidInput(fmt::format("{}: {}", source, what));
 }
 
-PointSet parse_las(std::string_view bytes, const std::string& source, const Context& ctx) {
+std::size_t LasHeader::color() const {
+    constexpr std::array<std::size_t, 11> kPlace{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
+    return kPlace[format];
+}
+
+PaintedPoints parse_las(std::string_view bytes, const PointColumns& wanted, const std::string& source,
+                        const Context& ctx) {
     const LasHeader header = parse_header(bytes, source);
     LasColumns columns;
-    const std::vector<LasPart> parts = header.compressed ? read_laz(bytes, header, columns, source, ctx)
-                                                         : read_plain(bytes, header, columns, source, ctx);
-    return to_point_set(columns, parts, header, source, ctx);
+    const std::vector<LasPart> parts = header.compressed
+                                           ? read_laz(bytes, header, wanted, columns, source, ctx)
+                                           : read_plain(bytes, header, wanted, columns, source, ctx);
+    return finish(columns, parts, header, source, ctx);
 }
 
 }  // namespace coppice::io_internal

@@ -36,8 +36,8 @@ void unpack_in_turn(std::vector<LazChunk>& chunks, const LazPacking& packing, st
 
 }  // namespace
 
-std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, LasColumns& columns,
-                              const std::string& source, const Context& ctx) {
+std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const PointColumns& wanted,
+                              LasColumns& columns, const std::string& source, const Context& ctx) {
     const LazPacking packing = read_laz_packing(bytes, h, source);
     if (h.count / kMostPointsPerByte > bytes.size()) {
         las_trouble(
@@ -46,7 +46,7 @@ std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, LasCol
     }
     if (h.count == 0) return {};
     std::vector<LazChunk> chunks = find_laz_chunks(bytes, h, packing, source);
-    columns.places.resize(h.count);
+    columns.resize(h.count, wanted, h);
     std::vector<LasPart> parts;
     parts.reserve(chunks.size());
     for (const LazChunk& chunk : chunks) parts.push_back({&columns, chunk.first});

@@ -288,13 +288,12 @@ bool is_pcd(std::string_view bytes) {
     return bytes.starts_with("# .PCD") || bytes.starts_with("VERSION .") || bytes.starts_with("VERSION 0.");
 }
 
-PointSet parse_pcd(std::string_view bytes, const std::string& source, const Context& ctx) {
+std::vector<Vec3d> parse_pcd(std::string_view bytes, const std::string& source, const Context& ctx) {
     const PcdHeader header = HeaderReader(bytes, source).read();
     const std::string_view data = bytes.substr(header.begin);
-    return to_point_set(header.data == PcdData::ascii    ? read_ascii(bytes, header, source, ctx)
-                        : header.data == PcdData::binary ? read_binary(data, header, source, ctx)
-                                                         : read_compressed(data, header, source, ctx),
-                        source);
+    return header.data == PcdData::ascii    ? read_ascii(bytes, header, source, ctx)
+           : header.data == PcdData::binary ? read_binary(data, header, source, ctx)
+                                            : read_compressed(data, header, source, ctx);
 }
 
 }  // namespace coppice::io_internal

@@ -1,30 +1,64 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/points/point_set.h"
+#include "coppice/points/painted_points.h"
 
 namespace coppice::io_internal {
+
+/// Points as a reader finds them in a file, before their origin is chosen.
+struct FoundPoints {
+    std::vector<Vec3d> places;  ///< [m] finite, not beyond 1e30
+    PaintedPoints known;        ///< all but `points`
+
+    /// Of the point that was found last. A column that an earlier point lacks stays short.
+    template <class T>
+    void note(std::vector<T>& column, T value) const {
+        if (column.size() + 1 == places.size()) column.push_back(value);
+    }
+};
+
+/// Chooses the origin and rounds; columns that some points lack are dropped, and those that are not wanted.
+/// Throws `InvalidInput` when there is no point.
+PaintedPoints finish_points(FoundPoints found, const PointColumns& wanted, const std::string& source);
 
 /// Whether a coordinate is finite and not beyond 1e30, where floats end.
 bool fits_points(Vec3d p);
 
-/// Chooses the origin and rounds. Throws `InvalidInput` when there is no point.
-PointSet to_point_set(const std::vector<Vec3d>& points, const std::string& source);
+/// Of three numbers from 0 to 255; none where one is not.
+std::optional<Rgb> color_of(double red, double green, double blue);
+/// The class of a number; 0 where it is none that LAS has.
+std::uint8_t class_of(double number);
 
 bool is_las(std::string_view bytes);  ///< starts with the signature "LASF"; LAZ does too
 bool is_pcd(std::string_view bytes);  ///< starts with the comment or the version line of PCD
 
-/// LAS 1.0 to 1.4, all point formats from 0 to 10; points marked as withheld are passed over. LAZ too.
-PointSet parse_las(std::string_view bytes, const std::string& source, const Context& ctx);
+/// LAS and LAZ 1.0 to 1.4, all point formats from 0 to 10; points marked as withheld are passed over.
+PaintedPoints parse_las(std::string_view bytes, const PointColumns& wanted, const std::string& source,
+                        const Context& ctx);
 
 /// PCD 0.5 to 0.7, data ascii, binary and binary_compressed; points without numbers (NaN) are passed over.
-PointSet parse_pcd(std::string_view bytes, const std::string& source, const Context& ctx);
+std::vector<Vec3d> parse_pcd(std::string_view bytes, const std::string& source, const Context& ctx);
 
 /// Text, see `read_points`.
-std::vector<Vec3d> parse_xyz(std::string_view text, const std::string& source, const Context& ctx);
+FoundPoints parse_xyz(std::string_view text, const std::string& source, const Context& ctx);
+
+/// What text begins with counts of points, and so is not XYZ.
+enum class ScannerText {
+    none,
+    pts,  ///< the number of points, then x y z, intensity and colour of each; once or several times
+    ptx  ///< scans: columns, rows, place and axes of the scanner, a transformation, then the points as in PTS
+};
+ScannerText scanner_text(std::string_view text);
+
+FoundPoints parse_pts(std::string_view text, const std::string& source, const Context& ctx);
+
+/// Points are moved by the transformation of their scan; those in its origin are pulses without echo, passed
+/// over.
+FoundPoints parse_ptx(std::string_view text, const std::string& source, const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -15,17 +15,59 @@
 #include "coppice/io/points/read_internal.h"
 
 namespace coppice {
+namespace io_internal {
+
+bool fits_points(Vec3d p) {
+    constexpr double kLargest = 1e30;
+    return std::abs(p.x) <= kLargest && std::abs(p.y) <= kLargest && std::abs(p.z) <= kLargest;
+}
+
+std::optional<Rgb> color_of(double red, double green, double blue) {
+    Rgb color;
+    std::size_t i = 0;
+    for (const double c : {red, green, blue}) {
+        if (!(c >= 0 && c <= 255)) return {};
+        color[i++] = static_cast<std::uint8_t>(std::lround(c));
+    }
+    return color;
+}
+
+std::uint8_t class_of(double number) {
+    return number >= 0 && number <= 255 ? static_cast<std::uint8_t>(number) : std::uint8_t{0};
+}
+
+PaintedPoints finish_points(FoundPoints found, const PointColumns& wanted, const std::string& source) {
+    if (found.places.empty()) throw InvalidInput(fmt::format("{}: it holds no points", source));
+    PaintedPoints out = std::move(found.known);
+    PointSet& set = out.points;
+    set.origin = choose_origin(found.places);
+    set.positions.resize(found.places.size());
+    std::ranges::transform(found.places, set.positions.begin(),
+                           [&](const Vec3d& p) { return Vec3(p - set.origin); });
+    const auto drop = [&](auto& column, bool is_wanted) {
+        if (!is_wanted || column.size() != set.size()) column = {};
+    };
+    drop(out.distances, wanted.distances);
+    drop(out.colors, wanted.colors);
+    drop(out.classes, wanted.classes);
+    drop(out.intensities, wanted.intensities);
+    drop(out.return_numbers, wanted.returns);
+    drop(out.return_counts, wanted.returns);
+    return out;
+}
+
+}  // namespace io_internal
+
 namespace {
 
-constexpr double kLargestCoordinate = 1e30;
-
-using io_internal::fits_points;
-using io_internal::to_point_set;
+using io_internal::finish_points;
+using io_internal::FoundPoints;
+using io_internal::ScannerText;
 
 /// The properties of a vertex that are kept.
 struct Columns {
     std::array<std::size_t, 3> place;
-    std::optional<std::size_t> distance;
+    std::optional<std::size_t> distance, classification, intensity;
     std::optional<std::array<std::size_t, 3>> color;
 
     Columns(const PlyElement& element, const std::string& source) {
@@ -37,43 +79,51 @@ struct Columns {
             if (element.properties[property].is_list())
                 throw InvalidInput(fmt::format("{}: the coordinates of the vertices are lists", source));
         }
-        distance = element.find({"distance"});
-        if (distance && element.properties[*distance].is_list()) distance.reset();
-        const auto red = element.find({"red"}), green = element.find({"green"}),
-                   blue = element.find({"blue"});
+        const auto scalar = [&](std::initializer_list<std::string_view> names) {
+            const auto property = element.find(names);
+            return property && !element.properties[*property].is_list() ? property : std::nullopt;
+        };
+        distance = scalar({"distance"});
+        classification =
+            scalar({"classification", "scalar_Classification", "scalar_classification", "class"});
+        intensity = scalar({"intensity", "scalar_Intensity", "scalar_intensity", "reflectance",
+                            "scalar_Reflectance", "scalar_reflectance"});
+        const auto red = scalar({"red"}), green = scalar({"green"}), blue = scalar({"blue"});
         const auto is_byte = [&](std::optional<std::size_t> property) {
-            return property && !element.properties[*property].is_list() &&
-                   element.properties[*property].type == PlyType::uint8;
+            return property && element.properties[*property].type == PlyType::uint8;
         };
         if (is_byte(red) && is_byte(green) && is_byte(blue)) color = {*red, *green, *blue};
     }
 };
 
-PaintedPoints read_vertices(PlyRows& rows, const PlyElement& element, const std::string& source) {
+FoundPoints read_vertices(PlyRows& rows, const PlyElement& element, const std::string& source) {
     const Columns columns(element, source);
-    std::vector<Vec3d> points;
-    points.reserve(element.count);
-    PaintedPoints out;
+    FoundPoints found;
+    found.places.reserve(element.count);
+    PaintedPoints& known = found.known;
     PlyRow row;
     for (std::uint64_t i = 0; i < element.count; ++i) {
         rows.read(row);
         const auto [x, y, z] = columns.place;
-        points.push_back({row.scalar(x), row.scalar(y), row.scalar(z)});
-        if (!fits_points(points.back())) {
+        found.places.push_back({row.scalar(x), row.scalar(y), row.scalar(z)});
+        if (!io_internal::fits_points(found.places.back())) {
             throw InvalidInput(fmt::format("{}: point {} is not finite or beyond 1e30", source, i));
         }
-        if (columns.distance) out.distances.push_back(static_cast<float>(row.scalar(*columns.distance)));
+        if (columns.distance) known.distances.push_back(static_cast<float>(row.scalar(*columns.distance)));
+        if (columns.classification)
+            known.classes.push_back(io_internal::class_of(row.scalar(*columns.classification)));
+        if (columns.intensity)
+            known.intensities.push_back(static_cast<float>(row.scalar(*columns.intensity)));
         if (!columns.color) continue;
         const auto byte = [&](std::size_t k) {
             return static_cast<std::uint8_t>(row.scalar((*columns.color)[k]));
         };
-        out.colors.push_back({byte(0), byte(1), byte(2)});
+        known.colors.push_back({byte(0), byte(1), byte(2)});
     }
-    out.points = to_point_set(points, source);
-    return out;
+    return found;
 }
 
-PaintedPoints parse_ply_points(std::string_view bytes, const std::string& source, const Context& ctx) {
+FoundPoints parse_ply_points(std::string_view bytes, const std::string& source, const Context& ctx) {
     const PlyHeader header = parse_ply_header(bytes, source);
     PlyRows rows(bytes, header, source, ctx);
     for (const PlyElement& element : header.elements) {
@@ -84,35 +134,46 @@ PaintedPoints parse_ply_points(std::string_view bytes, const std::string& source
     throw InvalidInput(fmt::format("{}: it has no element vertex", source));
 }
 
-PaintedPoints parse_painted_points(std::string_view bytes, const std::string& source, const Context& ctx) {
+FoundPoints find_points(std::string_view bytes, const std::string& source, const Context& ctx) {
     if (is_ply(bytes)) return parse_ply_points(bytes, source, ctx);
-    PaintedPoints out;
-    if (io_internal::is_las(bytes)) {
-        out.points = io_internal::parse_las(bytes, source, ctx);
-    } else if (io_internal::is_pcd(bytes)) {
-        out.points = io_internal::parse_pcd(bytes, source, ctx);
-    } else if (mesh_format_of_content(bytes) == MeshFormat::off) {
-        out.points = to_point_set(io_internal::parse_off_points(bytes, source, ctx), source);
-    } else {
-        out.points = to_point_set(io_internal::parse_xyz(bytes, source, ctx), source);
+    if (io_internal::is_pcd(bytes)) return {io_internal::parse_pcd(bytes, source, ctx), {}};
+    if (mesh_format_of_content(bytes) == MeshFormat::off)
+        return {io_internal::parse_off_points(bytes, source, ctx), {}};
+    if (const auto other = other_point_format(bytes))
+        throw Unsupported(fmt::format("{}: it is {}", source, *other));
+    switch (io_internal::scanner_text(bytes)) {
+        case ScannerText::pts:
+            return io_internal::parse_pts(bytes, source, ctx);
+        case ScannerText::ptx:
+            return io_internal::parse_ptx(bytes, source, ctx);
+        default:
+            return io_internal::parse_xyz(bytes, source, ctx);
     }
-    return out;
 }
 
 }  // namespace
 
-bool io_internal::fits_points(Vec3d p) {
-    return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
-           std::abs(p.z) <= kLargestCoordinate;
-}
-
-PointSet io_internal::to_point_set(const std::vector<Vec3d>& points, const std::string& source) {
-    if (points.empty()) throw InvalidInput(fmt::format("{}: it holds no points", source));
-    PointSet set;
-    set.origin = choose_origin(points);
-    set.positions.reserve(points.size());
-    for (const Vec3d& p : points) set.positions.push_back(Vec3(p - set.origin));
-    return set;
+std::optional<std::string_view> other_point_format(std::string_view bytes) {
+    using namespace std::string_view_literals;
+    struct Other {
+        std::string_view start, what;
+    };
+    constexpr std::array<Other, 9> kOthers{
+        {{"ASTM-E57"sv,
+          "an E57 file, which is not read; save it as LAZ, LAS or PLY, for one with CloudCompare"},
+         {"\x1f\x8b"sv, "packed by gzip; unpack it first: gunzip FILE"},
+         {"PK\x03\x04"sv, "a ZIP archive; unpack it first: unzip FILE"},
+         {"7z\xbc\xaf"sv, "a 7z archive; unpack it first: 7z x FILE"},
+         {"BZh"sv, "packed by bzip2; unpack it first: bunzip2 FILE"},
+         {"\xfd"
+          "7zXZ"sv,
+          "packed by xz; unpack it first: unxz FILE"},
+         {"\x28\xb5\x2f\xfd"sv, "packed by Zstandard; unpack it first: unzstd FILE"},
+         {"CCB2"sv, "a file of CloudCompare's own; save it there as LAZ, LAS or PLY"},
+         {"\x89HDF"sv, "an HDF5 file, which is not read; save its points as LAZ, LAS or PLY"}}};
+    for (const auto& [start, what] : kOthers)
+        if (bytes.starts_with(start)) return what;
+    return {};
 }
 
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path) {
@@ -127,16 +188,23 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
     return {};
 }
 
-PaintedPoints read_painted_points(const std::filesystem::path& path, const Context& ctx) {
-    return parse_painted_points(read_file(path, kLargestFile, ctx), path.string(), ctx);
+PaintedPoints read_painted_points(const std::filesystem::path& path, const PointColumns& columns,
+                                  const Context& ctx) {
+    return parse_painted_points(read_file(path, kLargestFile, ctx), path.string(), columns, ctx);
+}
+
+PaintedPoints parse_painted_points(std::string_view bytes, const std::string& source,
+                                   const PointColumns& columns, const Context& ctx) {
+    if (io_internal::is_las(bytes)) return io_internal::parse_las(bytes, columns, source, ctx);
+    return finish_points(find_points(bytes, source, ctx), columns, source);
 }
 
 PointSet parse_points(std::string_view bytes, const std::string& source, const Context& ctx) {
-    return parse_painted_points(bytes, source, ctx).points;
+    return parse_painted_points(bytes, source, kNoColumns, ctx).points;
 }
 
 PointSet read_points(const std::filesystem::path& path, const Context& ctx) {
-    return read_painted_points(path, ctx).points;
+    return read_painted_points(path, kNoColumns, ctx).points;
 }
 
 }  // namespace coppice

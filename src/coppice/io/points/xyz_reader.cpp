@@ -40,16 +40,24 @@ bool is_called(const std::string& name, std::size_t axis, std::size_t kind) {
     }
 }
 
-/// The columns of x, y and z.
+std::optional<std::size_t> column_named(const Cells& names, std::initializer_list<std::string_view> wanted) {
+    for (const std::string_view name : wanted) {
+        for (std::size_t i = 0; i < names.size(); ++i)
+            if (plain_name(names[i]) == name) return i;
+    }
+    return {};
+}
+
+/// Where the coordinates stand in a row, and what else is known of a point.
 struct XyzColumns {
     std::array<std::size_t, 3> axis{0, 1, 2};
-    std::size_t count = 0;  ///< of those with a name; 0 without names
-    bool quoted = false;    ///< the names stand in quotes
+    std::optional<std::size_t> classification, intensity;
+    std::optional<std::array<std::size_t, 3>> color;
+    std::size_t count = 0;   ///< of those with a name; 0 without names
+    bool row_names = false;  ///< R writes the names of rows as a first column that has no name
 
     std::size_t needed() const { return *std::ranges::max_element(axis) + 1; }
-
-    /// R writes the names of rows as a first column that has no name.
-    std::size_t shift(std::size_t cells) const { return quoted && cells == count + 1 ? 1 : 0; }
+    std::size_t shift(std::size_t cells) const { return row_names && cells == count + 1 ? 1 : 0; }
 };
 
 /// None where x, y and z are not among the names.
@@ -64,6 +72,13 @@ std::optional<XyzColumns> columns_of(const Cells& names) {
         if (!found) return {};
         columns.axis[axis] = *found;
     }
+    columns.classification =
+        column_named(names, {"classification", "scalarclassification", "class", "scalarclass"});
+    columns.intensity =
+        column_named(names, {"intensity", "scalarintensity", "reflectance", "scalarreflectance"});
+    const auto red = column_named(names, {"r", "red"}), green = column_named(names, {"g", "green"}),
+               blue = column_named(names, {"b", "blue"});
+    if (red && green && blue) columns.color = {*red, *green, *blue};
     return columns;
 }
 
@@ -85,17 +100,46 @@ std::string names_in_quotes(const Cells& names) {
     return text + (names.size() > kMost ? ", ..." : "");
 }
 
+/// Whether blanks or semicolons part the row, and commas stand within its first three numbers.
+bool has_decimal_commas(std::string_view row, Cells& cells) {
+    if (row.find(',') == row.npos) return false;
+    cells.clear();
+    const auto parts = [](char c) { return is_blank(c) || c == ';'; };
+    for (std::size_t i = 0; i < row.size() && cells.size() < 3;) {
+        const std::size_t begin = i;
+        while (i < row.size() && !parts(row[i])) ++i;
+        if (i > begin) cells.push_back(row.substr(begin, i - begin));
+        ++i;
+    }
+    if (cells.size() < 3) return false;
+    bool any = false;
+    for (const std::string_view cell : cells) {
+        const std::size_t comma = cell.find(',');
+        const bool after = comma != cell.npos && parse_number(cell.substr(0, comma)) &&
+                           parse_integer(cell.substr(comma + 1));
+        if (!after && !parse_number(cell)) return false;
+        any = any || after;
+    }
+    return any;
+}
+
 class XyzParser {
   public:
     XyzParser(std::string_view text, const std::string& source, const Context& ctx)
         : lines_(text, ctx), source_(source) {}
 
-    std::vector<Vec3d> parse() {
+    FoundPoints parse() {
         bool first = true;
         while (lines_.next()) {
             const std::string_view line = lines_.line();
             const std::size_t comment = std::min(line.find('#'), line.find("//"));
-            split_row(line.substr(0, comment), cells_);
+            const std::string_view row = line.substr(0, comment);
+            if (has_decimal_commas(row, cells_)) {
+                fail(
+                    "its numbers have commas for decimal points, which cannot be told from commas between "
+                    "numbers; write them with points");
+            }
+            split_row(row, cells_);
             if (cells_.empty()) {
                 if (first && comment < line.size()) take_comment(line.substr(comment));
                 continue;
@@ -107,7 +151,7 @@ class XyzParser {
             }
             first = false;
         }
-        return std::move(points_);
+        return std::move(found_);
     }
 
   private:
@@ -125,7 +169,20 @@ class XyzParser {
                              names_in_quotes(cells_)));
         }
         columns_ = *columns;
-        columns_.quoted = trimmed(line).starts_with('"') || trimmed(line).starts_with('\'');
+        const std::string_view text = trimmed(line);
+        columns_.row_names = text.starts_with('"') || text.starts_with('\'') || rows_count_up();
+    }
+
+    /// Whether the next three rows have one cell more than there are names, and begin with 1, 2 and 3.
+    bool rows_count_up() const {
+        LineReader ahead = lines_;
+        Cells cells;
+        for (const std::string_view number : {"1", "2", "3"}) {
+            if (!ahead.next()) return number != "1";
+            split_row(ahead.line(), cells);
+            if (cells.size() != columns_.count + 1 || cells[0] != number) return false;
+        }
+        return true;
     }
 
     void add_point() {
@@ -144,7 +201,29 @@ class XyzParser {
             p[axis] = *number;
         }
         if (!fits_points(p)) fail("a coordinate is not finite or beyond 1e30");
-        points_.push_back(p);
+        found_.places.push_back(p);
+        note_columns(shift);
+    }
+
+    /// What is no number is unknown.
+    void note_columns(std::size_t shift) {
+        const auto number = [&](std::size_t column) -> std::optional<double> {
+            if (column + shift >= cells_.size()) return {};
+            return parse_number(cells_[column + shift]);
+        };
+        if (columns_.classification) {
+            const auto c = number(*columns_.classification);
+            if (c) found_.note(found_.known.classes, class_of(*c));
+        }
+        if (columns_.intensity) {
+            const auto i = number(*columns_.intensity);
+            if (i) found_.note(found_.known.intensities, static_cast<float>(*i));
+        }
+        if (!columns_.color) return;
+        const auto [r, g, b] = *columns_.color;
+        const auto red = number(r), green = number(g), blue = number(b);
+        if (!red || !green || !blue) return;
+        if (const auto color = color_of(*red, *green, *blue)) found_.note(found_.known.colors, *color);
     }
 
     [[noreturn]] void fail(const std::string& text) const { fail_at(source_, lines_.number(), text); }
@@ -153,12 +232,12 @@ class XyzParser {
     const std::string& source_;
     Cells cells_;
     XyzColumns columns_;
-    std::vector<Vec3d> points_;
+    FoundPoints found_;
 };
 
 }  // namespace
 
-std::vector<Vec3d> parse_xyz(std::string_view text, const std::string& source, const Context& ctx) {
+FoundPoints parse_xyz(std::string_view text, const std::string& source, const Context& ctx) {
     return XyzParser(text, source, ctx).parse();
 }
 

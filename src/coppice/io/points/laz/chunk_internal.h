@@ -33,6 +33,7 @@ struct LazPacking {
     };
     std::vector<Item> items;
     std::uint16_t record = 0;  ///< [bytes]
+    std::size_t color = 0;     ///< [bytes] where in a record it begins; 0 = it has none
     bool layered = false;      ///< each property by itself, as formats 6 to 10 are
     bool chunked = true;       ///< else all points are one chunk
     std::uint32_t chunk = 0;   ///< points in each; `kVaryingChunks`: the table says how many

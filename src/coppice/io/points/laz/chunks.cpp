@@ -122,7 +122,7 @@ std::vector<LazChunk> read_table(std::string_view data, std::size_t table, const
 LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const std::string& source) {
     if (h.data < kOldLasHeader || h.data > bytes.size()) damaged(source, "the file is cut off");
     const std::string_view vlr = find_laszip_vlr(bytes, h, source);
-    LazPacking p{.items = items_of(h), .record = h.record, .layered = h.recent()};
+    LazPacking p{.items = items_of(h), .record = h.record, .color = h.color(), .layered = h.recent()};
     if (vlr.size() < kLaszipVlr + kItem * p.items.size() ||
         number_at<std::uint16_t>(vlr, kLaszipVlr - 2) != p.items.size())
         damaged(source, "they have other fields than their format has");

@@ -7,6 +7,7 @@
 
 #include "coppice/base/progress.h"
 #include "coppice/io/points/laz/chunk_internal.h"
+#include "coppice/io/points/laz/colors_internal.h"
 #include "coppice/io/points/laz/integers_internal.h"
 #include "coppice/io/points/laz/prediction_internal.h"
 
@@ -18,6 +19,8 @@ struct Point14 {
     std::int32_t x = 0, y = 0, z = 0;
     unsigned return_number = 0, return_count = 0;
     unsigned flags = 0;  ///< those of the classification, then direction and edge
+    std::uint16_t intensity = 0;
+    std::uint8_t classification = 0;
 
     explicit Point14(std::string_view bytes)
         : x(number_at<std::int32_t>(bytes, 0)),
@@ -25,10 +28,19 @@ struct Point14 {
           z(number_at<std::int32_t>(bytes, 8)),
           return_number(number_at<std::uint8_t>(bytes, 14) & 15u),
           return_count(number_at<std::uint8_t>(bytes, 14) >> 4),
-          flags((number_at<std::uint8_t>(bytes, 15) & 15u) |
-                (number_at<std::uint8_t>(bytes, 15) >> 2 & 48u)) {}
+          flags((number_at<std::uint8_t>(bytes, 15) & 15u) | (number_at<std::uint8_t>(bytes, 15) >> 2 & 48u)),
+          intensity(number_at<std::uint16_t>(bytes, 12)),
+          classification(number_at<std::uint8_t>(bytes, 16)) {}
 
-    LasPoint point() const { return {{x, y, z}, (flags & 4u) != 0}; }
+    LasPoint point(const Rgb16& color) const {
+        return {.place = {x, y, z},
+                .withheld = (flags & 4u) != 0,
+                .intensity = intensity,
+                .return_number = static_cast<std::uint8_t>(return_number),
+                .return_count = static_cast<std::uint8_t>(return_count),
+                .classification = classification,
+                .color = color};
+    }
     bool first() const { return return_number == 1; }
     bool last() const { return return_number >= return_count; }
     void move(std::int32_t dx, std::int32_t dy) {
@@ -56,15 +68,56 @@ unsigned return_kind(unsigned a, unsigned b) {
 
 /// What is known of a channel of the scanner.
 struct Channel {
-    explicit Channel(const Point14& p) : last(p) { last_z.fill(p.z); }
+    explicit Channel(const Point14& p) : last(p) {
+        last_z.fill(p.z);
+        last_intensity.fill(p.intensity);
+    }
 
     Point14 last;
     bool time_changed = false;
-    SymbolModels changes{8, 128}, return_counts{16, 16}, return_numbers{16, 16}, flags{64, 64};
+    SymbolModels changes{8, 128}, return_counts{16, 16}, return_numbers{16, 16}, flags{64, 64},
+        classes{64, 256};
     SymbolModel channels{3}, return_numbers_same_time{13};
-    IntegerDecoder dx{32, 2}, dy{32, 22}, z{32, 20};
+    IntegerDecoder dx{32, 2}, dy{32, 22}, z{32, 20}, intensities{16, 4};
     std::array<RunningMedian, 12> median_dx, median_dy;
     std::array<std::int32_t, 8> last_z{};
+    std::array<std::uint16_t, 8> last_intensity{};
+};
+
+/// The layer of colours. It follows the channels in a way of its own that files of version 3 rely on: the
+/// channel of a point is taken for the first one unless it changed there, and a channel that was met before
+/// is predicted from the one that was read last. Version 4 does neither.
+class ColorLayer {
+  public:
+    ColorLayer(std::optional<ArithmeticDecoder> layer, std::uint16_t version, std::size_t channel,
+               const Rgb16& first)
+        : layer_(layer), as_version3_(version < 4), at_(channel) {
+        channels_[at_] = std::make_unique<OfChannel>(OfChannel{first, {}});
+    }
+
+    const Rgb16& read(std::size_t channel, bool changed) {
+        if (as_version3_ && !changed) channel = 0;
+        OfChannel* from = channels_[at_].get();
+        if (channel != at_) {
+            at_ = channel;
+            const bool fresh = !channels_[at_];
+            if (fresh) channels_[at_] = std::make_unique<OfChannel>(OfChannel{from->last, {}});
+            if (fresh || !as_version3_) from = channels_[at_].get();
+        }
+        if (layer_) from->last = channels_[at_]->decoder.read(*layer_, from->last);
+        return from->last;
+    }
+    bool damaged() const { return layer_ && layer_->damaged(); }
+
+  private:
+    struct OfChannel {
+        Rgb16 last{};
+        ColorDecoder decoder;
+    };
+    std::optional<ArithmeticDecoder> layer_;
+    std::array<std::unique_ptr<OfChannel>, 4> channels_;
+    bool as_version3_;
+    std::size_t at_;
 };
 
 /// The bytes of a chunk's layers, in their order.
@@ -84,7 +137,12 @@ class LayerCutter {
         if (layer.empty()) return {};
         return ArithmeticDecoder(layer);
     }
-    void pass() { cut(); }
+    /// Nothing, too, where it is not wanted.
+    std::optional<ArithmeticDecoder> next_if(bool wanted) {
+        if (wanted) return next();
+        cut();
+        return {};
+    }
 
   private:
     std::string_view cut() {
@@ -110,35 +168,48 @@ std::size_t layer_count(const LazPacking& packing) {
 
 class LayerReader {
   public:
-    LayerReader(LayerCutter& layers, std::string_view first)
-        : places_(layers.next()), heights_(layers.next()) {
-        layers.pass();  // classification
-        flags_ = layers.next();
-        at_ = first_channel(first);
+    /// Of the columns of `out`, those that are empty are passed over.
+    LayerReader(LayerCutter& layers, const LazPacking& packing, std::string_view first, const LasColumns& out)
+        : places_(layers.next()),
+          heights_(layers.next()),
+          classes_(layers.next_if(!out.classes.empty())),
+          flags_(layers.next()),
+          intensities_(layers.next_if(!out.intensities.empty())),
+          at_(first_channel(first)) {
         channels_[at_] = std::make_unique<Channel>(Point14(first));
+        if (out.colors.empty()) return;
+        for (int i = 0; i < 4; ++i) layers.next_if(false);  // angle, user, source, time
+        colors_.emplace(layers.next(), packing.items[1].version, at_, color_at(first, packing.color));
     }
 
     LasPoint next() {
         Channel& channel = read_changes();
         Point14& p = channel.last;
         const bool time_changed = (changes_ & 16u) != 0;
-        const bool single = p.return_count == 1;
-        const unsigned kind = 2 * return_kind(p.return_count, p.return_number) + (time_changed ? 1u : 0u);
-        const std::int32_t dx = channel.dx.read(*places_, channel.median_dx[kind].get(), single ? 1u : 0u);
-        channel.median_dx[kind].add(dx);
-        const std::int32_t dy = channel.dy.read(*places_, channel.median_dy[kind].get(),
-                                                coordinate_context(channel.dx.length(), 20, single));
-        channel.median_dy[kind].add(dy);
-        p.move(dx, dy);
-        if (heights_) read_height(channel, single);
+        read_place(channel, time_changed);
+        // The return among those of its pulse: between others, the last, the first, the only one.
+        const unsigned among = (p.first() ? 2u : 0u) + (p.last() ? 1u : 0u);
+        if (classes_) {
+            const unsigned from = (p.classification & 31u) * 2 + (among == 3 ? 1 : 0);
+            p.classification = static_cast<std::uint8_t>(classes_->symbol(channel.classes[from]));
+        }
         if (flags_) p.flags = flags_->symbol(channel.flags[p.flags]);
+        if (intensities_) {
+            std::uint16_t& last = channel.last_intensity[2 * among + (time_changed ? 1 : 0)];
+            last = static_cast<std::uint16_t>(
+                channel.intensities.read(*intensities_, std::uint32_t{last}, among));
+            p.intensity = last;
+        }
         channel.time_changed = time_changed;
-        return p.point();
+        return p.point(colors_ ? colors_->read(at_, (changes_ & 64u) != 0) : Rgb16{});
     }
 
     bool damaged() const {
-        return !places_ || places_->damaged() || (heights_ && heights_->damaged()) ||
-               (flags_ && flags_->damaged());
+        const auto is_damaged = [](const std::optional<ArithmeticDecoder>& layer) {
+            return layer && layer->damaged();
+        };
+        return !places_ || places_->damaged() || is_damaged(heights_) || is_damaged(classes_) ||
+               is_damaged(flags_) || is_damaged(intensities_) || (colors_ && colors_->damaged());
     }
 
   private:
@@ -177,8 +248,17 @@ class LayerReader {
         return *channel;
     }
 
-    void read_height(Channel& channel, bool single) {
+    void read_place(Channel& channel, bool time_changed) {
         Point14& p = channel.last;
+        const bool single = p.return_count == 1;
+        const unsigned kind = 2 * return_kind(p.return_count, p.return_number) + (time_changed ? 1u : 0u);
+        const std::int32_t dx = channel.dx.read(*places_, channel.median_dx[kind].get(), single ? 1u : 0u);
+        channel.median_dx[kind].add(dx);
+        const std::int32_t dy = channel.dy.read(*places_, channel.median_dy[kind].get(),
+                                                coordinate_context(channel.dx.length(), 20, single));
+        channel.median_dy[kind].add(dy);
+        p.move(dx, dy);
+        if (!heights_) return;
         const unsigned level =
             std::min(7u, p.return_count > p.return_number ? p.return_count - p.return_number
                                                           : p.return_number - p.return_count);
@@ -187,7 +267,8 @@ class LayerReader {
         channel.last_z[level] = p.z;
     }
 
-    std::optional<ArithmeticDecoder> places_, heights_, flags_;
+    std::optional<ArithmeticDecoder> places_, heights_, classes_, flags_, intensities_;
+    std::optional<ColorLayer> colors_;
     std::array<std::unique_ptr<Channel>, 4> channels_;
     std::size_t at_ = 0;
     unsigned changes_ = 0;
@@ -203,9 +284,9 @@ std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking
     LayerCutter layers(chunk.bytes.substr(packing.record + 4u, table), chunk.bytes.substr(head));
     const std::uint64_t size = layers.size();
     if (size > chunk.bytes.size() - head) return {};
-    out.put(Point14(chunk.bytes).point());
+    out.put(Point14(chunk.bytes).point(packing.color > 0 ? color_at(chunk.bytes, packing.color) : Rgb16{}));
     if (chunk.count > 1) {
-        LayerReader reader(layers, chunk.bytes);
+        LayerReader reader(layers, packing, chunk.bytes, *out.columns);
         for (std::uint64_t i = 1; i < chunk.count; ++i) {
             poll_stop(ctx, i);
             if (reader.damaged()) return {};

@@ -6,6 +6,7 @@
 
 #include "coppice/base/progress.h"
 #include "coppice/io/points/laz/chunk_internal.h"
+#include "coppice/io/points/laz/colors_internal.h"
 #include "coppice/io/points/laz/integers_internal.h"
 #include "coppice/io/points/laz/prediction_internal.h"
 
@@ -30,7 +31,15 @@ struct Point10 {
           user(number_at<std::uint8_t>(bytes, 17)),
           source(number_at<std::uint16_t>(bytes, 18)) {}
 
-    LasPoint point() const { return {{x, y, z}, (classification & 0x80) != 0}; }
+    LasPoint point(const Rgb16& color) const {
+        return {.place = {x, y, z},
+                .withheld = (classification & 0x80) != 0,
+                .intensity = intensity,
+                .return_number = static_cast<std::uint8_t>(returns & 7),
+                .return_count = static_cast<std::uint8_t>(returns >> 3 & 7),
+                .classification = static_cast<std::uint8_t>(classification & 31),
+                .color = color};
+    }
     void move(std::int32_t dx, std::int32_t dy) {
         x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(dx));
         y = static_cast<std::int32_t>(static_cast<std::uint32_t>(y) + static_cast<std::uint32_t>(dy));
@@ -133,16 +142,16 @@ class Point10Version2 {
     std::array<std::int32_t, 8> last_z_{};
 };
 
-/// A part of a record that nothing is taken from: it is read as the next part follows it.
-class PassedItem {
+/// Another part of a record: it has to be read whether it is wanted or not, as the next part follows it.
+class OtherItem {
   public:
-    virtual ~PassedItem() = default;
+    virtual ~OtherItem() = default;
     virtual void next(ArithmeticDecoder& in) = 0;
 };
 
 /// Times, as differences or as multiples of the last difference. The times themselves are not kept, but what
 /// is read next depends on whether the last difference was zero.
-class GpsTimeVersion1 : public PassedItem {
+class GpsTimeVersion1 : public OtherItem {
   public:
     void next(ArithmeticDecoder& in) override {
         if (last_ == 0) {
@@ -191,7 +200,7 @@ class GpsTimeVersion1 : public PassedItem {
 };
 
 /// The same with four times in turn, as pulses of several scanners mix.
-class GpsTimeVersion2 : public PassedItem {
+class GpsTimeVersion2 : public OtherItem {
   public:
     void next(ArithmeticDecoder& in) override {
         // A writer changes to another time at most once, and then it is that time's difference.
@@ -261,36 +270,22 @@ class GpsTimeVersion2 : public PassedItem {
     std::size_t at_ = 0, newest_ = 0;
 };
 
-class ColorVersion1 : public PassedItem {
+/// The only one of these parts that something is taken from.
+class ColorItem : public OtherItem {
   public:
-    void next(ArithmeticDecoder& in) override {
-        const unsigned changes = in.symbol(changes_);
-        for (unsigned i = 0; i < 6; ++i) {
-            if (changes >> i & 1u) bytes_.read(in, 0, i);
-        }
-    }
-
-  private:
-    SymbolModel changes_{64};
-    IntegerDecoder bytes_{8, 6};
+    Rgb16 color{};
 };
 
-class ColorVersion2 : public PassedItem {
+template <class Decoder>
+class ColorOf : public ColorItem {
   public:
-    void next(ArithmeticDecoder& in) override {
-        const unsigned changes = in.symbol(changes_);
-        const bool grey = (changes & 64u) == 0;
-        for (const unsigned i : {0u, 1u, 2u, 4u, 3u, 5u}) {
-            if ((changes >> i & 1u) != 0 && (i < 2 || !grey)) in.symbol(differences_[i]);
-        }
-    }
+    void next(ArithmeticDecoder& in) override { color = decoder_.read(in, color); }
 
   private:
-    SymbolModel changes_{128};
-    SymbolModels differences_{6, 256};
+    Decoder decoder_;
 };
 
-class WavePacket : public PassedItem {
+class WavePacket : public OtherItem {
   public:
     void next(ArithmeticDecoder& in) override {
         in.symbol(indices_);
@@ -311,7 +306,7 @@ class WavePacket : public PassedItem {
     unsigned last_offset_ = 0;
 };
 
-class BytesVersion1 : public PassedItem {
+class BytesVersion1 : public OtherItem {
   public:
     explicit BytesVersion1(unsigned count) : bytes_(8, count), count_(count) {}
     void next(ArithmeticDecoder& in) override {
@@ -323,7 +318,7 @@ class BytesVersion1 : public PassedItem {
     unsigned count_;
 };
 
-class BytesVersion2 : public PassedItem {
+class BytesVersion2 : public OtherItem {
   public:
     explicit BytesVersion2(unsigned count) : bytes_(count, 256), count_(count) {}
     void next(ArithmeticDecoder& in) override {
@@ -335,15 +330,15 @@ class BytesVersion2 : public PassedItem {
     unsigned count_;
 };
 
-std::unique_ptr<PassedItem> passed_item(const LazPacking::Item& item) {
+std::unique_ptr<OtherItem> other_item(const LazPacking::Item& item) {
     const bool old = item.version == 1;
     switch (item.type) {
         case LazItem::gps_time11:
             if (old) return std::make_unique<GpsTimeVersion1>();
             return std::make_unique<GpsTimeVersion2>();
         case LazItem::rgb12:
-            if (old) return std::make_unique<ColorVersion1>();
-            return std::make_unique<ColorVersion2>();
+            if (old) return std::make_unique<ColorOf<OldColorDecoder>>();
+            return std::make_unique<ColorOf<ColorDecoder>>();
         case LazItem::wave_packet13:
             return std::make_unique<WavePacket>();
         default:
@@ -356,18 +351,26 @@ template <class Points>
 std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
                                   const Context& ctx) {
     Point10 p(chunk.bytes);
-    out.put(p.point());
+    Rgb16 uncolored{};
+    const Rgb16* color = &uncolored;
+    std::vector<std::unique_ptr<OtherItem>> others;
+    for (std::size_t i = 1; i < packing.items.size(); ++i) {
+        others.push_back(other_item(packing.items[i]));
+        if (packing.items[i].type != LazItem::rgb12) continue;
+        auto& item = static_cast<ColorItem&>(*others.back());
+        item.color = color_at(chunk.bytes, packing.color);
+        color = &item.color;
+    }
+    out.put(p.point(*color));
     if (chunk.count == 1 && packing.record + 4u > chunk.bytes.size()) return packing.record;
     ArithmeticDecoder in(chunk.bytes.substr(packing.record));
     Points points;
-    std::vector<std::unique_ptr<PassedItem>> others;
-    for (std::size_t i = 1; i < packing.items.size(); ++i) others.push_back(passed_item(packing.items[i]));
     for (std::uint64_t i = 1; i < chunk.count; ++i) {
         poll_stop(ctx, i);
         points.next(in, p);
         for (const auto& item : others) item->next(in);
         if (in.damaged()) return {};
-        out.put(p.point());
+        out.put(p.point(*color));
     }
     return static_cast<std::size_t>(in.position() - chunk.bytes.data());
 }
