@@ -34,10 +34,9 @@ std::optional<PointFormat> point_format_of_name(const std::filesystem::path& pat
 /// PTS: the number of points, then x y z, intensity, red, green and blue of each; any number of such blocks.
 /// PTX: scans, moved by the transformation in their head; pulses without echo are passed over.
 /// PLY: x, y and z of the element `vertex`; everything else is passed over.
-/// LAS: 1.0 to 1.4, point formats 0 to 10; what is marked as withheld is passed over. LAZ: all that [LAZ]
-/// knows, chunks unpacked in parallel.
-/// PCD: x, y and z, in ascii, binary or binary_compressed; points that are not a number are passed over.
-/// OFF: the vertices of a text without faces.
+/// LAS: 1.0 to 1.4, point formats 0 to 10; what is marked as withheld is passed over. LAZ: all that
+/// [Isenburg2013] knows, chunks unpacked in parallel. PCD: x, y and z, in ascii, binary or binary_compressed;
+/// points that are not a number are passed over. OFF: the vertices of a text without faces.
 ///
 /// Where coordinates are large against the size of the set, `origin` takes the offset in double precision;
 /// else it is zero.

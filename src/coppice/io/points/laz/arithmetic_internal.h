@@ -41,7 +41,7 @@ class BitModel {
     std::uint32_t zeros_ = 1, total_ = 2, probability_ = 1u << 12, cycle_ = 4, left_ = 4;
 };
 
-/// Undoes the arithmetic coding of [Said2004], as [LAZ] has it: 32 bits, carried on byte by byte.
+/// Undoes the arithmetic coding of [Said2004], as [Isenburg2013] has it: 32 bits, carried on byte by byte.
 ///
 /// Whatever the bytes are, symbols lie within their alphabets and nothing is read beyond the end: zeros are
 /// taken there, and `damaged` says so.

@@ -10,7 +10,7 @@
 
 namespace coppice::io_internal {
 
-/// The parts that a record is divided into for packing, by their numbers in [LAZ].
+/// The parts that a record is divided into for packing, by their numbers in [Isenburg2013].
 enum class LazItem : std::uint16_t {
     byte = 0,
     point10 = 6,

@@ -9,7 +9,7 @@
 
 namespace coppice::io_internal {
 
-/// Colours byte by byte, in version 1 of [LAZ]: those that changed, as their difference.
+/// Colours byte by byte, in version 1 of [Isenburg2013]: those that changed, as their difference.
 class OldColorDecoder {
   public:
     Rgb16 read(ArithmeticDecoder& in, Rgb16 color) {

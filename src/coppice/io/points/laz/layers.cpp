@@ -1,6 +1,6 @@
-// Formats 6 to 10: every property of the records of a chunk is packed by itself, as version 3 of [LAZ] has
-// it, with models of their own for each of the scanner's four channels. Version 4 packs the properties read
-// here alike.
+// Formats 6 to 10: every property of the records of a chunk is packed by itself, as version 3 of
+// [Isenburg2013] has it, with models of their own for each of the scanner's four channels. Version 4 packs
+// the properties read here alike.
 
 #include <array>
 #include <memory>

@@ -1,4 +1,4 @@
-// Formats 0 to 5: every record is packed by its difference from the one before, in versions 1 and 2 of [LAZ]
+// Formats 0 to 5: every record is packed by its difference from the one before, in versions 1 and 2 of
 // [Isenburg2013].
 
 #include <array>
