@@ -275,7 +275,8 @@ void check_plot_files(const PlotFiles& files) {
     check_output_folder(files.tree_points);
 }
 
-void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files) {
+void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files,
+                const std::string& summary) {
     std::vector<PlotTree> trees = plot.trees;
     UnfinishedFolder folder(trimmed(files.folder));
     const std::string ending = fmt::format(".{}", ending_of(files.write));
@@ -301,7 +302,7 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
         folder.commit();
     });
     count(run, points, plot, trees);
-    run.finish(summary_of(trees, files));
+    run.finish(summary_of(trees, files) + summary);
 }
 
 }  // namespace coppice::cli

@@ -28,8 +28,9 @@ bool is_plot_folder(const std::filesystem::path& output, SkeletonFormat format);
 void check_plot_files(const PlotFiles& files);
 
 /// Writes tree_001.swc and so on, trees.csv, and what else is asked for, as stages of the run; fills its
-/// counts, and says what came out. The folder appears whole, or what is new in it does; nothing of it where
-/// that fails. A tree of which no surface can be made says so in its row.
-void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files);
+/// counts, and says what came out, then `summary`. The folder appears whole, or what is new in it does;
+/// nothing of it where that fails. A tree of which no surface can be made says so in its row.
+void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files,
+                const std::string& summary);
 
 }  // namespace coppice::cli

@@ -104,6 +104,10 @@ def make_inputs():
     write("plot.xyz", "\n".join(plot))
     write("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
+    # That stem as class 5, amid 400 points of the ground and three of noise.
+    classed = ["x y z classification"] + [row + " 5" for row in rows]
+    classed += ["%.2f %.2f 0 2" % (0.2 * (i % 20) - 2, 0.2 * (i // 20) - 2) for i in range(400)] + ["0 0 9 7", "1 0 9 7", "0 1 9 7"]
+    write("classed.xyz", "\n".join(classed))
     write("leafy_far.xyz", "\n".join("%d %s" % (5000, row) for row in ("0 0", "1 0", "1 1")))
     write("stem.txt", "".join(row + " 1 200 90 40\n" for row in rows))
     write("tree.txt", TREE)
@@ -125,6 +129,10 @@ def make_inputs():
     write("cut.laz", bytes(las))
     with open(os.path.join(os.path.dirname(__file__), "../io/laz/format7.laz"), "rb") as scan:
         write("scan.laz", scan.read())
+    write("scan.e57", b"ASTM-E57\1\0\0\0")
+    write("scan.las.gz", b"\x1f\x8b\x08\0")
+    write("scan.pts", "3\n0 0 0 -700 1 2 3\n1 0 0 800 1 2 3\n1 2 3 0 1 2 3\n")
+    write("scan.ptx", "1\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 0 0 1\n0 0 0 0.5\n1 0 0 0.5\n1 2 3 0.5\n")
     write("cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty float x\nproperty float y\n"
           "property float z\nelement face 50\nproperty list uchar int vertex_indices\nend_header\n1234")
     write("cut.glb", b"glTF\x02\x00\x00\x00\xff\xff\x00\x00")

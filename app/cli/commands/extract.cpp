@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,7 @@
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/points/wood_classes.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 #include "files.h"
@@ -25,6 +27,7 @@ constexpr const char* kCloudGroup = "From a cloud of points";
 constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 
 struct ExtractFlags {
+    std::vector<std::string> wood_classes;
     std::filesystem::path input, output, mesh_output, leaf_output, tree_points;
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
@@ -103,13 +106,45 @@ std::string leaves_left_out(const CloudReport& cleaning) {
                        grouped(cleaning.points));
 }
 
+WoodClasses wood_classes(const ExtractFlags& flags) {
+    if (flags.wood_classes.empty()) return {};
+    try {
+        return parse_wood_classes(fmt::format("{}", fmt::join(flags.wood_classes, ",")));
+    } catch (const InvalidInput& error) {
+        throw UsageError(fmt::format("--wood-classes: {}", error.what()));
+    }
+}
+
+/// The points that may be wood by their classes; the report and `summary` say how many are not.
+PointSet load_wood(Run& run, const std::filesystem::path& input, const WoodClasses& wood,
+                   std::string& summary) {
+    PointColumns classes = kNoColumns;
+    classes.classes = true;
+    PaintedPoints scan = load_painted_points(run, input, classes);
+    const std::size_t all = scan.points.size();
+    try {
+        const ClassSelection out =
+            run.stage("classes", [&](const Context& ctx) { return keep_wood_classes(scan, wood, ctx); });
+        if (out.doubt) run.warn(fmt::format("{}: {}", input.string(), *out.doubt));
+        if (out.count == 0) return std::move(scan.points);
+        Figures left_out;
+        for (std::size_t c = 0; c < out.left_out.size(); ++c)
+            if (out.left_out[c] > 0) left_out[fmt::format("{}", c)] = out.left_out[c];
+        run.counts()["left_out_by_class"] = left_out;
+        summary += fmt::format(", {} of {} points left out by their class", grouped(out.count), grouped(all));
+    } catch (const InvalidInput& error) {
+        throw InvalidInput(fmt::format("{}: {}", input.string(), error.what()));
+    }
+    return std::move(scan.points);
+}
+
 ExtractResult from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
-    const PointSet points = load_points(run, flags.input);
+    const PointSet points = load_wood(run, flags.input, wood_classes(flags), summary);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_of(result.cleaning);
-    summary = leaves_left_out(result.cleaning);
+    summary += leaves_left_out(result.cleaning);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves",
                   [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
@@ -165,7 +200,10 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
     check_plot_files(files);
     check_plot_options(given, flags);
     check_groups(given, flags.input, FileKind::points);
-    const PointSet points = load_points(run, flags.input);
+    std::string found;
+    WoodClasses wood = wood_classes(flags);
+    wood.ground = true;
+    const PointSet points = load_wood(run, flags.input, wood, found);
     const PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
     });
@@ -176,7 +214,7 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
                         "less, and a cloud of one tree is read by coppice extract {0} -o tree.swc",
                         flags.input.string()));
     }
-    write_plot(run, points, plot, files);
+    write_plot(run, points, plot, files, found);
     return kDone;
 }
 
@@ -213,9 +251,9 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
 Command extract_command() {
     const auto flags = std::make_shared<ExtractFlags>();
     OptionList options;
-    options.file(
-        "input", "FILE", flags->input,
-        "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .ply, .pcd, .las, .laz)");
+    options.file("input", "FILE", flags->input,
+                 "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
+                 ".pcd, .las, .laz)");
     options.file("-o,--output", "SKELETON", flags->output,
                  "skeleton to write, its ending tells the format; or a folder for the trees of a plot");
     options.file(
@@ -227,6 +265,12 @@ Command extract_command() {
                    &flags->from_mesh.root});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root"}});
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
+    options.value({{"wood_classes",
+                    "LAS classes of points that may be wood, as 4,5,20-22; auto leaves out ground, noise, "
+                    "buildings and what "
+                    "else cannot be trees; all keeps every class"},
+                   &flags->wood_classes},
+                  kCloudGroup);
     options.file("--leaf-points", "POINTS", flags->leaf_output,
                  "also write the points that are left out as leaves, if any", kCloudGroup);
     options.fields(flags->from_plot, kPlotGroup);

@@ -1,0 +1,155 @@
+#include "coppice/points/wood_classes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <vector>
+
+#include "coppice/base/error.h"
+#include "coppice/base/progress.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kGround = 2;
+constexpr std::array<std::size_t, 12> kNeverWood{kGround, 6, 7, 9, 10, 11, 13, 14, 15, 16, 17, 18};
+constexpr double kLeastShare = 0.1;  // of the points, that has to be left
+
+using Counts = std::array<std::uint64_t, 256>;
+
+[[noreturn]] void bad_list(std::string_view text) {
+    throw InvalidInput(fmt::format(
+        "'{}' are no classes of points; write auto, all, or numbers from 0 to 255: 4,5,20-22", text));
+}
+
+/// Takes a number from 0 to 255 off the front of `rest`.
+std::size_t take_class(std::string_view& rest, std::string_view text) {
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+    if (error != std::errc() || number > 255) bad_list(text);
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    return number;
+}
+
+Counts count_classes(const PaintedPoints& points) {
+    Counts counts{};
+    for (const std::uint8_t c : points.classes) ++counts[c];
+    return counts;
+}
+
+std::string list_of(const Counts& counts) {
+    std::string text;
+    for (std::size_t c = 0; c < counts.size(); ++c)
+        if (counts[c] > 0) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", c, counts[c]);
+    return text;
+}
+
+/// Whether nine in ten points of the class of ground lie near the lowest points of the cells of a plan that
+/// they lie in: within a tenth of the height of all, or as far as the ground may rise within a cell.
+bool ground_lies_low(const PaintedPoints& points) {
+    constexpr std::size_t kCells = 24;
+    const Box3 box = bounds(points.points);
+    const Vec3 size = box.high - box.low;
+    const float cell = std::max({size.x, size.y, 1e-6f}) / kCells;
+    const auto cell_of = [&](Vec3 p) {
+        const auto index = [&](float c) { return std::min(static_cast<std::size_t>(c / cell), kCells - 1); };
+        return index(p.y - box.low.y) * kCells + index(p.x - box.low.x);
+    };
+    std::vector<float> lowest(kCells * kCells, std::numeric_limits<float>::infinity());
+    const auto& positions = points.points.positions;
+    for (const Vec3 p : positions) lowest[cell_of(p)] = std::min(lowest[cell_of(p)], p.z);
+    const float reach = std::max(0.1f * size.z, cell);
+    std::size_t ground = 0, low = 0;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        if (points.classes[i] != kGround) continue;
+        ++ground;
+        if (positions[i].z <= lowest[cell_of(positions[i])] + reach) ++low;
+    }
+    return 10 * low >= 9 * ground;
+}
+
+/// The classes that stay by the automatic rule.
+std::bitset<256> automatic_classes(const PaintedPoints& points, const Counts& counts, bool keep_ground,
+                                   std::optional<std::string>& doubt) {
+    std::bitset<256> wood;
+    wood.set();
+    for (const std::size_t c : kNeverWood) wood.reset(c);
+    wood.set(kGround, keep_ground);
+    if (!keep_ground && counts[kGround] > 0 && !ground_lies_low(points)) {
+        wood.set(kGround);
+        doubt = "points of class 2, which is ground, do not lie low: they were kept";
+    }
+    std::uint64_t left = 0;
+    for (std::size_t c = 0; c < counts.size(); ++c) left += wood[c] ? counts[c] : 0;
+    if (static_cast<double>(left) < kLeastShare * static_cast<double>(points.points.size())) {
+        wood.set();
+        doubt = fmt::format("by their classes only {} of {} points could be trees: all were kept", left,
+                            points.points.size());
+    }
+    return wood;
+}
+
+template <class Column>
+void keep_of(Column& column, const std::vector<std::uint8_t>& classes, const std::bitset<256>& wood) {
+    if (column.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < classes.size(); ++i)
+        if (wood[classes[i]]) column[kept++] = column[i];
+    column.resize(kept);
+}
+
+}  // namespace
+
+WoodClasses parse_wood_classes(std::string_view text) {
+    if (text == "auto") return {};
+    WoodClasses wood{.automatic = false};
+    if (text == "all") {
+        wood.classes.set();
+        return wood;
+    }
+    for (std::string_view rest = text;; rest.remove_prefix(1)) {
+        const std::size_t first = take_class(rest, text);
+        std::size_t last = first;
+        if (rest.starts_with('-')) {
+            rest.remove_prefix(1);
+            last = take_class(rest, text);
+        }
+        if (last < first || (!rest.empty() && rest.front() != ',')) bad_list(text);
+        for (std::size_t c = first; c <= last; ++c) wood.classes.set(c);
+        if (rest.empty()) return wood;
+    }
+}
+
+ClassSelection keep_wood_classes(PaintedPoints& points, const WoodClasses& wood, const Context& ctx) {
+    ClassSelection out;
+    if (points.classes.empty()) {
+        if (wood.automatic || wood.classes.all()) return out;
+        throw InvalidInput("its points have no classes to choose from");
+    }
+    const Counts counts = count_classes(points);
+    ctx.throw_if_cancelled();
+    const std::bitset<256> kept =
+        wood.automatic ? automatic_classes(points, counts, wood.ground, out.doubt) : wood.classes;
+    for (std::size_t c = 0; c < counts.size(); ++c) {
+        if (kept[c]) continue;
+        out.left_out[c] = counts[c];
+        out.count += counts[c];
+    }
+    if (out.count == 0) return out;
+    if (out.count == points.points.size()) {
+        throw InvalidInput(
+            fmt::format("no point has one of the classes that are asked for; there are {}", list_of(counts)));
+    }
+    keep_of(points.points.positions, points.classes, kept);
+    keep_of(points.distances, points.classes, kept);
+    keep_of(points.colors, points.classes, kept);
+    keep_of(points.intensities, points.classes, kept);
+    keep_of(points.return_numbers, points.classes, kept);
+    keep_of(points.return_counts, points.classes, kept);
+    std::erase_if(points.classes, [&](std::uint8_t c) { return !kept[c]; });
+    return out;
+}
+
+}  // namespace coppice
