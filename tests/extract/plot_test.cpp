@@ -127,6 +127,37 @@ TEST(Plot, OneBadTreeSaysSoAndStopsNothing) {
     }
 }
 
+TEST(Plot, BranchesThatCrossGoStraightOn) {
+    // Two branches cross at right angles at (1.5, 1.5, 3): 2.1 m from the first stem, 2.9 m from the second.
+    PointSet set;
+    const Vec3d cross_at{1.5, 1.5, 3};
+    strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.1, 0.08, 6000, 0.002, false, 1);
+    strew_cone(set, {0, 0, 3}, {2.6, 2.6, 3}, 0.03, 0.02, 3000, 0.001, false, 2);
+    const std::size_t first_end = set.size();
+    strew_cone(set, {3.55, -0.55, 0}, {3.55, -0.55, 4}, 0.1, 0.08, 6000, 0.002, false, 3);
+    const std::size_t second_branch = set.size();
+    strew_cone(set, {3.55, -0.55, 3}, {0.4, 2.6, 3}, 0.03, 0.02, 3000, 0.001, false, 4);
+    const std::size_t end = set.size();
+    const CounterRandom random(8, 8);
+    for (std::uint64_t i = 0; i < 10000; ++i)
+        set.positions.push_back(
+            Vec3(Vec3d{random.uniform(2 * i, -3, 6), random.uniform(2 * i + 1, -4, 4), 0}));
+    const PlotSegments segments = segment_plot(set);
+    ASSERT_EQ(segments.trees.size(), 2u);
+    const std::uint32_t first = segments.tree_of[100], second = segments.tree_of[first_end + 100];
+    EXPECT_NE(first, second);
+    double beyond = 0, right = 0;
+    for (std::size_t i = 0; i < end; ++i) {
+        const Vec3d p(set.positions[i]);
+        if (p.z < 2.9 || distance(p, cross_at) < 0.1) continue;
+        const bool is_first = i < first_end;
+        if (!is_first && i < second_branch) continue;
+        beyond += 1;
+        right += segments.tree_of[i] == (is_first ? first : second);
+    }
+    EXPECT_GT(right / beyond, 0.97);
+}
+
 TEST(Plot, ForkedStemsAreOneTree) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 0.5}, 0.16, 0.15, 2000, 0.003, false, 1);

@@ -67,6 +67,14 @@ TEST(Terrain, StraysBelowDoNotPullItDown) {
     }
 }
 
+TEST(Terrain, StraysFarAwayDoNotMakeItCoarse) {
+    PointSet set = wood(true);
+    for (int i = 0; i < 5; ++i) set.positions.push_back({-2000.0f * static_cast<float>(i + 1), 3000, 50});
+    const Terrain terrain = find_terrain(set.positions);
+    EXPECT_TRUE(terrain.is_ground);
+    for (double x = 0.5; x < 20; x += 1) EXPECT_NEAR(terrain.height(x, 5), hill(x, 5), 0.15) << x;
+}
+
 TEST(Terrain, IsNoGroundWhereThereAreOnlyTrees) {
     EXPECT_FALSE(find_terrain(wood(false).positions).is_ground);
     EXPECT_FALSE(find_terrain(fork_cloud().positions).is_ground);

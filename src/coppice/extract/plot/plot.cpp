@@ -97,7 +97,7 @@ void measure_trees(const PointSet& set, const std::vector<TreeStems>& trees, con
         if (points[t].size() < kFewestOfTree) return;
         StemTrack track = trees[t].stems.front();
         const Vec3d foot = track.at(0);
-        const HeightOrder order(points[t]);
+        const HeightOrder order(points[t], {.threads = 1, .stop = ctx.stop, .progress = {}});
         TraceOptions trace{.foot = out.terrain.height(foot.x, foot.y), .noise = noise, .spacing = 0.01};
         trace.top = highest_of(order);
         track.raise(trace.foot);

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 #include "coppice/base/disjoint_sets.h"
@@ -22,8 +24,12 @@ constexpr double kFootRoom = 0.3;      // [m]
 constexpr double kFloor = 0.3;         // [m] above the ground, where understorey stands
 constexpr double kUnderstorey = 0.02;  // [m] its thickness, in the place of a diameter at breast height
 constexpr double kScaling = 2.0 / 3;   // exponent of the diameter that makes paths in trees alike
-constexpr double kMeet = 1.1;          // of the sum of two radii: stems so near are one below
-constexpr double kBreast = 1.3;        // [m]
+constexpr double kCourse = 0.2;        // [m] of a path, or so many voxels, over which its course is taken
+constexpr double kCourseVoxels = 4;
+constexpr double kTurn = 4;        // [m/rad] that a bend counts
+constexpr double kFreeTurn = 0.3;  // [rad] by which courses stray of themselves
+constexpr double kMeet = 1.1;      // of the sum of two radii: stems so near are one below
+constexpr double kBreast = 1.3;    // [m]
 
 /// The voxels that hold points, along the Morton curve, and the one of each point.
 struct Voxels {
@@ -58,11 +64,33 @@ Voxels make_voxels(std::span<const Vec3> points, std::span<const float> height,
     return out;
 }
 
+/// Columns of 10 cm in which something stands higher than what lies on the floor: roots that rise to a stem,
+/// not litter about its foot.
+class RisingColumns {
+  public:
+    explicit RisingColumns(const Voxels& voxels) {
+        constexpr double kRise = 0.5;  // [m] above the floor
+        for (std::size_t v = 0; v < voxels.centroid.size(); ++v) {
+            const double h = voxels.height[v];
+            if (h > kFloor && h < kFloor + kRise) keys_.push_back(key(voxels.centroid[v]));
+        }
+        std::ranges::sort(keys_);
+    }
+    bool holds(Vec3 p) const { return std::ranges::binary_search(keys_, key(p)); }
+
+  private:
+    static std::pair<std::int64_t, std::int64_t> key(Vec3 p) {
+        return {std::llround(10 * double{p.x}), std::llround(10 * double{p.y})};
+    }
+    std::vector<std::pair<std::int64_t, std::int64_t>> keys_;
+};
+
 /// Where paths start: the tree of a voxel that lies on a stem, `trees.size()` for understorey, else kNone.
 std::vector<std::uint32_t> find_sources(const Voxels& voxels, std::span<const TreeStems> trees,
                                         const SegmentOptions& options, const Context& ctx) {
     const auto understorey = static_cast<std::uint32_t>(trees.size());
     std::vector<std::uint32_t> source(voxels.centroid.size(), kNone);
+    const RisingColumns rising(voxels);
     parallel_for(ctx, source.size(), 4096, [&](std::size_t v) {
         const Vec3 p = voxels.centroid[v];
         const double h = voxels.height[v];
@@ -82,46 +110,95 @@ std::vector<std::uint32_t> find_sources(const Voxels& voxels, std::span<const Tr
                 at_foot = at_foot || off < kFootReach * stem.radius + kFootRoom;
             }
         }
-        if (source[v] == kNone && h < kFloor && !at_foot) source[v] = understorey;
+        if (source[v] == kNone && h < kFloor && !(at_foot && rising.holds(p))) source[v] = understorey;
     });
     return source;
 }
 
+/// The end of a path, and how it runs there.
+struct PathEnd {
+    double cost = std::numeric_limits<double>::infinity();
+    std::uint32_t tree = kNone;  ///< that it comes from
+    Vec3 from;                   ///< [m] where its course was last taken
+    Vec3 along;                  ///< that course, of length 1
+    float since = 0;             ///< [m] of path since then
+};
+
 /// Grows all sources at once along shortest paths. The way through a tree counts less the thicker its stem is
-/// at breast height, and jumps over gaps count more than twice their length.
-std::vector<std::uint32_t> grow(const Graph& graph, std::span<const std::uint32_t> source,
-                                std::span<const double> scale, double edge, const Context& ctx) {
+/// at breast height, jumps over gaps count more than twice their length, and so do bends: where branches of
+/// two trees cross, each goes straight on. For that the paths of two trees may lead through a voxel, which
+/// belongs to the nearer one.
+class PathGrowth {
+  public:
+    PathGrowth(std::span<const Vec3> place, const Graph& graph, std::span<const double> scale, double edge)
+        : place_(place),
+          graph_(graph),
+          scale_(scale),
+          edge_(edge),
+          stretch_(std::max(kCourse, kCourseVoxels * edge)),
+          ends_(graph.size()) {}
+
+    /// The tree of each voxel, kNone where no path leads.
+    std::vector<std::uint32_t> run(std::span<const std::uint32_t> source, const Context& ctx) {
+        for (std::uint32_t v = 0; v < graph_.size(); ++v)
+            if (source[v] != kNone) arrive(v, {0, source[v], place_[v], {0, 0, 1}, 0});
+        for (std::size_t turn = 0; !open_.empty(); ++turn) {
+            const Entry next = open_.top();
+            open_.pop();
+            poll_stop(ctx, turn);
+            for (const PathEnd& end : ends_[next.voxel])
+                if (end.tree == next.tree && end.cost == next.cost) leave(next.voxel, PathEnd(end));
+        }
+        std::vector<std::uint32_t> tree(graph_.size());
+        for (std::uint32_t v = 0; v < graph_.size(); ++v)
+            tree[v] = std::ranges::min(ends_[v], {}, &PathEnd::cost).tree;
+        return tree;
+    }
+
+  private:
     struct Entry {
         double cost;
-        std::uint32_t voxel;
-        bool operator>(const Entry& b) const { return cost != b.cost ? cost > b.cost : voxel > b.voxel; }
+        std::uint32_t voxel, tree;
+        bool operator>(const Entry& b) const {
+            return std::tie(cost, voxel, tree) > std::tie(b.cost, b.voxel, b.tree);
+        }
     };
-    std::vector<std::uint32_t> label(source.begin(), source.end());
-    Buffer<double> cost(graph.size(), std::numeric_limits<double>::infinity());
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    for (std::uint32_t v = 0; v < graph.size(); ++v) {
-        if (source[v] == kNone) continue;
-        cost[v] = 0;
-        open.push({0, v});
-    }
-    for (std::size_t turn = 0; !open.empty(); ++turn) {
-        const auto [at, v] = open.top();
-        open.pop();
-        if (at > cost[v]) continue;
-        poll_stop(ctx, turn);
-        const double per_length = scale[label[v]];
-        for (std::uint32_t e = graph.first[v]; e < graph.first[v + 1]; ++e) {
-            const double length = double{graph.length[e]};
-            const double next = at + per_length * length * std::max(1.0, length / (2 * edge));
-            const std::uint32_t to = graph.to[e];
-            if (!(next < cost[to])) continue;
-            cost[to] = next;
-            label[to] = label[v];
-            open.push({next, to});
+
+    void leave(std::uint32_t v, const PathEnd& end) {
+        for (std::uint32_t e = graph_.first[v]; e < graph_.first[v + 1]; ++e) {
+            const std::uint32_t to = graph_.to[e];
+            const double length = double{graph_.length[e]};
+            double way = length * std::max(1.0, length / (2 * edge_));
+            PathEnd next = end;
+            next.since += graph_.length[e];
+            if (double{next.since} >= stretch_) {
+                next.along = normalized(place_[to] - end.from);
+                const double bend = std::acos(std::clamp(double{dot(next.along, end.along)}, -1.0, 1.0));
+                way += kTurn * std::max(0.0, bend - kFreeTurn);
+                next.from = place_[to];
+                next.since = 0;
+            }
+            next.cost = end.cost + scale_[end.tree] * way;
+            arrive(to, next);
         }
     }
-    return label;
-}
+
+    /// Keeps the end where it is the shortest of its tree there, and one of the two shortest in all.
+    void arrive(std::uint32_t v, const PathEnd& end) {
+        auto& [a, b] = ends_[v];
+        PathEnd* slot = a.tree == end.tree ? &a : b.tree == end.tree ? &b : a.cost > b.cost ? &a : &b;
+        if (!(end.cost < slot->cost)) return;
+        *slot = end;
+        open_.push({end.cost, v, end.tree});
+    }
+
+    std::span<const Vec3> place_;
+    const Graph& graph_;
+    std::span<const double> scale_;
+    double edge_, stretch_;
+    std::vector<std::array<PathEnd, 2>> ends_;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+};
 
 /// Whether one stem leaves the other above the ground.
 bool meet(const StemTrack& a, const StemTrack& b) {
@@ -182,7 +259,8 @@ std::vector<std::uint32_t> give_points_to_trees(std::span<const Vec3> points, st
         std::vector<double> scale;
         for (const TreeStems& tree : trees) scale.push_back(std::pow(2 * tree.radius(), -kScaling));
         scale.push_back(std::pow(kUnderstorey, -kScaling));
-        label = grow(joined.graph, find_sources(voxels, trees, options, ctx), scale, options.voxel, ctx);
+        label = PathGrowth(voxels.centroid, joined.graph, scale, options.voxel)
+                    .run(find_sources(voxels, trees, options, ctx), ctx);
     }
     for (const std::uint32_t i : used) {
         const std::uint32_t tree = label[voxels.of_point[i]];

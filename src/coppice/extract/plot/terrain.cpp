@@ -42,8 +42,10 @@ std::vector<Low> lows_of(std::span<const Vec3> points, const Box3& box, double e
     std::vector<std::uint32_t> lowest(nx * ny, kEmpty);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         poll_stop(ctx, i);
-        const auto x = std::min(static_cast<std::size_t>(double{points[i].x - box.low.x} / edge), nx - 1);
-        const auto y = std::min(static_cast<std::size_t>(double{points[i].y - box.low.y} / edge), ny - 1);
+        if (points[i].x < box.low.x || points[i].y < box.low.y) continue;
+        const auto x = static_cast<std::size_t>(double{points[i].x - box.low.x} / edge);
+        const auto y = static_cast<std::size_t>(double{points[i].y - box.low.y} / edge);
+        if (x >= nx || y >= ny) continue;
         std::uint32_t& low = lowest[x + nx * y];
         if (low == kEmpty || points[i].z < points[low].z) low = i;
     }
@@ -52,6 +54,27 @@ std::vector<Low> lows_of(std::span<const Vec3> points, const Box3& box, double e
         if (i != kEmpty) found.push_back({points[i].x, points[i].y, points[i].z});
     }
     return found;
+}
+
+/// The box of the points without a few strays, which would make the cells coarse.
+Box3 plan_of(std::span<const Vec3> points) {
+    constexpr std::size_t kSample = 100'000;
+    constexpr double kStrays = 0.0005, kRoom = 0.1;
+    Box3 box;
+    for (const Vec3 p : points) box.extend(p);
+    if (points.size() < 1000) return box;
+    const std::size_t step = (points.size() + kSample - 1) / kSample;
+    for (const int axis : {0, 1}) {
+        std::vector<float> values;
+        for (std::size_t i = 0; i < points.size(); i += step) values.push_back(points[i][axis]);
+        const auto out = static_cast<std::size_t>(kStrays * static_cast<double>(values.size())) + 1;
+        std::ranges::sort(values);
+        const float low = values[out], high = values[values.size() - 1 - out];
+        const auto room = static_cast<float>(kRoom * double{high - low});
+        box.low[axis] = std::max(box.low[axis], low - room);
+        box.high[axis] = std::min(box.high[axis], high + room);
+    }
+    return box;
 }
 
 /// A raster over the box with places at the middles of its cells.
@@ -79,11 +102,10 @@ struct Raster {
 /// A plane below the lowest points of coarse cells, by least squares in which what stands above it fades.
 Eigen::Vector3d plane_below(const std::vector<Low>& lows, Vec3d middle, double wide) {
     Eigen::Vector3d plane = Eigen::Vector3d::Zero();
-    double least = std::numeric_limits<double>::infinity();
     std::vector<double> heights;
     for (const Low& p : lows) heights.push_back(p.z);
     std::ranges::nth_element(heights, heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 20));
-    least = heights[heights.size() / 20];
+    const double least = heights[heights.size() / 20];
     plane(0) = least;
     double tolerance = 0.3 * wide;
     for (int pass = 0; pass < 24; ++pass) {
@@ -153,23 +175,20 @@ void bend(Raster& raster, const std::vector<Low>& lows, const Context& ctx) {
 /// Says whether it is ground, and how thick that is.
 void judge(Terrain& terrain, const std::vector<Low>& lows, double top) {
     std::vector<double> near;
-    double highest = 0;
     const double tolerance = kSlope * kFinest + kRough;
     for (const Low& p : lows) {
         const double off = std::abs(p.z - terrain.height(p.x, p.y));
         if (off < tolerance) near.push_back(off);
     }
-    highest = top;
     terrain.share = static_cast<double>(near.size()) / static_cast<double>(lows.size());
-    terrain.is_ground = near.size() >= kFewestCells && terrain.share >= kGroundShare && highest >= kLeastRise;
+    terrain.is_ground = near.size() >= kFewestCells && terrain.share >= kGroundShare && top >= kLeastRise;
     if (!near.empty()) terrain.clearance = std::clamp(4 * median_in_place(near), 0.08, 0.25);
 }
 
 }  // namespace
 
 Terrain find_terrain(std::span<const Vec3> points, const Context& ctx) {
-    Box3 box;
-    for (const Vec3 p : points) box.extend(p);
+    const Box3 box = plan_of(points);
     if (box.empty()) return {};
     const double wide = std::max({double{box.size().x}, double{box.size().y}, 1e-3});
     const double fine = std::max(kFineCell, wide / (2.0 * kMostCells));
@@ -179,7 +198,6 @@ Terrain find_terrain(std::span<const Vec3> points, const Context& ctx) {
     const auto plane_at = [&](double x, double y) {
         return plane(0) + plane(1) * (x - middle.x) + plane(2) * (y - middle.y);
     };
-    std::vector<double> sum;
     Raster last(box, 2 * fine);
     last.height.clear();
     for (std::size_t j = 0; j < last.rows; ++j) {

@@ -18,19 +18,28 @@ namespace {
 using namespace extract_internal;
 
 constexpr std::size_t kFewestPoints = 20;
+constexpr std::size_t kEnd = 2000;    // points at an end, among which strays are looked for
 constexpr std::size_t kTogether = 5;  // points near each other in height are no strays
 constexpr double kLeastStep = 0.1, kMostStep = 0.5, kSteps = 40;  // [m] between sections, of the height
 constexpr double kLow = 1.1, kHigh = 1.5;                         // [m] of a skeleton, about breast height
 constexpr double kSecondStem = 0.4;                               // of the radius of the first one
 
-/// The lowest height with as many points close above it that they are no strays; `sign` -1 for the highest.
-double robust_end(std::vector<double> z, double sign, double reach) {
-    for (double& v : z) v *= sign;
+/// The first height with as many points close behind it that they are no strays; those given are in order.
+double first_dense(std::span<const double> z, const HeightOrder& points) {
+    const double reach = 0.03 * (points.high() - points.low()) + 0.05;
+    const std::size_t together = std::clamp<std::size_t>(points.all().size() / 1000, 2, kTogether);
+    for (std::size_t i = 0; i + together <= z.size(); ++i)
+        if (std::abs(z[i + together - 1] - z[i]) <= reach) return z[i];
+    return z.front();
+}
+
+/// [m] z of the lowest point that is no stray.
+double lowest_of(const HeightOrder& points) {
+    const auto end = points.all().first(std::min(points.all().size(), kEnd));
+    std::vector<double> z;
+    for (const Vec3 p : points.between(points.low(), end.back().z)) z.push_back(p.z);
     std::ranges::sort(z);
-    for (std::size_t i = 0; i + kTogether <= z.size(); ++i) {
-        if (z[i + kTogether - 1] - z[i] <= reach) return sign * z[i];
-    }
-    return sign * z.front();
+    return first_dense(z, points);
 }
 
 /// Trees below ten metres have stems that are shorter, too.
@@ -44,14 +53,15 @@ StemDiameter diameter_of(const StemSection& s, Vec3d origin) {
 }
 
 /// The lowest end of a stem in points without ground: of those about its axis.
-double foot_of(const HeightOrder& points, const StemTrack& track, double reach) {
+double foot_of(const HeightOrder& points, const StemTrack& track) {
     std::vector<double> z;
     for (const Vec3 p : points.all()) {
-        if (double{p.z} > track.middle().z) break;
+        if (double{p.z} > track.middle().z) continue;
         const Vec3d at = track.at(p.z);
         if (std::hypot(p.x - at.x, p.y - at.y) < 3 * track.radius + 0.05) z.push_back(p.z);
     }
-    return z.empty() ? track.middle().z : robust_end(std::move(z), 1, reach);
+    std::ranges::sort(z);
+    return z.empty() ? track.middle().z : first_dense(z, points);
 }
 
 /// The stem about a height by the sections within a metre of it; what was found first where there are few.
@@ -139,10 +149,11 @@ StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const T
 }
 
 double highest_of(const HeightOrder& points) {
+    const auto end = points.all().last(std::min(points.all().size(), kEnd));
     std::vector<double> z;
-    for (const Vec3 p : points.all()) z.push_back(p.z);
-    const double reach = 0.02 * (z.back() - z.front()) + 0.05;
-    return robust_end(std::move(z), -1, reach);
+    for (const Vec3 p : points.between(end.front().z, points.high())) z.push_back(p.z);
+    std::ranges::sort(z, std::ranges::greater{});
+    return first_dense(z, points);
 }
 
 }  // namespace extract_internal
@@ -155,23 +166,19 @@ StemForm stem_form(const PointSet& set, const Context& ctx) {
     const double spacing = median_spacing(set, ctx);
     Terrain terrain = find_terrain(set.positions, ctx);
     ctx.throw_if_cancelled();
-    const HeightOrder order(set.positions);
-    const std::span<const Vec3> points = order.all();
-    const double reach = 0.02 * (double{points.back().z} - double{points.front().z}) + 0.05;
-    std::vector<double> z;
-    for (const Vec3 p : points) z.push_back(p.z);
-    const double lowest = robust_end(std::move(z), 1, reach);
+    const HeightOrder order(set.positions, ctx);
+    const double lowest = lowest_of(order);
     const auto ground = [&](Vec3d p) { return terrain.is_ground ? terrain.height(p.x, p.y) : lowest; };
     std::vector<float> height;
     std::vector<Vec3> above;
-    for (const Vec3 p : points) {
+    for (const Vec3 p : order.all()) {
         const double h = double{p.z} - ground(Vec3d(p));
         if (terrain.is_ground && h < terrain.clearance) continue;
         above.push_back(p);
         height.push_back(static_cast<float>(h));
     }
     const double noise = stem_noise(spacing);
-    const HeightOrder wood(above);
+    const HeightOrder wood(above, ctx);
     const auto stems = find_stems(
         above, height,
         {.least_radius = 0.008, .greatest_radius = 1.5, .noise = noise, .scale = scale_of(wood, lowest)},
@@ -180,13 +187,13 @@ StemForm stem_form(const PointSet& set, const Context& ctx) {
         .foot = lowest, .top = above.empty() ? lowest : highest_of(wood), .noise = noise, .spacing = spacing};
     StemForm out;
     if (stems.empty()) {
-        out.foot = set.origin + Vec3d{0, 0, lowest};
+        const Vec3d low(order.all().front());
+        out.foot = set.origin + Vec3d{low.x, low.y, lowest};
         out.height = trace.top - lowest;
     } else {
         StemTrack track = stems.front();
         track.raise(ground(track.middle()));
-        trace.foot =
-            terrain.is_ground ? ground(track.at(ground(track.middle()))) : foot_of(wood, track, reach);
+        trace.foot = terrain.is_ground ? ground(track.at(ground(track.middle()))) : foot_of(wood, track);
         out = measure_stem(wood, track, trace, set.origin);
     }
     out.on_ground = terrain.is_ground;

@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kLow = 0.3, kSlice = 0.2;  // [m] above the ground, and high
 constexpr std::size_t kSlices = 18;
+constexpr double kThickSlice = 3;
+constexpr std::size_t kFewPoints = 80;    // of a cluster, for which a thick slice is made
 constexpr double kThinSlice = 0.25;       // of a slice, for stems that lean
 constexpr double kThin = 0.01;            // [m] squares of which one point counts
 constexpr double kLink = 0.08;            // [m] squares that touch belong to one cluster
@@ -99,18 +101,22 @@ std::vector<Section> sections_of(std::span<const Vec3> points, std::span<const f
     std::vector<std::vector<Section>> found(kSlices);
     parallel_for(ctx, kSlices, 1, [&](std::size_t s) {
         const double middle = (kLow + (static_cast<double>(s) + 0.5) * kSlice) * search.scale;
-        // The whole slice where points are few, and a thin one where a stem leans.
-        for (const double share : {1.0, kThinSlice}) {
+        // The whole slice, a thin one where a stem leans, and a thick one where points are few.
+        for (const double share : {1.0, kThinSlice, kThickSlice}) {
             const double reach = 0.5 * share * kSlice * search.scale;
             std::vector<PlanePoint> plane;
-            for (const std::uint32_t i : members[s]) {
-                if (share == 1 || std::abs(double{height[i]} - middle) <= reach)
-                    plane.push_back({points[i].x, points[i].y, 1});
+            const std::size_t beside = share > 1 ? 1 : 0;
+            for (std::size_t k = s - std::min(s, beside); k <= std::min(s + beside, kSlices - 1); ++k) {
+                for (const std::uint32_t i : members[k]) {
+                    if (std::abs(double{height[i]} - middle) <= reach)
+                        plane.push_back({points[i].x, points[i].y, 1});
+                }
             }
             std::vector<FoundCircle> circles;
             std::uint64_t seed = s << 32;
             for (auto& cluster : clusters_of(thin_plane(plane, kThin * search.scale))) {
                 if (ctx.stop.stop_requested()) return;
+                if (share > 1 && cluster.size() > kFewPoints) continue;
                 add_circles(std::move(cluster), search, seed += 64, circles);
             }
             for (const FoundCircle& c : circles) found[s].push_back({s, c.x, c.y, middle, c});

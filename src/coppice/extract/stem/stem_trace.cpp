@@ -5,11 +5,15 @@
 #include <optional>
 
 #include "coppice/base/median.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/progress.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr double kSlab = 0.12;        // [m] thickness of a section
+constexpr double kSlab = 0.12;      // [m] thickness of a section
+constexpr double kThickSlab = 0.4;  // [m] where points are few
+constexpr std::size_t kFewSections = 4;
 constexpr double kAbout = 0.45;       // [m] above and below a height, where its diameter is read
 constexpr double kAboutStep = 0.075;  // [m]
 constexpr double kHidden = 1.5;       // [m] without sections, after which a stem is lost
@@ -86,19 +90,52 @@ Line robust_line(std::span<const double> t, std::span<const double> value, std::
     return line;
 }
 
+/// Sections within kAbout of a height.
+std::vector<StemSection> sections_about(const HeightOrder& points, const StemTrack& track, double height,
+                                        double thickness, const TraceOptions& options) {
+    std::vector<StemSection> sections;
+    for (double off = -kAbout; off <= kAbout + 1e-9; off += kAboutStep) {
+        const double z = options.foot + height + off;
+        if (z <= options.foot || z >= options.top) continue;
+        if (const auto s =
+                cut(points, {track.at(z), track.direction_at(z), track.radius}, thickness, options))
+            sections.push_back(*s);
+    }
+    return sections;
+}
+
 }  // namespace
 
-HeightOrder::HeightOrder(std::span<const Vec3> points) : points_(points.begin(), points.end()) {
-    std::ranges::sort(points_, [](Vec3 a, Vec3 b) {
-        return a.z != b.z ? a.z < b.z : a.x != b.x ? a.x < b.x : a.y < b.y;
-    });
+HeightOrder::HeightOrder(std::span<const Vec3> points, const Context& ctx) {
+    constexpr double kLayer = 0.02, kMostLayers = 1e5;  // [m]
+    if (!points.empty()) {
+        const auto [low, high] = std::ranges::minmax(points, {}, &Vec3::z);
+        low_ = low.z;
+        high_ = high.z;
+    }
+    thick_ = std::max(kLayer, (high_ - low_) / kMostLayers);
+    first_.assign(layer_of(high_) + 2, 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        poll_stop(ctx, i);
+        ++first_[layer_of(points[i].z)];
+    }
+    exclusive_scan(std::span(first_));
+    points_.resize(points.size());
+    std::vector<std::uint32_t> next = first_;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        poll_stop(ctx, i);
+        points_[next[layer_of(points[i].z)]++] = points[i];
+    }
+}
+
+std::size_t HeightOrder::layer_of(double z) const {
+    return static_cast<std::size_t>((std::clamp(z, low_, high_) - low_) / thick_);
 }
 
 std::span<const Vec3> HeightOrder::between(double low, double high) const {
-    const auto first = std::ranges::lower_bound(points_, low, {}, [](Vec3 p) { return double{p.z}; });
-    const auto last =
-        std::ranges::lower_bound(first, points_.end(), high, {}, [](Vec3 p) { return double{p.z}; });
-    return {first, last};
+    if (high < low_ || low > high_) return {};
+    const std::size_t first = first_[layer_of(low)], last = first_[layer_of(high) + 1];
+    return all().subspan(first, last - first);
 }
 
 std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& track, double step,
@@ -143,34 +180,29 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
 
 DiameterAt diameter_at(const HeightOrder& points, const StemTrack& track, double height,
                        const TraceOptions& options) {
+    std::vector<StemSection> sections = sections_about(points, track, height, kSlab, options);
+    if (sections.size() < kFewSections) sections = sections_about(points, track, height, kThickSlab, options);
+    // Hidden there: what was seen above and below it, as circles across the vertical.
+    if (sections.empty()) sections = track.sections;
     DiameterAt out;
-    std::vector<double> t, radius, weight, residual, coverage, x, y;
-    double nearest = 1e9;
-    for (double off = -kAbout; off <= kAbout + 1e-9; off += kAboutStep) {
-        const double z = options.foot + height + off;
-        if (z <= options.foot || z >= options.top) continue;
-        const auto section = cut(points, {track.at(z), track.direction_at(z), track.radius}, kSlab, options);
-        if (!section) continue;
-        const double sure = std::max(section->circle.deviation, 0.005 * section->radius());
-        t.push_back(section->height - height);
-        radius.push_back(section->radius());
+    out.sections = sections.size();
+    std::vector<double> t, radius, weight, residual, coverage;
+    double formal = 0;
+    for (const StemSection& s : sections) {
+        const double sure = std::max(s.circle.deviation, 0.005 * s.radius());
+        t.push_back(s.height - height);
+        radius.push_back(s.radius());
         weight.push_back(1 / (sure * sure + 1e-8));
-        residual.push_back(section->circle.residual);
-        coverage.push_back(section->circle.coverage);
-        if (std::abs(off) < nearest) {
-            nearest = std::abs(off);
-            out.center = section->center;
-        }
+        residual.push_back(s.circle.residual);
+        coverage.push_back(s.circle.coverage);
+        formal += weight.back();
     }
-    out.sections = t.size();
-    if (t.empty()) return out;
+    const auto off = [&](const StemSection& s) { return std::abs(s.height - height); };
+    out.center = std::ranges::min(sections, {}, off).center;
     const Line line = robust_line(t, radius, weight);
     out.diameter = 2 * line.at;
     out.residual = median_in_place(residual);
     out.coverage = median_in_place(coverage);
-    // Of one section it is what its points leave open; bark and slices that overlap keep it above a percent.
-    double formal = 0;
-    for (const double w : weight) formal += w;
     out.deviation = 2 * std::hypot(line.deviation, std::sqrt(1 / formal));
     return out;
 }

@@ -1,26 +1,34 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "coppice/base/box.h"
+#include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
 #include "coppice/extract/stem/stem_search_internal.h"
 
 namespace coppice::extract_internal {
 
-/// Points in order of height, so that those between two heights are found at once.
+/// Points in layers of 2 cm or more, upward, so that those between two heights are found at once.
 class HeightOrder {
   public:
-    explicit HeightOrder(std::span<const Vec3> points);  ///< copies them; O(n log n)
-    /// Those with low <= z < high.
+    /// Copies them; O(n). Throws Cancelled.
+    explicit HeightOrder(std::span<const Vec3> points, const Context& ctx = {});
+    /// Those with low <= z < high, and what else their layers hold.
     std::span<const Vec3> between(double low, double high) const;
-    std::span<const Vec3> all() const { return points_; }
+    std::span<const Vec3> all() const { return points_; }  ///< upward layer by layer
+    double low() const { return low_; }                    ///< [m] least z
+    double high() const { return high_; }                  ///< [m] greatest z
 
   private:
-    std::vector<Vec3> points_;
+    std::size_t layer_of(double z) const;
+
+    double low_ = 0, high_ = 0, thick_ = 1;
+    std::vector<std::uint32_t> first_;  ///< of each layer, and the number of points
+    Buffer<Vec3> points_;
 };
 
 struct TraceOptions {
