@@ -71,6 +71,51 @@ TEST(LasReader, ReadsAllVersionsAndFormats) {
     }
 }
 
+TEST(LasReader, KeepsTheDigitsOfCoordinatesFarAway) {
+    // Swiss coordinates in steps of a tenth of a millimetre, over 40 m: the origin lies within 64 m, and half
+    // a step of floats below 64 is 1.9e-6.
+    std::string bytes = las_file({2, 3, 34});
+    const double offset[3] = {2.86e6, 1.18e6, 1500};
+    const std::int32_t raw[3][3] = {{1, 2, 3}, {400003, 200007, 123456}, {123457, 200001, 9}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        put(bytes, 131 + 8 * axis, 1e-4);
+        put(bytes, 155 + 8 * axis, offset[axis]);
+        for (std::size_t i = 0; i < 3; ++i) put(bytes, 227 + i * 34 + 4 * axis, raw[i][axis]);
+    }
+    const PointSet set = parse_points(bytes, "p.las");
+    ASSERT_EQ(set.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            // The sum in double precision adds half a step at 2.86e6, 2.3e-10, thrice.
+            EXPECT_NEAR(set.world(i)[axis], raw[i][a] * 1e-4 + offset[a], 2e-6) << i << ' ' << axis;
+        }
+    }
+}
+
+TEST(LasReader, GivesWhatIsKnownOfPoints) {
+    std::string bytes = las_file({2, 3, 34});
+    put<std::uint16_t>(bytes, 227 + 12, 700);
+    bytes[227 + 14] = 2 | 3 << 3;              // the second of three returns
+    bytes[227 + 15] = 0x25;                    // class 5, a key point
+    put<std::uint16_t>(bytes, 227 + 28, 255);  // writers that know 8 bits only leave the upper ones zero
+    put<std::uint16_t>(bytes, 227 + 34 + 32, 7);
+    const PaintedPoints found = parse_painted_points(bytes, "p.las");
+    EXPECT_EQ(found.intensities, (std::vector<float>{700, 0, 0}));
+    EXPECT_EQ(found.return_numbers, (std::vector<std::uint8_t>{2, 0, 0}));
+    EXPECT_EQ(found.return_counts, (std::vector<std::uint8_t>{3, 0, 0}));
+    EXPECT_EQ(found.classes, (std::vector<std::uint8_t>{5, 0, 0}));
+    EXPECT_EQ(found.colors, (std::vector<Rgb>{{255, 0, 0}, {0, 0, 7}, {0, 0, 0}}));
+    put<std::uint16_t>(bytes, 227 + 30, 0x1234);
+    EXPECT_EQ(parse_painted_points(bytes, "p.las").colors,
+              (std::vector<Rgb>{{0, 0x12, 0}, {0, 0, 0}, {0, 0, 0}}));
+    const PaintedPoints plain = parse_painted_points(las_file({4, 7, 36}), "p.las");
+    EXPECT_TRUE(plain.classes.empty() && plain.intensities.empty() && plain.colors.empty());
+    const PaintedPoints places = parse_painted_points(bytes, "p.las", kNoColumns);
+    EXPECT_TRUE(places.classes.empty() && places.intensities.empty() && places.colors.empty());
+    EXPECT_EQ(places.points, found.points);
+}
+
 TEST(LasReader, PassesOverWithheldPoints) {
     std::string old = las_file({2, 3, 34});
     put<std::uint8_t>(old, 227 + 34 + 15, 0x82);

@@ -94,8 +94,8 @@ std::vector<LazChunk> equal_chunks(const LasHeader& h, const LazPacking& packing
 std::vector<LazChunk> read_table(std::string_view data, std::size_t table, const LasHeader& h,
                                  const LazPacking& packing, const std::string& source) {
     const auto count = number_at<std::uint32_t>(data, table + 4);
-    // Every chunk begins with a record as it is.
-    if (number_at<std::uint32_t>(data, table) != 0 || count > (table - kPlace) / h.record)
+    // Every chunk begins with a record as it is; some writers end with one of nothing.
+    if (number_at<std::uint32_t>(data, table) != 0 || count > (table - kPlace) / h.record + 1)
         damaged(source, "the table of their chunks is not to be read");
     ArithmeticDecoder in(data.substr(table + kTableHeader));
     IntegerDecoder numbers(32, 2);
