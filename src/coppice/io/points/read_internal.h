@@ -15,6 +15,12 @@ struct FoundPoints {
     std::vector<Vec3d> places;  ///< [m] finite, not beyond 1e30
     PaintedPoints known;        ///< all but `points`
 
+    /// Before the first point: room for as many as the rest of a text would hold in rows like the first, so
+    /// that places are not held twice while they grow. Room that is not used takes no memory.
+    void expect(std::size_t remaining, std::size_t row) {
+        if (places.empty()) places.reserve(remaining / (row + 1) + 1);
+    }
+
     /// Of the point that was found last. A column that an earlier point lacks stays short.
     template <class T>
     void note(std::vector<T>& column, T value) const {

@@ -49,6 +49,7 @@ class RowReader {
     /// Keeps the point of this row, which lies at `p`.
     void keep(Vec3d p) {
         if (!fits_points(p)) fail("a coordinate is not finite or beyond 1e30");
+        found_.expect(lines_.remaining(), lines_.line().size());
         found_.places.push_back(p);
         if (cells_.size() > 3) found_.note(found_.known.intensities, static_cast<float>(number(3)));
         if (cells_.size() > 6) {

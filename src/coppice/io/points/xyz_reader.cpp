@@ -201,6 +201,7 @@ class XyzParser {
             p[axis] = *number;
         }
         if (!fits_points(p)) fail("a coordinate is not finite or beyond 1e30");
+        found_.expect(lines_.remaining(), lines_.line().size());
         found_.places.push_back(p);
         note_columns(shift);
     }
