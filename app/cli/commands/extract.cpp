@@ -99,11 +99,18 @@ ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summar
     return result;
 }
 
-/// What the summary says of leaves: they are the points that a user misses first.
-std::string leaves_left_out(const CloudReport& cleaning) {
-    if (cleaning.leaves == 0) return "";
-    return fmt::format(", {} of {} points left out as leaves", grouped(cleaning.leaves),
-                       grouped(cleaning.points));
+/// What the summary says of points that were thinned, and of leaves, which a user misses first.
+std::string points_left_out(const CloudReport& cleaning) {
+    std::string out;
+    if (cleaning.downsampled > 0) {
+        out += fmt::format(", {} points thinned by {}", grouped(cleaning.points - cleaning.duplicates),
+                           grouped(cleaning.downsampled));
+    }
+    if (cleaning.leaves > 0) {
+        out += fmt::format(", {} of {} points left out as leaves", grouped(cleaning.leaves),
+                           grouped(cleaning.points));
+    }
+    return out;
 }
 
 WoodClasses wood_classes(const ExtractFlags& flags) {
@@ -144,7 +151,7 @@ ExtractResult from_cloud(Run& run, const ExtractFlags& flags, std::string& summa
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_of(result.cleaning);
-    summary += leaves_left_out(result.cleaning);
+    summary += points_left_out(result.cleaning);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves",
                   [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
