@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "command.h"
 #include "coppice/extract/stem/stem_form.h"
@@ -85,6 +86,24 @@ Figures describe(const PointSet& points, const Context& ctx) {
     out["points"] = points.size();
     out["spacing_m"] = median_spacing(points, ctx);
     add_size(out, bounds(points), points.origin);
+    return out;
+}
+
+/// The same with how many points there are of each class, and what else is known of them.
+Figures describe(const PaintedPoints& scan, const Context& ctx) {
+    Figures out = describe(scan.points, ctx);
+    if (!scan.classes.empty()) {
+        std::array<std::uint64_t, 256> counts{};
+        for (const std::uint8_t c : scan.classes) ++counts[c];
+        for (std::size_t c = 0; c < counts.size(); ++c)
+            if (counts[c] > 0) out[fmt::format("points_of_class_{}", c)] = counts[c];
+    }
+    if (!scan.colors.empty()) out["colors"] = true;
+    if (!scan.intensities.empty()) {
+        const auto [least, most] = std::ranges::minmax(scan.intensities);
+        out["intensity"] = Figure::List{double{least}, double{most}};
+    }
+    if (!scan.return_counts.empty()) out["most_returns"] = *std::ranges::max_element(scan.return_counts);
     return out;
 }
 
@@ -194,8 +213,8 @@ ExitCode info(Run& run, const InfoFlags& flags) {
     if (kind == FileKind::skeleton) {
         figures = describe(load_skeleton(run, flags.file, flags.read));
     } else if (kind == FileKind::points) {
-        const PointSet points = load_points(run, flags.file);
-        figures = run.stage("measure", [&](const Context& ctx) { return describe(points, ctx); });
+        const PaintedPoints scan = load_painted_points(run, flags.file, {.distances = false});
+        figures = run.stage("measure", [&](const Context& ctx) { return describe(scan, ctx); });
     } else {
         const PolygonMesh mesh = load_mesh(run, flags.file);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(mesh, ctx); });
