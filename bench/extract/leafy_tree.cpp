@@ -53,6 +53,20 @@ void add_leaf(PolygonMesh& mesh, Vec3d base, Vec3d along, Vec3d up, double size,
     for (const Triangle& f : kFaces) mesh.add_face(std::array{first + f[0], first + f[1], first + f[2]});
 }
 
+}  // namespace
+
+Foliage foliage_named(const std::string& name) {
+    if (name == "none") return {};
+    if (name == "sparse") return {0.02, 40, 0.08};
+    if (name == "usual") return {0.025, 150, 0.06};
+    if (name == "dense") return {0.03, 400, 0.07};
+    throw InvalidInput(fmt::format("foliage is none, sparse, usual or dense, not '{}'", name));
+}
+
+double LeafyScan::leaf_share() const {
+    return static_cast<double>(std::ranges::count(leaf, 1)) / static_cast<double>(leaf.size());
+}
+
 void add_foliage(PolygonMesh& mesh, const Skeleton& tree, const Foliage& foliage) {
     Draws draws;
     for (const NodeId n : nodes(tree)) {
@@ -71,20 +85,6 @@ void add_foliage(PolygonMesh& mesh, const Skeleton& tree, const Foliage& foliage
             add_leaf(mesh, base, normalized(away - Vec3d{0, 0, 0.3}), up, size, draws);
         }
     }
-}
-
-}  // namespace
-
-Foliage foliage_named(const std::string& name) {
-    if (name == "none") return {};
-    if (name == "sparse") return {0.02, 40, 0.08};
-    if (name == "usual") return {0.025, 150, 0.06};
-    if (name == "dense") return {0.03, 400, 0.07};
-    throw InvalidInput(fmt::format("foliage is none, sparse, usual or dense, not '{}'", name));
-}
-
-double LeafyScan::leaf_share() const {
-    return static_cast<double>(std::ranges::count(leaf, 1)) / static_cast<double>(leaf.size());
 }
 
 LeafyScan scan_leafy_tree(const Skeleton& tree, const Foliage& foliage, int points, const Context& ctx) {

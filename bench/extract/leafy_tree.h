@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -20,6 +21,9 @@ struct Foliage {
 
 /// By name: none, sparse, usual, dense. Throws InvalidInput for others.
 Foliage foliage_named(const std::string& name);
+
+/// Adds the leaves of a tree to its mesh, each as eight triangles.
+void add_foliage(PolygonMesh& mesh, const Skeleton& tree, const Foliage& foliage);
 
 /// Points that four scanners see of a tree, and which of them lie on leaves.
 struct LeafyScan {

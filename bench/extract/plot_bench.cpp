@@ -47,6 +47,7 @@ void judge_points(const PlotScene& scene, const PlotSegments& segments, const st
             ++ground;
             ground_right += tree == kPointOfGround;
         }
+        if (owner < scene.trees.size() && scene.leaf[i]) continue;
         given += tree < truth.size();
         if (owner >= scene.trees.size()) continue;
         all[owner] += 1;

@@ -15,6 +15,7 @@
 #include "coppice/render/scan.h"
 #include "coppice/skeleton/random_tree.h"
 #include "face_at.h"
+#include "leafy_tree.h"
 
 namespace coppice::bench {
 namespace {
@@ -203,16 +204,20 @@ PointSet scan_plot(const PolygonMesh& mesh, double wide, int points, const Conte
 PlotScene make_plot(const std::string& name, const Context& ctx) {
     std::uint32_t count = 0;
     int points = 0;
-    const char *end = name.data() + name.size(), *colon = std::find(name.data(), end, ':');
+    const std::size_t second =
+        std::min(name.find(':', std::min(name.find(':'), name.size() - 1) + 1), name.size());
+    const Foliage foliage = second < name.size() ? foliage_named(name.substr(second + 1)) : Foliage{};
+    const char *end = name.data() + second, *colon = std::find(name.data(), end, ':');
     const bool is_read = std::from_chars(name.data(), colon, count).ptr == colon && colon != end &&
                          std::from_chars(colon + 1, end, points).ptr == end;
     if (!is_read || count < 1 || count > 1000 || points < 1000)
-        throw InvalidInput(fmt::format("'{}' names no plot; write TREES:POINTS, as 40:4000000", name));
+        throw InvalidInput(fmt::format(
+            "'{}' names no plot; write TREES:POINTS or TREES:POINTS:FOLIAGE, as 40:4000000", name));
     Draws draws(count);
     const double wide = std::sqrt(kRoom * count);
-    PlotScene out{name, {}, {}, {}};
+    PlotScene out{name, {}, {}, {}, {}};
     PolygonMesh mesh;
-    std::vector<std::uint32_t> first_face;
+    std::vector<std::uint32_t> first_face, first_leaf;
     const auto places = places_of(count, wide, draws);
     for (std::uint32_t i = 0; i < places.size(); ++i) {
         TrueTree tree{moved(make_tree(i, draws), places[i]), places[i], {}, 0, 0};
@@ -221,6 +226,8 @@ PlotScene make_plot(const std::string& name, const Context& ctx) {
             tree.height = std::max(tree.height, double{p.z} - places[i].z);
         first_face.push_back(mesh.face_count());
         add_tubes(mesh, tree.skeleton);
+        first_leaf.push_back(mesh.face_count());
+        add_foliage(mesh, tree.skeleton, foliage);
         out.trees.push_back(std::move(tree));
     }
     const std::uint32_t first_bush = mesh.face_count();
@@ -237,13 +244,17 @@ PlotScene make_plot(const std::string& name, const Context& ctx) {
     out.points = scan_plot(mesh, wide, points, ctx);
     const SurfaceTree surface(mesh, ctx);
     out.owner.resize(out.points.size());
+    out.leaf.resize(out.points.size());
     parallel_for(ctx, out.points.size(), 1024, [&](std::size_t i) {
         const std::uint32_t face =
             face_at(surface, Vec3d(out.points.positions[i]) + out.points.origin - mesh.origin);
         const auto after = std::ranges::upper_bound(first_face, face);
-        out.owner[i] = face >= first_ground ? kGroundOwner
-                       : face >= first_bush ? kBushOwner
-                                            : static_cast<std::uint32_t>(after - first_face.begin() - 1);
+        if (face >= first_bush) {
+            out.owner[i] = face >= first_ground ? kGroundOwner : kBushOwner;
+            return;
+        }
+        out.owner[i] = static_cast<std::uint32_t>(after - first_face.begin() - 1);
+        out.leaf[i] = face >= first_leaf[out.owner[i]];
     });
     return out;
 }

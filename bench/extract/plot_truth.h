@@ -29,12 +29,14 @@ struct PlotScene {
     std::vector<TrueTree> trees;
     PointSet points;
     std::vector<std::uint32_t> owner;  ///< of each point: index of its tree, kGroundOwner, kBushOwner
+    std::vector<std::uint8_t> leaf;    ///< 1: on a leaf
 };
 
-/// A plot by its name TREES:POINTS, as 40:4000000: trees of 8 to 20 m on about 16 m2 each, so that crowns
-/// overlap; some lean, every twelfth forks at half a metre. They stand on a slope of 8 degrees with hummocks,
-/// amid bushes up to 1.5 m, and are scanned from the middle of the plot and four places within it, at 1.6 m
-/// above the ground, with noise of 3 mm in range. Throws InvalidInput.
+/// A plot by its name TREES:POINTS or TREES:POINTS:FOLIAGE, as 40:4000000:sparse (see foliage_named()): trees
+/// of 8 to 20 m on about 16 m2 each, so that crowns overlap; some lean, every twelfth forks at half a metre.
+/// They stand on a slope of 8 degrees with hummocks, amid bushes up to 1.5 m, and are scanned from the middle
+/// of the plot and four places within it, at 1.6 m above the ground, with noise of 3 mm in range. Throws
+/// InvalidInput.
 PlotScene make_plot(const std::string& name, const Context& ctx);
 
 }  // namespace coppice::bench

@@ -200,6 +200,24 @@ TEST(Plot, SameBitsForAnyNumberOfThreads) {
     }
 }
 
+TEST(Plot, WithoutGroundTreesStandOnTheirFeet) {
+    TruePlot plot = make_plot();
+    PointSet trees{{}, {}};
+    for (std::size_t i = 0; i < plot.owner.size(); ++i)
+        if (plot.owner[i] < 4) trees.positions.push_back(plot.points.positions[i]);
+    const PlotSegments segments = segment_plot(trees);
+    EXPECT_FALSE(segments.terrain.is_ground);
+    ASSERT_EQ(segments.trees.size(), 4u);
+    for (const Standing& tree : kTrees) {
+        const std::size_t at = found_at(segments.trees, tree);
+        ASSERT_LT(at, 4u);
+        const StemForm& form = segments.trees[at];
+        const double dbh = 2 * tree.radius * (1 - 0.7 * 1.3 / tree.height);
+        EXPECT_NEAR(form.foot.z, slope(tree.x, tree.y), 0.15);
+        EXPECT_NEAR(form.breast.diameter, dbh, 0.03 * dbh);
+    }
+}
+
 TEST(Plot, RefusesWhatIsNoPlot) {
     EXPECT_THROW(segment_plot(PointSet{{{0, 0, 0}}, {}}), InvalidInput);
     const TruePlot plot = make_plot();

@@ -101,6 +101,11 @@ void measure_trees(const PointSet& set, const std::vector<TreeStems>& trees, con
         TraceOptions trace{.foot = out.terrain.height(foot.x, foot.y), .noise = noise, .spacing = 0.01};
         trace.top = highest_of(order);
         track.raise(trace.foot);
+        if (!out.terrain.is_ground) {
+            const double above = trace.foot;
+            trace.foot = foot_of(order, track);
+            for (StemSection& s : track.sections) s.height += above - trace.foot;
+        }
         forms[t] = measure_stem(order, track, trace, set.origin);
         forms[t].on_ground = out.terrain.is_ground;
         forms[t].stems = static_cast<std::uint32_t>(trees[t].stems.size());

@@ -54,10 +54,10 @@ struct PlotSegments {
 /// Ground as find_terrain() has it. Stems are circles in slices from 0.3 to 3.9 m above it that lie above
 /// each other (see stem_form()); those that meet above the ground belong to one tree. From all stems at once
 /// shortest paths grow through the points, from one to its neighbours, so that a point goes to the tree that
-/// it hangs on by the shortest way; a way counts by its length over the diameter to the power of 2/3, as a
-/// thick tree reaches farther [Tao2015]; jumps over gaps count more, and bends some metres, so that branches
-/// that cross go straight on. What grows on the ground beside the
-/// stems is understorey, and goes to no tree, as does what is joined to none.
+/// it hangs on by the shortest way. A way counts by its length over the cube root of the diameter, as thick
+/// trees reach farther (after [Tao2015]); jumps over gaps count more, and bends some metres, so that branches
+/// that cross go straight on. What grows on the ground beside the stems is understorey, and goes to no tree,
+/// as does what is joined to none.
 ///
 /// O(n log n). Memory: some 60 bytes per point and 400 for each of at most 1.5 million voxels. The same bits
 /// for any number of threads. Throws InvalidInput for options out of range and for fewer than 20 points, or

@@ -18,13 +18,13 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr std::uint32_t kNeighbours = 10;
-constexpr double kStemReach = 1.3;     // [radius] points so near to the axis of a stem are its own
-constexpr double kFootReach = 3;       // [radius] within it nothing grows but the tree, besides kFootRoom
-constexpr double kFootRoom = 0.3;      // [m]
-constexpr double kFloor = 0.3;         // [m] above the ground, where understorey stands
-constexpr double kUnderstorey = 0.02;  // [m] its thickness, in the place of a diameter at breast height
-constexpr double kScaling = 2.0 / 3;   // exponent of the diameter that makes paths in trees alike
-constexpr double kCourse = 0.2;        // [m] of a path, or so many voxels, over which its course is taken
+constexpr double kStemReach = 1.3;      // [radius] points so near to the axis of a stem are its own
+constexpr double kFootReach = 3;        // [radius] within it nothing grows but the tree, besides kFootRoom
+constexpr double kFootRoom = 0.3;       // [m]
+constexpr double kFloor = 0.3;          // [m] above the ground, where understorey stands
+constexpr double kUnderstorey = 0.005;  // [m] its thickness, in the place of a diameter at breast height
+constexpr double kScaling = 1.0 / 3;    // exponent of the diameter that makes ways in trees alike
+constexpr double kCourse = 0.2;         // [m] of a path, or so many voxels, over which its course is taken
 constexpr double kCourseVoxels = 4;
 constexpr double kTurn = 4;        // [m/rad] that a bend counts
 constexpr double kFreeTurn = 0.3;  // [rad] by which courses stray of themselves

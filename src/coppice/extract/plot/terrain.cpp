@@ -124,6 +124,29 @@ Eigen::Vector3d plane_below(const std::vector<Low>& lows, Vec3d middle, double w
     return plane;
 }
 
+/// A plane that a hundredth of the lows lie below, by their absolute distances: where there is no ground, the
+/// feet of stems are the lowest places, and few.
+Eigen::Vector3d plane_of_feet(const std::vector<Low>& lows, Vec3d middle) {
+    constexpr double kBelow = 0.01, kSmooth = 0.02;  // [m]
+    double least = lows.front().z;
+    for (const Low& p : lows) least = std::min(least, p.z);
+    Eigen::Vector3d plane(least, 0, 0);
+    for (int pass = 0; pass < 100; ++pass) {
+        Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
+        Eigen::Vector3d b = Eigen::Vector3d::Zero();
+        b(0) = 1e-6 * least;
+        for (const Low& p : lows) {
+            const Eigen::Vector3d row(1, p.x - middle.x, p.y - middle.y);
+            const double off = p.z - row.dot(plane);
+            const double w = (off > 0 ? kBelow : 1 - kBelow) / (std::abs(off) + kSmooth);
+            a += w * row * row.transpose();
+            b += w * p.z * row;
+        }
+        plane = a.ldlt().solve(b);
+    }
+    return plane;
+}
+
 /// What the lows of each cell say of the height of the surface above the one before; not a number: nothing.
 std::vector<double> offs_of_cells(const std::vector<Low>& lows, const Raster& raster) {
     std::vector<std::pair<std::size_t, double>> of;
@@ -224,7 +247,15 @@ Terrain find_terrain(std::span<const Vec3> points, const Context& ctx) {
     double top = -std::numeric_limits<double>::infinity();
     for (const Vec3 p : points) top = std::max(top, double{p.z} - terrain.height(p.x, p.y));
     judge(terrain, lows, top);
-    return terrain;
+    if (terrain.is_ground) return terrain;
+    const Eigen::Vector3d feet = plane_of_feet(lows, middle);
+    const auto foot_at = [&](double x, double y) {
+        return feet(0) + feet(1) * (x - middle.x) + feet(2) * (y - middle.y);
+    };
+    const double x0 = box.low.x, y0 = box.low.y, x1 = x0 + wide, y1 = y0 + wide;
+    Terrain sloping(x0, y0, wide, 2, {foot_at(x0, y0), foot_at(x1, y0), foot_at(x0, y1), foot_at(x1, y1)});
+    sloping.share = terrain.share;
+    return sloping;
 }
 
 }  // namespace coppice

@@ -36,7 +36,7 @@ class Terrain {
         return std::lerp(std::lerp(at(i, j), at(i1, j), s), std::lerp(at(i, j1), at(i1, j1), s), t);
     }
 
-    bool is_ground = false;  ///< there are points of ground; else it is a surface below all points
+    bool is_ground = false;  ///< there are points of ground; else it is a plane below nearly all points
     double share = 0;        ///< of the cells with points whose lowest point lies on it
     double clearance = 0;    ///< [m] above it, up to which points belong to the ground
 
@@ -53,7 +53,8 @@ class Terrain {
 /// points say and is tied to its neighbours; what stands above the surface hardly counts, so that a cell
 /// full of branches takes the height of the ground around it, and a stray point below it counts little.
 /// It is ground where half of the cells with points have their lowest point on it, and the cloud rises
-/// above it. O(n). Throws Cancelled.
+/// above it. Else it is a plane that a hundredth of the cells' lowest points lie below, near the feet of
+/// trees. O(n). Throws Cancelled.
 Terrain find_terrain(std::span<const Vec3> points, const Context& ctx = {});
 
 }  // namespace coppice

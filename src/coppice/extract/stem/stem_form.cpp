@@ -52,18 +52,6 @@ StemDiameter diameter_of(const StemSection& s, Vec3d origin) {
             s.circle.residual, s.circle.coverage, s.center + origin};
 }
 
-/// The lowest end of a stem in points without ground: of those about its axis.
-double foot_of(const HeightOrder& points, const StemTrack& track) {
-    std::vector<double> z;
-    for (const Vec3 p : points.all()) {
-        if (double{p.z} > track.middle().z) continue;
-        const Vec3d at = track.at(p.z);
-        if (std::hypot(p.x - at.x, p.y - at.y) < 3 * track.radius + 0.05) z.push_back(p.z);
-    }
-    std::ranges::sort(z);
-    return z.empty() ? track.middle().z : first_dense(z, points);
-}
-
 /// The stem about a height by the sections within a metre of it; what was found first where there are few.
 StemTrack about(const StemTrack& track, std::span<const StemSection> sections, double height) {
     constexpr double kNear = 1;  // [m]
@@ -146,6 +134,17 @@ StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const T
     out.breast = {kBreastHeight,   breast.diameter, breast.deviation,
                   breast.residual, breast.coverage, origin + breast.center};
     return out;
+}
+
+double foot_of(const HeightOrder& points, const StemTrack& track) {
+    std::vector<double> z;
+    for (const Vec3 p : points.all()) {
+        if (double{p.z} > track.middle().z) continue;
+        const Vec3d at = track.at(p.z);
+        if (std::hypot(p.x - at.x, p.y - at.y) < 3 * track.radius + 0.05) z.push_back(p.z);
+    }
+    std::ranges::sort(z);
+    return z.empty() ? track.middle().z : first_dense(z, points);
 }
 
 double highest_of(const HeightOrder& points) {

@@ -13,6 +13,9 @@ double stem_noise(double spacing);
 StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const TraceOptions& trace,
                       Vec3d origin);
 
+/// [m] z of the lowest end of a stem in points without ground: of those about its axis.
+double foot_of(const HeightOrder& points, const StemTrack& track);
+
 /// [m] z of the highest point that is no stray; at least one point.
 double highest_of(const HeightOrder& points);
 
