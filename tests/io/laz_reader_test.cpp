@@ -143,6 +143,23 @@ TEST(LazReader, ReadsTheTableFromTheEndAsPipesLeaveIt) {
     }
 }
 
+TEST(LazReader, ReadsCopcWhole) {
+    // COPC: a record of its own before LASzip's, chunks of several sizes, and its index behind their table.
+    constexpr std::uint32_t kCopcVlr = 54 + 160;
+    std::string bytes = laz_file("format7_varying");
+    const auto data = get<std::uint32_t>(bytes, 96);
+    put<std::int64_t>(bytes, data, get<std::int64_t>(bytes, data) + kCopcVlr);
+    std::string vlr(kCopcVlr, '\0');
+    vlr.replace(2, 4, "copc");
+    put<std::uint16_t>(vlr, 18, 1);
+    put<std::uint16_t>(vlr, 20, 160);
+    bytes.insert(375, vlr);
+    put<std::uint32_t>(bytes, 96, data + kCopcVlr);
+    put<std::uint32_t>(bytes, 100, 2);
+    bytes.append(60 + 5 * 32, '\1');
+    expect_made_points(parse_painted_points(bytes, "p.copc.laz"), {"format7_varying", 7});
+}
+
 TEST(LazReader, ReadsFilesWithoutATableOfEqualChunks) {
     for (const LazFile& file : {kFiles[3], kFiles[7], kFiles[10], kFiles[11]}) {
         SCOPED_TRACE(file.name);

@@ -351,26 +351,28 @@ template <class Points>
 std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
                                   const Context& ctx) {
     Point10 p(chunk.bytes);
-    Rgb16 uncolored{};
-    const Rgb16* color = &uncolored;
-    std::vector<std::unique_ptr<OtherItem>> others;
-    for (std::size_t i = 1; i < packing.items.size(); ++i) {
-        others.push_back(other_item(packing.items[i]));
-        if (packing.items[i].type != LazItem::rgb12) continue;
-        auto& item = static_cast<ColorItem&>(*others.back());
-        item.color = color_at(chunk.bytes, packing.color);
-        color = &item.color;
-    }
-    out.put(p.point(*color));
-    if (chunk.count == 1 && packing.record + 4u > chunk.bytes.size()) return packing.record;
+    Rgb16 first_color{};
+    if (packing.color > 0) first_color = color_at(chunk.bytes, packing.color);
+    out.put(p.point(first_color));
     ArithmeticDecoder in(chunk.bytes.substr(packing.record));
-    Points points;
-    for (std::uint64_t i = 1; i < chunk.count; ++i) {
-        poll_stop(ctx, i);
-        points.next(in, p);
-        for (const auto& item : others) item->next(in);
-        if (in.damaged()) return {};
-        out.put(p.point(*color));
+    if (chunk.count > 1) {  // else the models are not worth their making
+        const Rgb16* color = &first_color;
+        std::vector<std::unique_ptr<OtherItem>> others;
+        for (std::size_t i = 1; i < packing.items.size(); ++i) {
+            others.push_back(other_item(packing.items[i]));
+            if (packing.items[i].type != LazItem::rgb12) continue;
+            auto& item = static_cast<ColorItem&>(*others.back());
+            item.color = first_color;
+            color = &item.color;
+        }
+        Points points;
+        for (std::uint64_t i = 1; i < chunk.count; ++i) {
+            poll_stop(ctx, i);
+            points.next(in, p);
+            for (const auto& item : others) item->next(in);
+            if (in.damaged()) return {};
+            out.put(p.point(*color));
+        }
     }
     return static_cast<std::size_t>(in.position() - chunk.bytes.data());
 }
