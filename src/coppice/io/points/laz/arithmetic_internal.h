@@ -127,11 +127,10 @@ class ArithmeticDecoder {
     }
     void renormalise() {
         if (end_ - at_ >= 4) [[likely]] {
-            const unsigned bytes = static_cast<unsigned>(std::countl_zero(length_)) / 8;
-            value_ =
-                static_cast<std::uint32_t>((std::uint64_t{value_} << 32 | next_four()) >> (32 - 8 * bytes));
-            length_ <<= 8 * bytes;
-            at_ += bytes;
+            const int shift = std::countl_zero(length_) & 24;  // whole bytes
+            value_ = static_cast<std::uint32_t>((std::uint64_t{value_} << 32 | next_four()) << shift >> 32);
+            length_ <<= shift;
+            at_ += shift / 8;
             return;
         }
         while (length_ < kLeastLength) {
