@@ -134,5 +134,15 @@ TEST(StemForm, OfASkeletonIsWhatItsNodesSay) {
     EXPECT_EQ(forms[1].breast.diameter, 0);  // it ends below breast height
 }
 
+TEST(StemForm, TheStemOfASkeletonPassesByButtresses) {
+    // At 0.4 m a buttress of 0.2 m radius ends at 0.6 m beside the stem of 0.1 m.
+    const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1)},
+                     {{0, 0, 0}, {0, 0, 0.4f}, {0.3f, 0, 0.6f}, {0, 0, 8}}, {0.2f, 0.2f, 0.2f, 0.1f});
+    const auto forms = stem_forms(s);
+    ASSERT_EQ(forms.size(), 1u);
+    EXPECT_NEAR(forms[0].breast.diameter, 0.2, 1e-6);
+    EXPECT_NEAR(forms[0].height, 8.1, 1e-5);
+}
+
 }  // namespace
 }  // namespace coppice

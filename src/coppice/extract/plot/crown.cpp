@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "coppice/extract/plot/crown_internal.h"
+#include "coppice/extract/stem/stem_form_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -23,9 +24,11 @@ double crown_base(const Skeleton& s, const StemForm& form) {
         double& above = longest[s.parent(n).index()];
         above = std::max(above, longest[i]);
     }
-    for (NodeId n(0); !s.is_tip(n); n = s.leader(n)) {
+    const std::vector<NodeId> axis = main_axis(s, NodeId(0), highest_below(s));
+    for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
+        const NodeId n = axis[i];
         for (const NodeId child : s.children(n)) {
-            if (child != s.leader(n) && longest[child.index()] > kLargeBranch * form.height)
+            if (child != axis[i + 1] && longest[child.index()] > kLargeBranch * form.height)
                 return std::max(0.0, s.origin().z + double{s.position(n).z} - form.foot.z);
         }
     }

@@ -68,13 +68,6 @@ StemTrack about(const StemTrack& track, std::span<const StemSection> sections, d
     return out;
 }
 
-/// The axis of one tree that goes on with the thickest child, from the root.
-std::vector<NodeId> main_axis(const Skeleton& s, NodeId root) {
-    std::vector<NodeId> axis{root};
-    while (!s.is_tip(axis.back())) axis.push_back(s.leader(axis.back()));
-    return axis;
-}
-
 /// [m] Mean radius of an axis between two heights, by length; 0 where it does not reach there.
 double mean_radius(const Skeleton& s, const std::vector<NodeId>& axis, double low, double high) {
     double sum = 0, total = 0;
@@ -90,10 +83,10 @@ double mean_radius(const Skeleton& s, const std::vector<NodeId>& axis, double lo
     return total > 0 ? sum / total : 0;
 }
 
-StemForm form_of(const Skeleton& s, NodeId root) {
+StemForm form_of(const Skeleton& s, NodeId root, std::span<const float> reach) {
     StemForm out;
     out.foot = s.origin() + Vec3d(s.position(root));
-    const auto axis = main_axis(s, root);
+    const auto axis = main_axis(s, root, reach);
     const double z = s.position(root).z;
     double radius = mean_radius(s, axis, z + kLow, z + kHigh);
     if (!(radius > 0)) radius = mean_radius(s, axis, z + kBreastHeight, z + kBreastHeight);
@@ -117,6 +110,30 @@ StemForm form_of(const Skeleton& s, NodeId root) {
 }  // namespace
 
 namespace extract_internal {
+
+std::vector<float> highest_below(const Skeleton& s) {
+    std::vector<float> reach;
+    for (const Vec3 p : s.positions()) reach.push_back(p.z);
+    for (std::uint32_t i = s.size(); i-- > 0;) {
+        if (s.is_root(NodeId(i))) continue;
+        float& below = reach[s.parent(NodeId(i)).index()];
+        below = std::max(below, reach[i]);
+    }
+    return reach;
+}
+
+std::vector<NodeId> main_axis(const Skeleton& s, NodeId root, std::span<const float> reach) {
+    constexpr float kStemlike = 0.4f;  // of the thickest child's radius
+    std::vector<NodeId> axis{root};
+    while (!s.is_tip(axis.back())) {
+        NodeId next = s.leader(axis.back());
+        const float least = kStemlike * s.radius(next);
+        for (const NodeId child : s.children(axis.back()))
+            if (s.radius(child) >= least && reach[child.index()] > reach[next.index()]) next = child;
+        axis.push_back(next);
+    }
+    return axis;
+}
 
 double stem_noise(double spacing) { return std::clamp(0.25 * spacing, 0.005, 0.02); }
 
@@ -204,10 +221,11 @@ std::vector<StemForm> stem_forms(const Skeleton& skeleton) {
     std::vector<StemForm> out;
     std::vector<std::uint32_t> of_root(skeleton.size(), 0);
     const std::vector<NodeId> roots = tree_roots(skeleton);
+    const std::vector<float> reach = highest_below(skeleton);
     for (const NodeId n : nodes(skeleton)) {
         if (!skeleton.is_root(n)) continue;
         of_root[n.index()] = static_cast<std::uint32_t>(out.size());
-        out.push_back(form_of(skeleton, n));
+        out.push_back(form_of(skeleton, n, reach));
     }
     for (const NodeId n : nodes(skeleton)) {
         StemForm& form = out[of_root[roots[n.index()].index()]];

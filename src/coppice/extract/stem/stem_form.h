@@ -45,9 +45,9 @@ struct StemForm {
 /// O(n log n), about 60 bytes per point. Throws InvalidInput for less than 20 points; Cancelled.
 StemForm stem_form(const PointSet& points, const Context& ctx = {});
 
-/// The same of a skeleton, one for each root: diameters are those of the nodes along the axis that goes on
-/// with the thickest child, at breast height their mean from 1.1 to 1.5 m above the root. Deviations,
-/// residuals and coverage are 0. O(n).
+/// The same of a skeleton, one for each root: diameters are those of the nodes along the axis that leads
+/// highest, by children at least 0.4 times as thick as the thickest one, at breast height their mean from 1.1
+/// to 1.5 m above the root. Deviations, residuals and coverage are 0. O(n).
 std::vector<StemForm> stem_forms(const Skeleton& skeleton);
 
 }  // namespace coppice

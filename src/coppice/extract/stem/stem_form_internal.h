@@ -1,9 +1,19 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/extract/stem/stem_trace_internal.h"
 
 namespace coppice::extract_internal {
+
+/// [m] The greatest z of each node and of all that it bears. O(n).
+std::vector<float> highest_below(const Skeleton& skeleton);
+
+/// The stem of one tree, from its root: it goes on with the child that leads highest, of those at least 0.4
+/// times as thick as the thickest. Buttresses and stubs may be thicker than what goes on.
+std::vector<NodeId> main_axis(const Skeleton& skeleton, NodeId root, std::span<const float> reach);
 
 /// [m] How far points of that spacing lie off a stem, about: scans have some millimetres, bark included, and
 /// the means of voxels more.
