@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -220,6 +222,23 @@ void count(Run& run, const PointSet& points, const PlotExtraction& plot, const s
     counts["trees_found"] = list;
 }
 
+/// Files of trees beyond the last one, which an earlier run left: they look as if they belonged to this one.
+void warn_of_leftovers(Run& run, const fs::path& folder, std::size_t trees) {
+    std::error_code error;
+    std::size_t left = 0;
+    for (const auto& file : fs::directory_iterator(folder, error)) {
+        const std::string name = file.path().filename().string();
+        std::size_t number = 0;
+        constexpr std::string_view kPrefix = "tree_";
+        if (!name.starts_with(kPrefix)) continue;
+        std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), number);
+        left += number > trees;
+    }
+    if (left == 0) return;
+    run.warn(fmt::format("'{}' holds {} file{} of trees beyond number {}, from an earlier run",
+                         folder.string(), grouped(left), left == 1 ? "" : "s", grouped(trees)));
+}
+
 std::string summary_of(const std::vector<PlotTree>& trees, const PlotFiles& files) {
     std::size_t failed = 0, warned = 0;
     for (const PlotTree& tree : trees) {
@@ -301,6 +320,7 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
         write_file(folder / kTable, table_of(trees, ending));
         folder.commit();
     });
+    warn_of_leftovers(run, trimmed(files.folder), trees.size());
     count(run, points, plot, trees);
     run.finish(summary_of(trees, files) + summary);
 }

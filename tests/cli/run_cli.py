@@ -102,6 +102,8 @@ def make_inputs():
         plot += ["%.4f %.4f %.4f" % (x + 0.02 * k * side, y + 0.03 * math.sin(k), 0.2 * x + 3 + 0.01 * k + 0.03 * math.cos(k))
                  for k in range(40) for side in (-1, 1)]
     write("plot.xyz", "\n".join(plot))
+    os.mkdir("old")
+    write("old/tree_099.swc", TREE)
     write("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
     # That stem as class 5, amid 400 points of the ground and three of noise.
