@@ -259,7 +259,7 @@ TEST(LazReader, SurvivesDamage) {
     const CounterRandom random(5, 2);
     std::vector<std::string> files;
     for (const LazFile& file : kFiles) files.push_back(file.bytes());
-    for (std::uint64_t turn = 0; turn < 4000; ++turn) {
+    for (std::uint64_t turn = 0; turn < 2000; ++turn) {
         std::string bytes = files[turn % files.size()];
         // One in two within what describes the points, where damage has the most effect.
         const std::size_t range = turn % 4 < 2 ? bytes.size() : 600;
