@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace coppice::cli {
@@ -37,7 +38,11 @@ struct Text {
             number < 0 ? -static_cast<std::uint64_t>(number) : static_cast<std::uint64_t>(number);
         return fmt::format("{}{}", number < 0 ? "-" : "", grouped(size));
     }
-    std::string operator()(double number) const { return fmt::format("{:.6g}", number); }
+    std::string operator()(double number) const {
+        // Coordinates of maps have more digits before the point than tell places apart.
+        const double size = std::abs(number);
+        return size >= 1e5 && size < 1e9 ? fmt::format("{:.2f}", number) : fmt::format("{:.6g}", number);
+    }
     std::string operator()(const std::string& text) const { return text; }
     std::string operator()(const Figure::List& list) const {
         std::string text;
