@@ -13,8 +13,6 @@
 #include "clock.h"
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
-#include "coppice/io/skeleton/reader.h"
-#include "coppice/skeleton/random_tree.h"
 #include "machine.h"
 #include "program.h"
 #include "random_edits.h"
@@ -24,14 +22,6 @@ namespace {
 using namespace coppice;
 using bench::Dice;
 using bench::Kind;
-
-struct Flags {
-    bench::ProgramFlags program;
-    std::string tree;
-    unsigned segments = 30'000;
-    int edits = 10'000;
-    unsigned seed = 1;
-};
 
 double milliseconds(std::vector<double> seconds, bool most) {
     if (seconds.empty()) return 0;
@@ -48,9 +38,8 @@ bool is_same(const Skeleton& a, const Skeleton& b) {
            std::ranges::equal(a.radii(), b.radii());
 }
 
-void run(const Flags& flags) {
-    const Skeleton first =
-        flags.tree.empty() ? random_tree(flags.segments, flags.seed) : read_skeleton(flags.tree).skeleton;
+void run(const bench::EditFlags& flags) {
+    const Skeleton first = flags.skeleton();
     EditableTree tree(first);
     Dice dice(flags.seed);
     std::vector<Kind> kinds = bench::all_kinds();
@@ -98,11 +87,7 @@ void run(const Flags& flags) {
 
 int main(int argc, char** argv) {
     CLI::App app("Costs of edits of trees");
-    Flags flags;
-    app.add_option("--tree", flags.tree, "a skeleton to edit instead of a made-up one");
-    app.add_option("--segments", flags.segments, "of the made-up tree");
-    app.add_option("--edits", flags.edits, "how many");
-    app.add_option("--seed", flags.seed, "of the tree and the edits");
-    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
+    bench::EditFlags flags{.segments = 30'000, .edits = 10'000};
+    bench::add_edit_flags(app, flags);
     return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });
 }

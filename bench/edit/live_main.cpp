@@ -12,9 +12,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
 #include "coppice/edit/rigid.h"
-#include "coppice/io/skeleton/reader.h"
 #include "coppice/pipeline/live_surface.h"
-#include "coppice/skeleton/random_tree.h"
 #include "machine.h"
 #include "program.h"
 #include "random_edits.h"
@@ -23,23 +21,11 @@ namespace {
 
 using namespace coppice;
 
-struct Flags {
-    bench::ProgramFlags program;
-    std::string tree;
-    unsigned segments = 3'000;
-    int edits = 200;
+struct Flags : bench::EditFlags {
     int check = 0;
-    unsigned seed = 1;
     unsigned subtree = 0;
     MeshOptions options;
 };
-
-NodeSet names_of(const EditChange& c) {
-    NodeSet out;
-    for (const NodeSet* part : {&c.added, &c.removed, &c.moved, &c.resized, &c.reparented})
-        out.insert(out.end(), part->begin(), part->end());
-    return out;
-}
 
 bool is_same(const QuadMesh& a, const QuadMesh& b) {
     return std::ranges::equal(a.positions, b.positions) && std::ranges::equal(a.quads, b.quads);
@@ -71,7 +57,7 @@ double most(const std::vector<double>& all) { return all.empty() ? 0 : *std::ran
 void follow(LiveSurface& surface, const EditableTree& tree, const EditChange& change, Costs& costs,
             const Context& ctx) {
     const bench::Clock clock;
-    const SurfaceChange wrote = surface.update(tree.skeleton(), names_of(change), ctx);
+    const SurfaceChange wrote = surface.update(tree.skeleton(), change.nodes(), ctx);
     costs.surface.push_back(clock.seconds());
     costs.meshed.push_back(wrote.meshed);
     double vertices = 0;
@@ -81,8 +67,7 @@ void follow(LiveSurface& surface, const EditableTree& tree, const EditChange& ch
 }
 
 void run(const Flags& flags) {
-    const Skeleton first =
-        flags.tree.empty() ? random_tree(flags.segments, flags.seed) : read_skeleton(flags.tree).skeleton;
+    const Skeleton first = flags.skeleton();
     EditableTree tree(first);
     bench::Dice dice(flags.seed);
     std::vector<bench::Kind> kinds = bench::all_kinds();
@@ -146,14 +131,12 @@ void run(const Flags& flags) {
 int main(int argc, char** argv) {
     CLI::App app("Costs of surfaces that follow edits");
     Flags flags;
-    app.add_option("--tree", flags.tree, "a skeleton to edit instead of a made-up one");
-    app.add_option("--segments", flags.segments, "of the made-up tree");
-    app.add_option("--edits", flags.edits, "how many");
+    flags.segments = 3'000;
+    flags.edits = 200;
+    bench::add_edit_flags(app, flags);
     app.add_option("--check", flags.check, "compare after every so many edits with a surface from scratch");
     app.add_option("--subtree", flags.subtree, "only turn subtrees of about so many nodes");
-    app.add_option("--seed", flags.seed, "of the tree and the edits");
     app.add_option("--remesh-rounds", flags.options.remesh_rounds, "as of coppice mesh");
     app.add_option("--threads", flags.program.threads, "0: all");
-    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
     return coppice::bench::run_program(app, argc, argv, [&] { run(flags); });
 }

@@ -5,6 +5,8 @@
 #include "coppice/edit/join.h"
 #include "coppice/edit/rigid.h"
 #include "coppice/edit/thickness.h"
+#include "coppice/io/skeleton/reader.h"
+#include "coppice/skeleton/random_tree.h"
 
 namespace coppice::bench {
 
@@ -43,6 +45,18 @@ std::vector<Kind> all_kinds() {
         kind("radius", [](T& t, Dice& d) { return scale_radii(t, {d.node(t)}, 1.01); }),
         kind("pipe radii", [](T& t, Dice& d) { return pipe_radii(t, {d.node(t)}, 2.2); }),
     };
+}
+
+Skeleton EditFlags::skeleton() const {
+    return tree.empty() ? random_tree(segments, seed) : read_skeleton(tree).skeleton;
+}
+
+void add_edit_flags(CLI::App& app, EditFlags& flags) {
+    app.add_option("--tree", flags.tree, "a skeleton to edit instead of a made-up one");
+    app.add_option("--segments", flags.segments, "of the made-up tree");
+    app.add_option("--edits", flags.edits, "how many");
+    app.add_option("--seed", flags.seed, "of the tree and the edits");
+    app.add_option("--markdown", flags.program.markdown, "write the table to this file as well");
 }
 
 }  // namespace coppice::bench

@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "coppice/base/random.h"
 #include "coppice/edit/editable_tree.h"
+#include "coppice/skeleton/skeleton.h"
+#include "program.h"
 
 namespace coppice::bench {
 
@@ -36,5 +39,19 @@ struct Kind {
 };
 
 std::vector<Kind> all_kinds();
+
+/// What the programs take that edit a tree.
+struct EditFlags {
+    ProgramFlags program;
+    std::string tree;
+    unsigned segments = 0;
+    int edits = 0;
+    unsigned seed = 1;
+
+    Skeleton skeleton() const;  ///< the tree, or a made-up one
+};
+
+/// Adds --tree, --segments, --edits, --seed and --markdown.
+void add_edit_flags(CLI::App& app, EditFlags& flags);
 
 }  // namespace coppice::bench

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coppice/base/random.h"
+#include "coppice/base/sort.h"
 
 namespace coppice::bench {
 namespace {
@@ -40,8 +41,7 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const TriMesh& mesh) {
         }
     }
     for (auto& n : of) {
-        std::sort(n.begin(), n.end());
-        n.erase(std::unique(n.begin(), n.end()), n.end());
+        sort_unique(n);
     }
     return of;
 }

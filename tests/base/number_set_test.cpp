@@ -16,6 +16,15 @@ TEST(NumberSet, CountsItsMembersInOrder) {
     EXPECT_EQ(set.rank(199), 4u);
 }
 
+TEST(NumberSet, TellsWhatIsNew) {
+    NumberSet set(70);
+    EXPECT_TRUE(set.add(65));
+    EXPECT_FALSE(set.add(65));
+    EXPECT_TRUE(set.add(64));
+    set.remove(65);
+    EXPECT_TRUE(set.add(65));
+}
+
 TEST(NumberSet, MayBeEmpty) {
     EXPECT_TRUE(NumberSet(0).ascending().empty());
     EXPECT_TRUE(NumberSet(65).ascending().empty());

@@ -109,6 +109,19 @@ float sum_of(IndexRange range) {
     return sum;
 }
 
+TEST(ParallelForUneven, GivesLargeOnesAllThreadsAndSmallOnesOne) {
+    std::vector<unsigned> threads(9, 0);
+    const auto is_large = [](std::size_t i) { return i % 4 == 0; };
+    parallel_for_uneven({.threads = 3}, threads.size(), 2, is_large,
+                        [&](std::size_t i, const Context& ctx) { threads[i] += ctx.threads; });
+    EXPECT_EQ(threads, (std::vector<unsigned>{3, 1, 1, 1, 3, 1, 1, 1, 3}));
+    std::vector<unsigned> alone(1, 0);
+    parallel_for_uneven(
+        {.threads = 3}, alone.size(), 2, [](std::size_t) { return false; },
+        [&](std::size_t i, const Context& ctx) { alone[i] += ctx.threads; });
+    EXPECT_EQ(alone, (std::vector<unsigned>{3}));
+}
+
 TEST(ParallelReduce, AddsTheRangesInIndexOrderForAnyNumberOfThreads) {
     constexpr std::size_t kCount = 10'000, kGrain = 64;
     float in_order = 0.5f, backwards = 0.5f;

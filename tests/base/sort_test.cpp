@@ -22,6 +22,15 @@ Buffer<Item> items(std::size_t n, std::uint64_t keys) {
     return out;
 }
 
+TEST(SortUnique, LeavesOneOfEachInOrder) {
+    std::vector<int> numbers{3, 1, 3, 2, 1, 3};
+    sort_unique(numbers);
+    EXPECT_EQ(numbers, (std::vector{1, 2, 3}));
+    std::vector<int> none;
+    sort_unique(none);
+    EXPECT_TRUE(none.empty());
+}
+
 TEST(RadixSort, SortsStablyForAnyNumberOfThreads) {
     for (const std::uint64_t keys : {1ull, 7ull, 2048ull, 1ull << 40}) {
         Buffer<Item> expected = items(200'000, keys);

@@ -9,6 +9,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
+#include "coppice/base/sort.h"
 #include "coppice/edit/cut.h"
 #include "coppice/edit/deform.h"
 #include "coppice/edit/join.h"
@@ -34,8 +35,7 @@ class Dice {
     }
     NodeSet some(const EditableTree& tree) {
         NodeSet out{node(tree), node(tree), node(tree)};
-        std::ranges::sort(out);
-        out.erase(std::unique(out.begin(), out.end()), out.end());
+        sort_unique(out);
         return out;
     }
 

@@ -64,13 +64,6 @@ std::vector<std::array<Vec3, 4>> faces_of(const QuadMesh& mesh) {
     return out;
 }
 
-NodeSet all_of(const EditChange& c) {
-    NodeSet out;
-    for (const NodeSet* part : {&c.added, &c.removed, &c.moved, &c.resized, &c.reparented})
-        out.insert(out.end(), part->begin(), part->end());
-    return out;
-}
-
 class RandomEdits {
   public:
     explicit RandomEdits(EditableTree& tree, std::uint64_t seed) : tree_(tree), random_(seed, 0) {}
@@ -147,7 +140,7 @@ int follow(const Skeleton& first, int edits, std::uint64_t seed) {
     for (int i = 0; i < edits; ++i) {
         const EditChange change = random.next();
         const Skeleton now = tree.skeleton();
-        const SurfaceChange wrote = surface.update(now, all_of(change));
+        const SurfaceChange wrote = surface.update(now, change.nodes());
         parts += wrote.is_whole ? 0 : 1;
         copy.fetch(surface, wrote);
         EXPECT_TRUE(copy.is_same(surface)) << "edit " << i;
@@ -176,7 +169,7 @@ TEST(LiveSurface, AnUpdateWritesLittle) {
     StableId tip = tree.first_root();
     while (!tree.is_tip(tip)) tip = tree.first_child(tip);
     const EditChange change = rotate(tree, {tip}, {.angle = 0.2});
-    const SurfaceChange wrote = surface.update(tree.skeleton(), all_of(change));
+    const SurfaceChange wrote = surface.update(tree.skeleton(), change.nodes());
     EXPECT_FALSE(wrote.is_whole);
     EXPECT_LT(wrote.meshed, 600u);
     std::size_t vertices = 0;
@@ -202,7 +195,7 @@ TEST(LiveSurface, SameBitsForAnyNumberOfThreads) {
         RandomEdits random(tree, 3);
         for (int i = 0; i < 8; ++i) {
             const EditChange change = random.next();
-            surface.update(tree.skeleton(), all_of(change), {.threads = threads});
+            surface.update(tree.skeleton(), change.nodes(), {.threads = threads});
         }
         made.push_back(surface.mesh());
     }

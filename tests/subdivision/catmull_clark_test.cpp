@@ -120,12 +120,14 @@ TEST(PatchRefinement, EveryVertexHasOneOwner) {
             SCOPED_TRACE(name + ", levels " + std::to_string(levels));
             const PatchRefinement patches(cage.quads, cage.vertex_count(), levels);
             std::vector<int> owners(patches.vertex_count());
+            const Buffer<std::uint32_t> owner = patches.owners();
             std::vector<std::uint32_t> owned(patches.max_owned());
             const Buffer<Quad> quads = patches.quads();
             for (std::uint32_t f = 0; f < cage.quads.size(); ++f) {
                 const std::uint32_t count = patches.owned_vertices(f, owned);
                 for (std::uint32_t k = 0; k < count; ++k) {
                     ++owners[owned[k]];
+                    EXPECT_EQ(owner[owned[k]], f);
                     const auto* first = quads[f << (2 * levels)].data();
                     EXPECT_NE(std::find(first, first + (4u << (2 * levels)), owned[k]),
                               first + (4u << (2 * levels)));

@@ -13,8 +13,13 @@ class NumberSet {
     /// Empty, for numbers below `bound`.
     explicit NumberSet(std::size_t bound) : word_((bound + 63) / 64, 0) {}
 
-    /// Puts i in, which must be below the bound. O(1).
-    void add(std::uint32_t i) { word_[i / 64] |= std::uint64_t{1} << (i % 64); }
+    /// Puts i in, which must be below the bound; false where it was in. O(1).
+    bool add(std::uint32_t i) {
+        const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+        const bool is_new = (word_[i / 64] & bit) == 0;
+        word_[i / 64] |= bit;
+        return is_new;
+    }
 
     /// Takes i out, which must be below the bound. O(1).
     void remove(std::uint32_t i) { word_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }

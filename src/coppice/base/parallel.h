@@ -37,6 +37,24 @@ void parallel_for(const Context& ctx, std::size_t count, std::size_t grain, cons
     });
 }
 
+/// Runs body(i, context) for every i in [0, count): first the large ones, one after the other with all
+/// threads, then the others side by side, `grain` in a row, each with one thread. One alone has all threads.
+/// The contexts report no progress.
+template <class IsLarge, class Body>
+void parallel_for_uneven(const Context& ctx, std::size_t count, std::size_t grain, const IsLarge& is_large,
+                         const Body& body) {
+    const Context all{.threads = ctx.threads, .stop = ctx.stop}, one{.threads = 1, .stop = ctx.stop};
+    std::vector<std::size_t> small;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (count == 1 || is_large(i)) {
+            body(i, all);
+        } else {
+            small.push_back(i);
+        }
+    }
+    parallel_for(ctx, small.size(), grain, [&](std::size_t k) { body(small[k], one); });
+}
+
 /// Folds map(range) of the fixed ranges in index order: deterministic also for floating point.
 template <class T, class Map, class Fold>
 T parallel_reduce(const Context& ctx, std::size_t count, std::size_t grain, T init, const Map& map,

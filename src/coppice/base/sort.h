@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -11,6 +12,13 @@
 #include "coppice/base/parallel.h"
 
 namespace coppice {
+
+/// Sorts items and leaves one of each. O(n log n).
+template <class Items>
+void sort_unique(Items& items) {
+    std::sort(items.begin(), items.end());
+    items.erase(std::unique(items.begin(), items.end()), items.end());
+}
 
 /// Sorts items by the lowest `bits` bits of key(item), stably: equal keys keep their order. O(n bits / 11),
 /// parallel, the same bits for any number of threads; one copy of the items as scratch. At most 2^32 - 1

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "coppice/base/sort.h"
 #include "coppice/cage/sides_internal.h"
 
 namespace coppice::cage_internal {
@@ -44,8 +45,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
             if (kind[f] == QuadKind::face || k % 2 == 0) edges.push_back(edge_of(mesh.cage.quads[f], k));
         }
     }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sort_unique(edges);
     const Middle middle(mesh);
     const auto first = static_cast<std::uint32_t>(mesh.anchors.size());
     for (const Edge& e : edges) middle.add(std::array{e.first, e.second});

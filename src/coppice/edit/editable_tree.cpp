@@ -7,6 +7,7 @@
 #include <queue>
 
 #include "coppice/base/error.h"
+#include "coppice/base/sort.h"
 
 namespace coppice {
 namespace {
@@ -17,6 +18,14 @@ constexpr std::uint32_t kMostIdsPerNode = 64, kAlwaysAllowedIds = 1u << 20;
 
 bool EditChange::empty() const {
     return added.empty() && removed.empty() && moved.empty() && resized.empty() && reparented.empty();
+}
+
+NodeSet EditChange::nodes() const {
+    NodeSet out;
+    for (const NodeSet* part : {&added, &removed, &moved, &resized, &reparented})
+        out.insert(out.end(), part->begin(), part->end());
+    sort_unique(out);
+    return out;
 }
 
 EditableTree::EditableTree(const Skeleton& s) : origin_(s.origin()), size_(s.size()) {

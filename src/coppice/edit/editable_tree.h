@@ -28,7 +28,8 @@ struct EditChange {
     NodeSet resized;     ///< another radius
     NodeSet reparented;  ///< another parent, or none, or one where there was none
 
-    bool empty() const;  ///< nothing changed
+    bool empty() const;     ///< nothing changed
+    NodeSet nodes() const;  ///< all that are named
 };
 
 /// A forest that is edited in place: the nodes of a Skeleton, each with a StableId that it keeps until it is

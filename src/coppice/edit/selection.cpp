@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/base/sort.h"
 #include "coppice/implicit/solid/solid_field.h"
 
 namespace coppice {
@@ -16,8 +17,7 @@ namespace {
 Vec3d world(const EditableTree& tree, StableId n) { return tree.origin() + Vec3d(tree.position(n)); }
 
 NodeSet sorted(NodeSet nodes) {
-    std::ranges::sort(nodes);
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes);
     return nodes;
 }
 

@@ -6,6 +6,7 @@
 
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/measure/predicates.h"
 
 namespace coppice {
@@ -243,8 +244,7 @@ FacePairs crossing_faces(const SurfaceTree& surface, std::uint32_t limit, const 
             break;
         }
     }
-    std::sort(result.pairs.begin(), result.pairs.end());
-    result.pairs.erase(std::unique(result.pairs.begin(), result.pairs.end()), result.pairs.end());
+    sort_unique(result.pairs);
     return result;
 }
 

@@ -48,8 +48,9 @@ Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ct
     const auto patches_of = [&](const QuadSurface& surface, const QuadTrace& trace) {
         return take_apart(surface, trace, prepared.new_of_old, prepared.skeleton);
     };
+    SurfacePatches patches;
     const auto wanted_tubes = [&](const QuadSurface& surface, const QuadTrace& trace) {
-        const SurfacePatches patches = patches_of(surface, trace);
+        patches = patches_of(surface, trace);
         const std::vector<std::uint8_t> wanted = refined(patches);
         std::vector<std::uint8_t> out;
         for (const NodeId n : patches.node) out.push_back(wanted[n.index()]);
@@ -60,7 +61,7 @@ Traced trace(const Skeleton& tree, const MeshOptions& options, const Context& ct
     const QuadSurface surface =
         mesh_by_quads(prepared.skeleton, PointSet{}, options,
                       {.weights = weights, .trace = &trace, .wanted = wanted_tubes}, ctx, stages);
-    SurfacePatches patches = patches_of(surface, trace);
+    if (!trace.remeshed.pieces.empty()) patches = patches_of(surface, trace);
     // Where very much would be inserted, segments are split less everywhere.
     const bool is_local = trace.remeshed.is_local && prepared.report.resample.inserted <= tree.size();
     return {std::move(patches), is_local};
@@ -78,7 +79,7 @@ class LiveSurface::State {
     SurfaceChange update(const Skeleton& now, std::span<const StableId> changed, const Context& ctx) {
         if (changed.empty()) return {};
         std::optional<SurfaceChange> change;
-        if (is_local_) change = update_part(now, changed, ctx);
+        if (is_local_ && !store_.is_sparse()) change = update_part(now, changed, ctx);
         if (!change) change = make_whole(now, ctx);
         tree_ = now;
         return *change;
@@ -154,7 +155,6 @@ class LiveSurface::State {
         if (goes_on || !affected.missing.empty()) return {.missing = std::move(affected.missing)};
         Merged merged = store_.merge({part, made.patches, affected.is_wanted, is_trusted}, removed);
         if (!merged.change) return {.missing = std::move(merged.missing)};
-        if (store_.is_sparse()) return {.is_hopeless = true};
         merged.change->meshed = part.size();
         return {.change = std::move(merged.change)};
     }

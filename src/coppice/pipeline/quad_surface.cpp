@@ -139,19 +139,17 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
         }
     });
     QuadTrace* const trace = extras.trace;
-    const pipeline_internal::TubeMap map{wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping};
-    if (trace == nullptr) {
-        remesh(out, map, options.levels, options, ctx, stages);
-        return out;
+    std::vector<std::uint8_t> wanted;
+    if (trace != nullptr) {
+        trace->segment = composed(wrapped.source, wrapped.grafted.segment);
+        trace->field_segment = wrapped.grafted.segment;
+        trace->patches = std::move(refined.patches);
+        trace->tubes = wrapped.tubes();
+        trace->refined = out.mesh.positions;
+        if (extras.wanted) wanted = extras.wanted(out, *trace);
     }
-    trace->segment = composed(wrapped.source, wrapped.grafted.segment);
-    trace->field_segment = wrapped.grafted.segment;
-    trace->patches = std::move(refined.patches);
-    trace->tubes = wrapped.tubes();
-    trace->refined = out.mesh.positions;
-    const std::vector<std::uint8_t> wanted =
-        extras.wanted ? extras.wanted(out, *trace) : std::vector<std::uint8_t>{};
-    remesh(out, map, options.levels, options, ctx, stages, &trace->remeshed, wanted);
+    remesh(out, {wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping}, options.levels, options, ctx,
+           stages, trace != nullptr ? &trace->remeshed : nullptr, wanted);
     return out;
 }
 

@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/render/colors.h"
 #include "coppice/render/trace/ring_internal.h"
 #include "coppice/render/trace/scale_bar_internal.h"
@@ -97,8 +98,7 @@ std::vector<float> distances_to(const SurfaceTree& surface, std::size_t count, c
 std::vector<float> distances_of_mesh(const PolygonMesh& mesh, const SurfaceTree& surface,
                                      const Context& ctx) {
     std::vector<std::uint32_t> used = mesh.corners;
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    sort_unique(used);
     return distances_to(surface, used.size(), ctx,
                         [&](std::size_t i) { return Vec3d(mesh.positions[used[i]]) + mesh.origin; });
 }

@@ -88,9 +88,8 @@ void EditSession::keep_surface(const MeshOptions& options, const Context& ctx) {
 void EditSession::note(const EditChange& change) {
     last_change_ = change;
     if (!surface_) return;
-    for (const NodeSet* part :
-         {&change.added, &change.removed, &change.moved, &change.resized, &change.reparented})
-        unfollowed_.insert(unfollowed_.end(), part->begin(), part->end());
+    const NodeSet nodes = change.nodes();
+    unfollowed_.insert(unfollowed_.end(), nodes.begin(), nodes.end());
 }
 
 void EditSession::follow(const Context& ctx) {

@@ -17,17 +17,14 @@ struct Surroundings {
                  const PatchStars& stars) {
         NumberSet seen_vertices(vertex_count), seen_faces(quads.size());
         const auto add_face = [&](std::uint32_t face) {
-            if (seen_faces.contains(face)) return false;
-            seen_faces.add(face);
-            faces.push_back(face);
-            return true;
+            const bool is_new = seen_faces.add(face);
+            if (is_new) faces.push_back(face);
+            return is_new;
         };
         const auto add_corners = [&](std::uint32_t face) {
             if (!add_face(face)) return;
             for (const std::uint32_t v : quads[face]) {
-                if (seen_vertices.contains(v)) continue;
-                seen_vertices.add(v);
-                vertices.push_back(v);
+                if (seen_vertices.add(v)) vertices.push_back(v);
             }
         };
         for (const std::uint32_t face : bad) add_corners(face);

@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
+#include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
 #include "coppice/subdivision/flat_ends_internal.h"
 #include "coppice/subdivision/fold_clusters_internal.h"
@@ -31,25 +32,6 @@ constexpr std::size_t kMostMoves = 25;  // of each vertex of a cluster, on avera
 constexpr std::size_t kFacesPerRange = 1024;
 constexpr std::size_t kLarge = 8192;  // vertices of a cluster that is worth all threads
 constexpr std::size_t kClustersPerRange = 8;
-
-// A set of indices that is as cheap to empty as it was to fill.
-class IndexSet {
-  public:
-    explicit IndexSet(std::size_t universe) : words_((universe + 63) / 64, 0) {}
-
-    bool insert(std::uint32_t i) {
-        const std::uint64_t bit = std::uint64_t{1} << (i % 64);
-        if ((words_[i / 64] & bit) != 0) return false;
-        words_[i / 64] |= bit;
-        return true;
-    }
-    void erase(std::span<const std::uint32_t> all) {
-        for (const std::uint32_t i : all) words_[i / 64] = 0;
-    }
-
-  private:
-    std::vector<std::uint64_t> words_;
-};
 
 // A vertex that has moved, where it was at first, and where it was when the fewest faces were bad.
 struct Touched {
@@ -219,7 +201,7 @@ class Untangling {
         face_places_.clear();
         const auto add_face = [&](std::uint32_t face) {
             const std::uint32_t place = clusters_.face_place(face);
-            if (!face_set_.insert(place)) return false;
+            if (!face_set_.add(place)) return false;
             faces_.push_back(face);
             face_places_.push_back(place);
             return true;
@@ -227,7 +209,7 @@ class Untangling {
         const auto add_corners = [&](std::uint32_t face) {
             if (!add_face(face)) return;
             for (const std::uint32_t v : task_.quads[face]) {
-                if (!clusters_.may_move(v) || !vertex_set_.insert(clusters_.vertex_place(v))) continue;
+                if (!clusters_.may_move(v) || !vertex_set_.add(clusters_.vertex_place(v))) continue;
                 active_.push_back(v);
                 vertex_places_.push_back(clusters_.vertex_place(v));
             }
@@ -243,8 +225,8 @@ class Untangling {
         for (; begin < active_.size(); ++begin) {
             surface_.stars.for_each_corner(active_[begin], [&](QuadCorner c) { add_face(c.quad); });
         }
-        vertex_set_.erase(vertex_places_);
-        face_set_.erase(face_places_);
+        for (const std::uint32_t v : vertex_places_) vertex_set_.remove(v);
+        for (const std::uint32_t f : face_places_) face_set_.remove(f);
     }
 
     Vec3 smoothed(std::uint32_t vertex) const {
@@ -264,7 +246,7 @@ class Untangling {
                             [&](IndexRange range) { move_range(range, steps); });
         for (std::size_t k = 0; k < active_.size(); ++k) {
             Vec3& p = task_.positions[active_[k]];
-            if (touched_set_.insert(vertex_places_[k])) touched_.push_back({active_[k], p, p});
+            if (touched_set_.add(vertex_places_[k])) touched_.push_back({active_[k], p, p});
             if (is_finite(moved_[k])) p = moved_[k];
         }
     }
@@ -317,25 +299,16 @@ class Untangling {
     std::vector<std::uint8_t> verdicts_;
     std::vector<Vec3> moved_;
     std::vector<Touched> touched_;
-    IndexSet vertex_set_, touched_set_, face_set_;
+    NumberSet vertex_set_, touched_set_, face_set_;
     std::vector<std::uint32_t> least_bad_;
 };
 
-// Small clusters side by side, each with one thread; large ones with all threads.
 std::vector<Outcome> untangle_each(const Surface& surface, const FoldClusters& clusters,
                                    const UntangleOptions& options, const Context& ctx) {
     std::vector<Outcome> out(clusters.size());
-    std::vector<std::uint32_t> small;
-    for (std::uint32_t i = 0; i < clusters.size(); ++i) {
-        if (clusters.size() > 1 && clusters.vertices[i].size() < kLarge) {
-            small.push_back(i);
-        } else {
-            out[i] = Untangling(surface, clusters, i).run(options, ctx);
-        }
-    }
-    const Context single{.threads = 1, .stop = ctx.stop};
-    parallel_for(ctx, small.size(), kClustersPerRange, [&](std::size_t k) {
-        out[small[k]] = Untangling(surface, clusters, small[k]).run(options, single);
+    const auto is_large = [&](std::size_t i) { return clusters.vertices[i].size() >= kLarge; };
+    parallel_for_uneven(ctx, out.size(), kClustersPerRange, is_large, [&](std::size_t i, const Context& c) {
+        out[i] = Untangling(surface, clusters, i).run(options, c);
     });
     return out;
 }

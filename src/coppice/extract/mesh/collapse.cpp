@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "coppice/base/progress.h"
+#include "coppice/base/sort.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -92,8 +93,7 @@ Remainder whole_of(const Surface& s, std::span<const Vec3d> at) {
             neighbours.push_back(s.to(h));
             neighbours.push_back(s.from(Surface::previous(h)));
         }
-        std::sort(neighbours.begin(), neighbours.end());
-        neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+        sort_unique(neighbours);
         for (const std::uint32_t w : neighbours) {
             const Vec3d d = at[w] - at[v];
             if (length_squared(d) > 0) r.quadric[v].add_line(at[v], normalized(d));

@@ -8,6 +8,7 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/pipeline/carry/faults_internal.h"
@@ -38,16 +39,12 @@ void check(const MeshOptions& options) {
 }
 
 // The region of the vertices of a refined cage: that of the cage quad whose vertex each counts as.
-std::vector<std::uint32_t> regions_of(const ControlMesh& cage, std::size_t vertices, int levels,
-                                      const Context& ctx) {
+std::vector<std::uint32_t> regions_of(const ControlMesh& cage, int levels, const Context& ctx) {
     const PatchRefinement patches(cage.cage.quads, static_cast<std::uint32_t>(cage.cage.positions.size()),
                                   levels, ctx);
-    std::vector<std::uint32_t> out(vertices, kNoRow);
-    std::vector<std::uint32_t> owned(patches.max_owned());
-    for (std::uint32_t f = 0; f < cage.region.size(); ++f) {
-        const std::uint32_t count = patches.owned_vertices(f, owned);
-        for (std::uint32_t k = 0; k < count; ++k) out[owned[k]] = cage.region[f];
-    }
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t f : patches.owners())
+        out.push_back(f == CageTopology::kNone ? kNoRow : cage.region[f]);
     return out;
 }
 
@@ -150,7 +147,7 @@ class CarriedMesh::Body {
 
 void CarriedMesh::Body::bind(std::span<const Vec3> row_anchors, const Context& ctx) {
     const ControlMesh& cage = made.quads().cage;
-    const std::vector<std::uint32_t> row_region = regions_of(cage, row_anchors.size(), options_.levels, ctx);
+    const std::vector<std::uint32_t> row_region = regions_of(cage, options_.levels, ctx);
     const std::span<const std::uint32_t> row = kept_.old_vertices();
     const CapsuleTree capsules(field_, field_.origin(), ctx);
     const AxisWindow window(field_);
@@ -297,8 +294,7 @@ std::vector<std::uint32_t> CarriedMesh::Body::at_fault(const CarriedFrame& frame
         add(p.first);
         add(p.second);
     }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    sort_unique(out);
     return out;
 }
 

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/carry/faults_internal.h"
 
@@ -25,11 +26,6 @@ bool is_plainly_convex(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 
 bool is_folded(const Quad& q, std::span<const Vec3> x) {
     return !is_plainly_convex(x[q[0]], x[q[1]], x[q[2]], x[q[3]]) && !(scaled_jacobian(q, x) > 0);
-}
-
-void sort_out_doubles(std::vector<std::uint32_t>& items) {
-    std::sort(items.begin(), items.end());
-    items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
 // Mean of the corners before and after a vertex in its faces.
@@ -79,7 +75,7 @@ std::vector<std::uint32_t> smooth_folds(std::span<const Quad> quads,
                     corners.insert(corners.end(), quads[g].begin(), quads[g].end());
             }
         }
-        sort_out_doubles(corners);
+        sort_unique(corners);
         std::vector<Vec3> places;
         for (const std::uint32_t v : corners)
             places.push_back(lerp(positions[v], mean_beside(v, quads, faces_of[v], positions), 0.5f));
@@ -89,7 +85,7 @@ std::vector<std::uint32_t> smooth_folds(std::span<const Quad> quads,
             const auto faces = faces_of[corners[i]];
             touched.insert(touched.end(), faces.begin(), faces.end());
         }
-        sort_out_doubles(touched);
+        sort_unique(touched);
         now.clear();
         std::ranges::copy_if(touched, std::back_inserter(now),
                              [&](std::uint32_t f) { return is_folded(quads[f], positions); });

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/mesh/shape.h"
@@ -18,11 +19,6 @@ constexpr std::uint32_t kMostCrossings = 1'000'000;
 constexpr std::uint32_t kMostRounds = 40;
 
 using Faces = std::vector<std::uint32_t>;  // ascending, each once
-
-void sort_out(std::vector<std::uint32_t>& items) {
-    std::sort(items.begin(), items.end());
-    items.erase(std::unique(items.begin(), items.end()), items.end());
-}
 
 Faces where_set(std::span<const std::uint8_t> set) {
     Faces faces;
@@ -99,13 +95,13 @@ class Limiter {
         if (found.pairs.empty()) return {};
         Faces faces;
         for (const FacePair& p : found.pairs) faces.insert(faces.end(), {p.first, p.second});
-        sort_out(faces);
+        sort_unique(faces);
         const FacePairs before = crossings_among(start_, faces, kMostCrossings, ctx_);
         std::vector<FacePair> fresh;
         std::ranges::set_difference(found.pairs, before.pairs, std::back_inserter(fresh));
         faces.clear();
         for (const FacePair& p : fresh) faces.insert(faces.end(), {p.first, p.second});
-        sort_out(faces);
+        sort_unique(faces);
         return faces;
     }
 
@@ -115,7 +111,7 @@ class Limiter {
             const auto face = start_.face(f);
             corners.insert(corners.end(), face.begin(), face.end());
         }
-        sort_out(corners);
+        sort_unique(corners);
         return corners;
     }
 
@@ -125,7 +121,7 @@ class Limiter {
             const auto about = surface_.faces_of[v];
             faces.insert(faces.end(), about.begin(), about.end());
         }
-        sort_out(faces);
+        sort_unique(faces);
         return faces;
     }
 

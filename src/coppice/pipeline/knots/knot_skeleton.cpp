@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "coppice/base/sort.h"
 #include "coppice/pipeline/knots/knots_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 
@@ -77,8 +78,7 @@ class Neighbourhood {
                 reach(other, way - distance(s_.position(n), s_.position(other)));
             });
         }
-        std::sort(inside_.begin(), inside_.end());
-        inside_.erase(std::unique(inside_.begin(), inside_.end()), inside_.end());
+        sort_unique(inside_);
         return std::move(inside_);
     }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/surface_tree.h"
@@ -136,8 +137,7 @@ std::vector<Slice> lossy_slices(const TubeMap& map, const TubeQuads& quads, cons
     std::vector<Slice> found;
     for (const auto& p : lost) found.push_back(nearest_slice(tubes, quads.slices, *p));
     std::erase(found, Slices::kNone);
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    sort_unique(found);
     return found;
 }
 

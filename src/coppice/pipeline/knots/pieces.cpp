@@ -20,21 +20,13 @@ MeshOptions with_local_weights(MeshOptions options) {
     return options;
 }
 
-// Calls make(i, ctx) for some groups: large ones one after the other with all threads, the others side by
-// side, each with one, but for one alone.
+// Calls make(i, ctx) for some groups.
 template <class GroupOf, class Make>
 void make_each(std::span<const std::uint32_t> which, const GroupOf& group, const Context& ctx,
                const Make& make) {
-    std::vector<std::uint32_t> small;
-    for (const std::uint32_t i : which) {
-        if (which.size() > 1 && group(i).slices.size() < kLarge) {
-            small.push_back(i);
-        } else {
-            make(i, Context{.threads = ctx.threads, .stop = ctx.stop});
-        }
-    }
-    parallel_for(ctx, small.size(), 1,
-                 [&](std::size_t k) { make(small[k], Context{.threads = 1, .stop = ctx.stop}); });
+    const auto is_large = [&](std::size_t k) { return group(which[k]).slices.size() >= kLarge; };
+    parallel_for_uneven(ctx, which.size(), 1, is_large,
+                        [&](std::size_t k, const Context& c) { make(which[k], c); });
 }
 
 // Drops the quads of slices that go; returns their vertices.

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "coppice/base/sort.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/pipeline/knots/draft_internal.h"
@@ -199,8 +200,7 @@ class Remeshing {
         for (const FacePair& p : spared) {
             for (const std::uint32_t quad : {p.first, p.second}) add(slices_.of_quad(quad));
         }
-        std::sort(bad.begin(), bad.end());
-        bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+        sort_unique(bad);
         std::erase_if(bad, [&](NodeId tree) {
             return taken_trees_.contains(tree) || !pieces_.can_hold(segments_of(tree, root));
         });

@@ -4,6 +4,7 @@
 #include <array>
 #include <tuple>
 
+#include "coppice/base/sort.h"
 #include "coppice/pipeline/live/edit_zone_internal.h"
 
 namespace coppice::pipeline_internal {
@@ -185,8 +186,7 @@ void PatchStore::plan_pieces(const TracedPart& traced, std::span<const StableId>
         if (plan.is_wanted[n.index()] != 0) look_at(traced.part.stable_id(n));
     }
     for (const StableId id : removed) look_at(id);
-    std::ranges::sort(gone);
-    gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
+    sort_unique(gone);
     plan.removed.insert(plan.removed.end(), gone.begin(), gone.end());
 }
 

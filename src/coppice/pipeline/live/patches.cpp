@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "coppice/base/sort.h"
 #include "coppice/pipeline/live/patches_internal.h"
 
 namespace coppice::pipeline_internal {
@@ -15,11 +16,6 @@ std::vector<NodeId> given_nodes(std::span<const NodeId> new_of_old, const Skelet
         if (!out[n]) out[n] = out[prepared.children(NodeId(n))[0].index()];
     }
     return out;
-}
-
-void sort_out(std::vector<NodeId>& nodes) {
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
 
 // The vertices and quads of the mesh, and the patches that own them.
@@ -71,7 +67,7 @@ void find_pieces(SurfacePatches& out, const QuadTrace& trace, const Slices& slic
     for (const RemeshTrace::Piece& piece : trace.remeshed.pieces) {
         std::vector<NodeId>& all = out.piece_nodes.emplace_back();
         for (const Slice s : piece.slices) all.push_back(node_of(s));
-        sort_out(all);
+        sort_unique(all);
         std::vector<NodeId>& needs = out.piece_needs.emplace_back(all);
         for (const Slice s : piece.beside) needs.push_back(node_of(s));
         for (const NodeId s : piece.segments) {
@@ -84,7 +80,7 @@ void find_pieces(SurfacePatches& out, const QuadTrace& trace, const Slices& slic
                 if (out.owner[v] < out.tube_count()) needs.push_back(out.node[out.owner[v]]);
             }
         }
-        sort_out(needs);
+        sort_unique(needs);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/base/sort.h"
 
 namespace coppice {
 namespace {
@@ -155,8 +156,7 @@ class PatternMaker {
         for (const auto& t : out_.tetra) {
             for (const auto& e : kTetraEdges) edges.push_back(edge_between(t[e[0]], t[e[1]]));
         }
-        std::ranges::sort(edges);
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        sort_unique(edges);
         std::vector<std::uint32_t> groups;
         for (const Edge& e : edges) {
             groups.push_back(e.group);

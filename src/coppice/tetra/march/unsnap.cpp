@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
@@ -89,11 +90,6 @@ class Star {
     std::array<bool, kKept> mixed_{};
     std::vector<Segment> segments_;
 };
-
-void sort_unique(std::vector<std::uint32_t>& numbers) {
-    std::ranges::sort(numbers);
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
 
 void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
     for (const std::uint32_t v : vertices) samples.put_back(v);
