@@ -117,7 +117,7 @@ TEST(CloudAttach, AttachesLooseTubesToEachOtherAndToTheRoot) {
     std::vector<std::vector<std::uint32_t>> bases(1);
     for (std::uint32_t i = 0; i < p.points.size(); ++i)
         if (p.points[i].z < 0.03f) bases[0].push_back(i);
-    EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}), p.points.size());
+    EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}, {}), p.points.size());
     EXPECT_EQ(std::ranges::count(tree.parent, kNone), 1);
     const auto top = std::ranges::max_element(tree.position, {}, &Vec3d::z) - tree.position.begin();
     EXPECT_TRUE(DraftLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
@@ -207,7 +207,7 @@ TEST(CloudAttach, ShortTubesMuchThickerThanWhatBearsThemAreNone) {
         tree.add(4, {end, 0, 1}, 0.06);  // 3 radii long, then 17
         for (std::size_t i = 3000; i < first; ++i) q.samples.node[i] = 3;
         for (std::size_t i = first; i < q.points.size(); ++i) q.samples.node[i] = 5;
-        attach_tubes(tree, q.samples, q.cloud(bases), {});
+        attach_tubes(tree, q.samples, q.cloud(bases), {}, {});
         const bool kept = end > 1;
         EXPECT_EQ(std::ranges::count(tree.radius, 0.06), kept ? 2 : 0);
         EXPECT_EQ(q.samples.node.back() == kNone, !kept);

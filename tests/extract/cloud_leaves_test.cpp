@@ -234,13 +234,19 @@ TEST(CloudLeaves, AreTheSameForAnyNumberOfThreads) {
 TEST(CloudLeaves, RuleDecidesWhatIsLeftOut) {
     const LeafyTree tree = leafy_tree(100);
     const CloudExtraction kept = extract_from_cloud(tree.set, {.leaves = LeafRule::keep});
-    const CloudExtraction told = extract_from_cloud(tree.set);
+    const CloudExtraction told = extract_from_cloud(tree.set, {.detail = 1});
     EXPECT_EQ(kept.cleaning.leaves, 0u);
     EXPECT_GT(told.cleaning.leaves, 0.8 * static_cast<double>(tree.set.size() - tree.leaves_first));
     // 4 m of stem and 12 branches of sqrt(1.1^2 + 0.5^2) = 1.21 m: 18.5 m of wood.
     const double length = measure(told.skeleton).length;
     EXPECT_NEAR(length, 18.5, 6);
     EXPECT_GT(measure(kept.skeleton).length, 1.5 * length);
+    // Finer detail leads twigs to clusters of leaves, the finer the more of them.
+    const double coarse = measure(extract_from_cloud(tree.set, {.detail = 0.2f}).skeleton).length;
+    const double fine = measure(extract_from_cloud(tree.set, {.detail = 0.1f}).skeleton).length;
+    EXPECT_LT(length, coarse);
+    EXPECT_LT(coarse, fine);
+    EXPECT_LT(fine, measure(kept.skeleton).length);
 
     const PointSet bare = leafy_tree(0).set;
     const CloudExtraction all = extract_from_cloud(bare, {.leaves = LeafRule::keep});

@@ -11,6 +11,9 @@ namespace coppice {
 struct NodeConfidence {
     std::uint32_t samples = 0;  ///< vertices or points whose nearest segment ends at this node
     float residual = 0;         ///< [radius] their mean distance from that segment's surface; 0 without any
+    float radius_low = 0;       ///< [m] with `radius_high`: the true radius lies between in nine of ten cases
+    float radius_high = 0;      ///< [m] 0 for meshes, which are not asked
+    float evidence = 1;  ///< share of the points, against what trees are like, in the radius; in [0, 1]
     friend bool operator==(const NodeConfidence&, const NodeConfidence&) = default;  ///< member by member
 };
 
@@ -23,8 +26,9 @@ struct ExtractReport {
     std::uint32_t loops = 0;         ///< closed ways round, each cut where it is thinnest
     std::uint32_t pruned_twigs = 0;  ///< ends too short to be a branch
     std::uint32_t repaired_tips =
-        0;               ///< ends moved along their axis to where the surface ends, less a radius
-    float residual = 0;  ///< [radius] mean over all samples of the distance from the surface
+        0;                ///< ends moved along their axis to where the surface ends, less a radius
+    float residual = 0;   ///< [radius] mean over all samples of the distance from the surface
+    double presumed = 0;  ///< [m] of the length, where the radius is more what trees are like than measured
     friend bool operator==(const ExtractReport&, const ExtractReport&) = default;  ///< member by member
 };
 
@@ -39,6 +43,7 @@ void visit_figures(const ExtractReport& r, Visitor&& visit) {
     visit("pruned_twigs", r.pruned_twigs);
     visit("repaired_tips", r.repaired_tips);
     visit("residual", r.residual);
+    visit("presumed_m", r.presumed);
 }
 
 /// A skeleton read off a surface or a cloud of points.

@@ -15,9 +15,8 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr double kLook = 1;           // [spacing] beyond a surface, up to which distances are known
-constexpr double kSpacing = 0.3;      // [spacing] off a surface that is still on it
-constexpr double kRadius = 0.2;       // [radius] the same
-constexpr double kSigmas = 4;         // [noise] the same
+constexpr double kSigmas = 4;         // [noise] off a surface that is still on it
+constexpr double kOnRadius = 0.2;     // [radius] the same, of points that show the noise
 constexpr double kThick = 1;          // [spacing] least radius of a segment that shows the noise
 constexpr std::size_t kEnough = 100;  // points that tell how much noise there is
 
@@ -34,8 +33,9 @@ constexpr std::size_t kGrain = 4096;
 /// All segments of a tree, found by place.
 class Cones {
   public:
-    Cones(const DraftTree& tree, const DraftLinks& links, const Context& ctx)
-        : cones_(cones_of(tree, links)), index_(boxes_of(cones_), ctx) {}
+    /// Boxes hold what lies up to `beyond` [radius] outside.
+    Cones(const DraftTree& tree, const DraftLinks& links, double beyond, const Context& ctx)
+        : cones_(cones_of(tree, links)), index_(boxes_of(cones_, beyond), ctx) {}
     const RoundCone& operator[](std::uint32_t n) const { return cones_[n]; }
     /// Visits those whose surface may be within reach of p.
     template <class Visit>
@@ -49,10 +49,10 @@ class Cones {
         for (std::uint32_t n = 0; n < tree.size(); ++n) cones.push_back(surface_cone(tree, links, n));
         return cones;
     }
-    static std::vector<Box3> boxes_of(std::span<const RoundCone> cones) {
+    static std::vector<Box3> boxes_of(std::span<const RoundCone> cones, double beyond) {
         std::vector<Box3> boxes;
         for (const RoundCone& c : cones) {
-            const auto r = static_cast<float>(1.0001 * std::max(c.radius_a, c.radius_b()));
+            const auto r = static_cast<float>((1.0001 + beyond) * std::max(c.radius_a, c.radius_b()));
             boxes.push_back(capsule_box(Vec3(c.a), Vec3(c.b()), r));
         }
         return boxes;
@@ -66,7 +66,7 @@ double noise_of(std::span<const float> distance, std::span<const float> radius,
                 std::span<const float> spacing) {
     std::vector<float> off;
     for (std::size_t i = 0; i < distance.size(); ++i) {
-        if (radius[i] > kThick * spacing[i] && std::abs(distance[i]) < kRadius * radius[i])
+        if (radius[i] > kThick * spacing[i] && std::abs(distance[i]) < kOnRadius * radius[i])
             off.push_back(std::abs(distance[i]));
     }
     if (off.size() < kEnough) return 0;
@@ -171,21 +171,32 @@ double gain_now(const Candidate& c, std::span<const std::uint32_t> members,
 }  // namespace
 
 PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
-                             const Context& ctx) {
+                             const Context& ctx, const Tolerance& tolerance) {
     const std::size_t count = samples.positions.size();
     const DraftLinks links(tree);
-    const Cones cones(tree, links, ctx);
+    const Cones cones(tree, links, tolerance.radii, ctx);
     PointDistances distances;
+    const auto reach = [&](std::size_t i) {
+        return std::max(tolerance.metres, tolerance.spacings * double{spacing[i]});
+    };
     distances.distance.assign(count, std::numeric_limits<float>::infinity());
     Buffer<float> radius;
     radius.assign(count, 0);
     samples.node.assign(count, kNone);
+    // A thin branch may be nearer than the thick one that a point is on.
+    std::vector<std::uint32_t> on(count, kNone);
     parallel_for(ctx, count, kGrain, [&](std::size_t i) {
-        double best = std::numeric_limits<double>::infinity();
+        double best = std::numeric_limits<double>::infinity(), least = 0;
         const Vec3d p(samples.positions[i]);
-        cones.visit(samples.positions[i], static_cast<float>(kLook * spacing[i]), [&](std::uint32_t n) {
+        const double look = std::max(reach(i), kLook * double{spacing[i]});
+        cones.visit(samples.positions[i], static_cast<float>(look), [&](std::uint32_t n) {
             const RoundCone::Foot foot = cones[n].foot(p);
             const double d = foot.signed_distance();
+            const double off = d - std::max(tolerance.radii * foot.radius, reach(i));
+            if (off < least || (off == least && n < on[i])) {
+                least = off;
+                on[i] = n;
+            }
             if (!(d < best || (d == best && n < samples.node[i]))) return;
             best = d;
             radius[i] = static_cast<float>(foot.radius);
@@ -195,9 +206,9 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
     });
     distances.noise = noise_of(distances.distance, radius, spacing);
     for (std::size_t i = 0; i < count; ++i) {
-        const double tolerance =
-            std::max({kSigmas * distances.noise, kRadius * radius[i], kSpacing * double{spacing[i]}});
-        if (!(distances.distance[i] <= tolerance)) samples.node[i] = kNone;
+        const double off =
+            std::max({kSigmas * distances.noise, tolerance.radii * double{radius[i]}, reach(i)});
+        if (!(distances.distance[i] <= off)) samples.node[i] = on[i];
     }
     return distances;
 }
@@ -205,7 +216,7 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
 std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<const float> spacing,
                               double noise, const Context& ctx) {
     const DraftLinks links(tree);
-    const Cones cones(tree, links, ctx);
+    const Cones cones(tree, links, 0, ctx);
     const auto branch = branches_of(tree, links);
     std::vector<NearestBranches> nearest(samples.positions.size());
     std::vector<std::uint32_t> key(nearest.size(), kNone);

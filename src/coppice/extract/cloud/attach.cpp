@@ -139,18 +139,22 @@ std::vector<std::uint32_t> entries_of(const FitSamples& samples, const Tubes& tu
 }  // namespace
 
 std::uint64_t attach_tubes(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
-                           const Context& ctx) {
+                           std::span<const std::uint32_t> standing, const Context& ctx) {
     std::vector<std::uint32_t> sources;
     for (const auto& base : cloud.bases) sources.insert(sources.end(), base.begin(), base.end());
     const std::vector<std::uint32_t> taken(samples.node.size(), kNone);
     const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.spacing, ctx);
     const Tubes tubes = tubes_of(tree, samples);
-    for (const auto& base : cloud.bases) add_root(tree, samples, base, cloud.spacing);
-    BranchPoints points{samples.positions, cloud.graph, cloud.spacing, samples.node, cloud.options.step};
+    if (standing.empty())
+        for (const auto& base : cloud.bases) add_root(tree, samples, base, cloud.spacing);
+    BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
+                        samples.node,      cloud.options.step, cloud.options.narrow};
     std::vector<char> attached(tubes.count, 0);
+    for (const std::uint32_t root : standing) attached[root] = 1;
     for (const std::uint32_t p : entries_of(samples, tubes, paths)) {
         ctx.throw_if_cancelled();
         const std::uint32_t tube = tubes.of_node[samples.node[p]];
+        if (attached[tube]) continue;
         attached[tube] = attach_tube(tree, samples, tubes, points, p, paths);
     }
     // Tubes without a point of their own lie inside of others.

@@ -15,7 +15,8 @@ constexpr double kMostReach = 4;      // [spacing]
 constexpr double kGrowth = 1.25;      // times the mean distance: a branch that goes on beyond the reach
 constexpr double kOfOwner = 2.3;      // [radius] of what the branch leaves, less
 constexpr double kLess = 0.6;         // [spacing]: no branch is much thicker
-constexpr double kStep = 0.8;         // [radius] between nodes, at least
+constexpr double kNarrowest = 0.05, kNarrow = 0.3;  // [spacing] radius of branches that are to be narrow
+constexpr double kStep = 0.8;                       // [radius] between nodes, at least
 constexpr double kMostNodes = 1e6;
 constexpr double kWindow = 1.5;  // [step] along the line, from which a node takes its points
 
@@ -52,34 +53,12 @@ BranchPoint closest_on_line(std::span<const Vec3d> line, std::uint32_t point, Ve
     return best;
 }
 
-/// Collects the free points within reach of the line that are connected to the path; returns their mean
-/// distance from the line [m].
+/// Takes the points within reach for the members; returns their mean distance from the line [m].
 double gather_members(Centerline& branch, BranchPoints& points, double reach) {
-    const auto& graph = points.graph;
-    const std::uint32_t round = ++points.round;
-    auto& members = branch.members;
-    const auto closest = [&](std::uint32_t p, double from) {
-        return closest_on_line(branch.line, p, Vec3d(points.position[p]), from);
-    };
-    members.clear();
-    for (std::size_t k = 0; k < branch.path.size(); ++k) {
-        const double share = static_cast<double>(k + 1) / static_cast<double>(branch.path.size());
-        members.push_back(closest(branch.path[k], share * static_cast<double>(branch.line.size() - 1)));
-        points.seen[branch.path[k]] = round;
-    }
-    for (std::size_t i = 0; i < members.size(); ++i) {
-        const BranchPoint from = members[i];
-        for (std::uint32_t e = graph.first[from.point]; e < graph.first[from.point + 1]; ++e) {
-            const std::uint32_t q = graph.to[e];
-            if (points.seen[q] == round || points.node[q] != kNone) continue;
-            points.seen[q] = round;
-            const BranchPoint member = closest(q, from.t);
-            if (member.squared <= reach * reach) members.push_back(member);
-        }
-    }
+    branch.members = points_about(branch, points, reach);
     double sum = 0;
-    for (const BranchPoint& m : members) sum += std::sqrt(m.squared);
-    return sum / static_cast<double>(members.size());
+    for (const BranchPoint& m : branch.members) sum += std::sqrt(m.squared);
+    return sum / static_cast<double>(branch.members.size());
 }
 
 /// Moments of the points near a node of the line, in steps along it.
@@ -144,6 +123,31 @@ void recentre(Centerline& branch, const BranchPoints& points) {
 
 }  // namespace
 
+std::vector<BranchPoint> points_about(const Centerline& branch, BranchPoints& points, double reach) {
+    const auto& graph = points.graph;
+    const std::uint32_t round = ++points.round;
+    std::vector<BranchPoint> found;
+    const auto closest = [&](std::uint32_t p, double from) {
+        return closest_on_line(branch.line, p, Vec3d(points.position[p]), from);
+    };
+    for (std::size_t k = 0; k < branch.path.size(); ++k) {
+        const double share = static_cast<double>(k + 1) / static_cast<double>(branch.path.size());
+        found.push_back(closest(branch.path[k], share * static_cast<double>(branch.line.size() - 1)));
+        points.seen[branch.path[k]] = round;
+    }
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const BranchPoint from = found[i];
+        for (std::uint32_t e = graph.first[from.point]; e < graph.first[from.point + 1]; ++e) {
+            const std::uint32_t q = graph.to[e];
+            if (points.seen[q] == round || points.node[q] != kNone) continue;
+            points.seen[q] = round;
+            const BranchPoint near = closest(q, from.t);
+            if (near.squared <= reach * reach) found.push_back(near);
+        }
+    }
+    return found;
+}
+
 std::uint32_t trace_path(Centerline& branch, const BranchPoints& points, std::uint32_t start,
                          const Paths& paths) {
     branch.path.clear();
@@ -175,6 +179,10 @@ void fit_centerline(Centerline& branch, BranchPoints& points, double thickest) {
     gather_members(branch, points, reach);
     recentre(branch, points);
     branch.radius = gather_members(branch, points, reach);
+    if (points.narrow) {
+        branch.radius = std::clamp(branch.radius, kNarrowest * branch.spacing, kNarrow * branch.spacing);
+        return;
+    }
     const double most = std::min(kMostReach * branch.spacing, kOfOwner * thickest - kLess * branch.spacing);
     for (; kWiden * reach <= most; reach *= kWiden) {
         const std::vector<Vec3d> line = branch.line;

@@ -16,6 +16,7 @@ struct BranchPoints {
     std::span<const float> spacing;       ///< [m]
     std::span<const std::uint32_t> node;  ///< of each point, kNone for free ones
     double step;                          ///< [spacing] between nodes
+    bool narrow = false;                  ///< branches follow their paths, however far their points spread
     /// Per point the last round that looked at it, so that no round has to clear what another one left.
     std::vector<std::uint32_t> seen = std::vector<std::uint32_t>(position.size(), 0);
     std::uint32_t round = 0;
@@ -49,6 +50,9 @@ double line_length(const Centerline& branch);
 /// moves the line to their middle: lines fitted to those near each of its nodes. `thickest` [m] is the radius
 /// of what it leaves.
 void fit_centerline(Centerline& branch, BranchPoints& points, double thickest);
+
+/// The free points within `reach` [m] of the line that are connected to its path.
+std::vector<BranchPoint> points_about(const Centerline& branch, BranchPoints& points, double reach);
 
 /// Adds the line as children of `owner`, and says of its points that they are its own. Returns the last node.
 std::uint32_t add_branch(const Centerline& branch, DraftTree& tree, std::vector<std::uint32_t>& node,

@@ -34,13 +34,25 @@ std::vector<std::uint32_t> points_with_nodes(const FitSamples& samples) {
     return out;
 }
 
+/// Marks the points about a narrow branch that need none of their own.
+void mark_covered(const Centerline& branch, BranchPoints& points, const DraftCloud& cloud,
+                  std::vector<std::uint8_t>& dead) {
+    const double own = cloud.options.cover * branch.spacing;
+    const double reach = cloud.leaf.empty() ? own : std::max(own, cloud.options.detail);
+    for (const BranchPoint& p : points_about(branch, points, reach)) {
+        const bool leaf = !cloud.leaf.empty() && cloud.leaf[p.point];
+        if (leaf || p.squared <= own * own) dead[p.point] = 1;
+    }
+}
+
 }  // namespace
 
 void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
                  const PointDistances& distances, const Context& ctx) {
     const Paths paths =
         shortest_paths(cloud.graph, points_with_nodes(samples), samples.node, cloud.spacing, ctx);
-    BranchPoints points{samples.positions, cloud.graph, cloud.spacing, samples.node, cloud.options.step};
+    BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
+                        samples.node,      cloud.options.step, cloud.options.narrow};
     Centerline branch;
     std::vector<std::uint8_t> dead(samples.node.size(), 0);  // no branch starts there
     for (std::size_t i = paths.order.size(); i-- > 0;) {
@@ -57,6 +69,7 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
             good = branch.members.size() >= kFewest;
         }
         if (good) {
+            if (cloud.options.narrow) mark_covered(branch, points, cloud, dead);
             add_branch(branch, tree, samples.node, owner);
         } else {
             for (const std::uint32_t p : branch.path) dead[p] = 1;

@@ -20,33 +20,6 @@ constexpr double kTolerance = 0.02;   // [radius] to which nodes are needed
 constexpr double kLeast = 0.05;       // [spacing] median: no radius is less, which nothing could tell
 constexpr double kSwellingEnd = 1.5;  // [radius] of what bears it, as far as a swelling is thicker than this
 
-void fit(CloudDraft& draft, int iterations, const Context& ctx) {
-    FitOptions options;
-    options.iterations = iterations;
-    options.robust = kRobust;
-    fit_capsules(draft.tree, draft.samples, options, ctx);
-}
-
-/// Points of a stem base that no segment has belong to the root that is nearest.
-void assign_stem_bases(CloudDraft& draft, StemBases bases) {
-    std::vector<std::uint32_t> roots;
-    for (std::uint32_t n = 0; n < draft.tree.size(); ++n)
-        if (draft.tree.parent[n] == kNone) roots.push_back(n);
-    for (const auto& base : bases) {
-        const Vec3d place(draft.samples.positions[base[0]]);
-        std::uint32_t best = kNone;
-        double least = std::numeric_limits<double>::infinity();
-        for (const std::uint32_t n : roots) {
-            const double d = length_squared(draft.tree.position[n] - place);
-            if (best != kNone && !(d < least)) continue;
-            least = d;
-            best = n;
-        }
-        for (const std::uint32_t p : base)
-            if (draft.samples.node[p] == kNone) draft.samples.node[p] = best;
-    }
-}
-
 /// The greatest radius rootward of a node, as far as a swelling of its thickness is long; infinite when that
 /// comes to the root.
 double radius_rootward(const DraftTree& tree, std::uint32_t n) {
@@ -64,18 +37,48 @@ double radius_rootward(const DraftTree& tree, std::uint32_t n) {
 /// One round: grows what is missing, fits, and prunes what is too much.
 void refine(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
     const PointDistances distances = assign_points(draft.tree, draft.samples, cloud.spacing, ctx);
-    assign_stem_bases(draft, cloud.bases);
+    assign_stem_bases(draft, cloud.bases, roots_of(draft.tree));
     grow_chains(draft.tree, draft.samples, cloud, distances, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    fit(draft, kLongFit, part_of(ctx, 0.3f, 0.7f));
+    fit_draft(draft, kLongFit, part_of(ctx, 0.3f, 0.7f));
     simplify(draft.tree, draft.samples, kTolerance);
     draft.pruned += prune_redundant(draft.tree, draft.samples, cloud.spacing, distances.noise, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    fit(draft, kShortFit, part_of(ctx, 0.8f, 1));
+    fit_draft(draft, kShortFit, part_of(ctx, 0.8f, 1));
     draft.ends = extend_ends(draft.tree, draft.samples);
 }
 
 }  // namespace
+
+void fit_draft(CloudDraft& draft, int iterations, const Context& ctx) {
+    FitOptions options;
+    options.iterations = iterations;
+    options.robust = kRobust;
+    fit_capsules(draft.tree, draft.samples, options, ctx);
+}
+
+std::vector<std::uint32_t> roots_of(const DraftTree& tree) {
+    std::vector<std::uint32_t> roots;
+    for (std::uint32_t n = 0; n < tree.size(); ++n)
+        if (tree.parent[n] == kNone) roots.push_back(n);
+    return roots;
+}
+
+void assign_stem_bases(CloudDraft& draft, StemBases bases, std::span<const std::uint32_t> roots) {
+    for (const auto& base : bases) {
+        const Vec3d place(draft.samples.positions[base[0]]);
+        std::uint32_t best = kNone;
+        double least = std::numeric_limits<double>::infinity();
+        for (const std::uint32_t n : roots) {
+            const double d = length_squared(draft.tree.position[n] - place);
+            if (best != kNone && !(d < least)) continue;
+            least = d;
+            best = n;
+        }
+        for (const std::uint32_t p : base)
+            if (draft.samples.node[p] == kNone) draft.samples.node[p] = best;
+    }
+}
 
 void correct_swollen_radii(DraftTree& tree) {
     const DraftLinks links(tree);
@@ -101,12 +104,12 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const DraftClou
                             const Context& ctx) {
     CloudDraft draft{std::move(tubes), std::move(samples)};
     if (draft.tree.size() > 0) {
-        fit(draft, kLongFit, part_of(ctx, 0, kFitted));
+        fit_draft(draft, kLongFit, part_of(ctx, 0, kFitted));
         assign_points(draft.tree, draft.samples, cloud.spacing, ctx);
     }
-    draft.reached = attach_tubes(draft.tree, draft.samples, cloud, ctx);
+    draft.reached = attach_tubes(draft.tree, draft.samples, cloud, {}, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    fit(draft, kLongFit, part_of(ctx, kFitted, kAttached));
+    fit_draft(draft, kLongFit, part_of(ctx, kFitted, kAttached));
     extend_ends(draft.tree, draft.samples);
     for (int k = 0; k < kRounds; ++k) {
         const float share = (kRefined - kAttached) / kRounds,

@@ -47,6 +47,8 @@ struct CloudOptions {
     float outlier_factor =
         4;  ///< points this many times farther from others than is usual about go; 0 = none
     LeafRule leaves = LeafRule::automatic;  ///< whether leaves are looked for
+    float detail =
+        0;  ///< [m] leaves farther from all axes get a twig to their middle; 0 = from the height of the tree
     float gap = 0;       ///< [m] widest gap that is bridged; 0 = from the spacing and height of the tree
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
     int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
@@ -74,6 +76,11 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.outlier_factor);
     visit(Field{"leaves", "Leaves: left out where the cloud shows some, kept as wood, or always left out"},
           o.leaves);
+    visit(
+        Field{"detail",
+              "Clusters of leaves farther than this from all axes get one twig to their middle; 0 chooses it",
+              Unit::metre, 0, 1e6},
+        o.detail);
     visit(Field{"gap", "Widest gap that is bridged; 0 chooses it", Unit::metre, 0, 1e6}, o.gap);
     visit(Field{"step", "Distance of nodes on the thinnest twigs, in spacings of the points", Unit::none,
                 0.25, 20},

@@ -178,23 +178,4 @@ std::vector<std::uint8_t> find_leaves(std::span<const Vec3> points, const Neighb
     return leaf;
 }
 
-Buffer<Vec3> split_leaves(Buffer<Vec3>& points, Neighbours& near, std::vector<std::uint8_t>& ignored,
-                          const LeafOptions& options, const Context& ctx) {
-    const std::vector<std::uint8_t> leaf = find_leaves(points, near, ignored, options, ctx);
-    Buffer<Vec3> leaves;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (leaf[i]) {
-            leaves.push_back(points[i]);
-            continue;
-        }
-        points[kept] = points[i];
-        ignored[kept++] = ignored[i];
-    }
-    points.resize(kept);
-    ignored.resize(kept);
-    if (!leaves.empty() && kept > 1) near = nearest_neighbours(points, near.count, ctx);
-    return leaves;
-}
-
 }  // namespace coppice::extract_internal

@@ -36,9 +36,4 @@ std::vector<std::uint8_t> find_leaves(std::span<const Vec3> points, const Neighb
                                       std::span<const std::uint8_t> ignored, const LeafOptions& options,
                                       const Context& ctx);
 
-/// Takes the leaves out of the points, their rows and their marks, and returns them. Rows are found anew for
-/// what stays, unless that is less than two points.
-Buffer<Vec3> split_leaves(Buffer<Vec3>& points, Neighbours& near, std::vector<std::uint8_t>& ignored,
-                          const LeafOptions& options, const Context& ctx);
-
 }  // namespace coppice::extract_internal

@@ -11,6 +11,9 @@
 namespace coppice::extract_internal {
 namespace {
 
+/// `std::hypot` without its care for overflow, which took an eighth of the time of an extraction.
+double norm(double x, double y) { return std::sqrt(x * x + y * y); }
+
 constexpr std::size_t kFewest = 6;
 constexpr int kSteps = 8;
 constexpr int kSectors = 12;
@@ -66,7 +69,7 @@ bool improve(std::span<const PlanePoint> points, double scale, Circle& c) {
     std::array<double, 6> a{};  // xx xy xr yy yr rr
     std::array<double, 3> b{};
     for (const PlanePoint& p : points) {
-        const double dx = p.x - c.x, dy = p.y - c.y, d = std::hypot(dx, dy);
+        const double dx = p.x - c.x, dy = p.y - c.y, d = norm(dx, dy);
         const double off = d - c.r, t = off / scale;
         if (!(d > 0) || std::abs(t) >= 1) continue;
         const double w = p.weight * (1 - t * t) * (1 - t * t), ux = dx / d, uy = dy / d;
@@ -97,7 +100,7 @@ bool improve(std::span<const PlanePoint> points, double scale, Circle& c) {
 
 double scale_of(std::span<const PlanePoint> points, const Circle& c, std::vector<double>& scratch) {
     scratch.clear();
-    for (const PlanePoint& p : points) scratch.push_back(std::abs(std::hypot(p.x - c.x, p.y - c.y) - c.r));
+    for (const PlanePoint& p : points) scratch.push_back(std::abs(norm(p.x - c.x, p.y - c.y) - c.r));
     // 4.685 standard deviations, as read from the median; never so narrow that rounding decides.
     return std::max(4.685 * 1.4826 * median_in_place(scratch), 0.02 * c.r);
 }
@@ -118,7 +121,7 @@ CircleFit fit_circle(std::span<const PlanePoint> points, double greatest_radius)
     std::array<std::size_t, kSectors> sector{};
     double squares = 0, weights = 0;
     for (const PlanePoint& p : points) {
-        const double dx = p.x - c.x, dy = p.y - c.y, off = std::hypot(dx, dy) - c.r;
+        const double dx = p.x - c.x, dy = p.y - c.y, off = norm(dx, dy) - c.r;
         if (std::abs(off) >= scale) continue;
         ++fit.used;
         squares += p.weight * off * off;

@@ -1,0 +1,129 @@
+#include "coppice/extract/prior/evidence_internal.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/compressed_rows.h"
+#include "coppice/extract/tree/draft_edit_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::uint32_t kNone = DraftTree::kNoParent;
+constexpr int kWindow = 3;             // nodes on either side that see the same branch
+constexpr double kFreedom = 3;         // places and radius that a fit chooses freely
+constexpr double kFilled = 0.33;       // [radius] scatter that is between a tube and a filled disc
+constexpr double kFewPoints = 3;       // so many points more, as scattered as a filled disc, are assumed
+constexpr double kDiscScatter = 0.35;  // [mean distance] of a filled disc
+constexpr double kOfSpacing = 0.12;    // [spacing] what one point leaves open of the radius
+constexpr double kLeastError = 0.02;   // of the logarithm of any radius
+constexpr double kPointError = 0.2;    // [radius] that one point may be off, however well the others agree
+constexpr double kLeastRadius = 0.1;   // of the radius before, that may come of it
+
+/// Sums over samples of their distance from the surface.
+struct Sums {
+    double weight = 0, off = 0, squared = 0, spacing = 0;
+
+    void add(double w, double d, double s) {
+        weight += w;
+        off += w * d;
+        squared += w * d * d;
+        spacing += w * s;
+    }
+    void add(const Sums& b) {
+        weight += b.weight;
+        off += b.off;
+        squared += b.squared;
+        spacing += b.spacing;
+    }
+};
+
+struct SegmentSums {
+    Sums upper, lower;  ///< of its parent, and of its own node
+};
+
+SegmentSums sum_segment(const RoundCone& cone, bool tapers, std::span<const std::uint32_t> members,
+                        const FitSamples& samples, std::span<const float> spacing) {
+    SegmentSums out;
+    for (const std::uint32_t i : members) {
+        const RoundCone::Foot foot = cone.foot(Vec3d(samples.positions[i]));
+        const double share = tapers ? foot.t : 1;
+        out.lower.add(share, foot.signed_distance(), double{spacing[i]});
+        out.upper.add(1 - share, foot.signed_distance(), double{spacing[i]});
+    }
+    return out;
+}
+
+/// Of every node, from the halves of its segments that are nearer to it.
+std::vector<Sums> sums_of_nodes(const DraftTree& tree, const FitSamples& samples,
+                                std::span<const float> spacing, const Context& ctx) {
+    const DraftLinks links(tree);
+    const auto members = group_by(samples.node, tree.size());
+    std::vector<SegmentSums> of_segment(tree.size());
+    parallel_for(ctx, tree.size(), 64, [&](std::size_t i) {
+        const auto n = static_cast<std::uint32_t>(i);
+        const std::uint32_t q = tree.parent[n];
+        if (q == kNone) return;  // what lies about a root is no tube
+        const bool tapers = links.leader(q) == n;
+        of_segment[n] = sum_segment(surface_cone(tree, links, n), tapers, members[n], samples, spacing);
+    });
+    std::vector<Sums> out(tree.size());
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        out[n] = of_segment[n].lower;
+        if (links.leader(n) != kNone) out[n].add(of_segment[links.leader(n)].upper);
+    }
+    return out;
+}
+
+/// With those of the neighbours on the axis.
+Sums sums_about(const DraftTree& tree, std::span<const std::uint32_t> next, std::span<const Sums> of_node,
+                std::uint32_t n) {
+    Sums out = of_node[n];
+    std::uint32_t m = n;
+    for (int k = 0; k < kWindow && next[m] != kNone; ++k) out.add(of_node[m = next[m]]);
+    m = n;
+    for (int k = 0; k < kWindow && tree.parent[m] != kNone && next[tree.parent[m]] == m; ++k)
+        out.add(of_node[m = tree.parent[m]]);
+    return out;
+}
+
+NodeEvidence evidence_of(const Sums& own, const Sums& about, double radius) {
+    if (!(about.weight > 0)) return {};
+    const double mean = about.off / about.weight;
+    const double free = std::max(about.weight - kFreedom, 0.0);
+    const double squared = std::max(0.0, about.squared - about.off * mean);
+    return {own.weight, about.weight, std::max(radius + mean, kLeastRadius * radius),
+            free > 0 ? std::sqrt(squared / free) : radius, about.spacing / about.weight};
+}
+
+}  // namespace
+
+double NodeEvidence::filled() const {
+    if (!(radius > 0)) return 1;
+    const double few = kDiscScatter * radius, free = std::max(points - kFreedom, 0.0);
+    const double variance = (free * scatter * scatter + kFewPoints * few * few) / (free + kFewPoints);
+    const double ratio = variance / (kFilled * radius * kFilled * radius), cubed = ratio * ratio * ratio;
+    return cubed / (1 + cubed);
+}
+
+double NodeEvidence::precision() const {
+    const double free = points - kFreedom;
+    if (!(radius > 0) || !(free > 0)) return 0;
+    const double error =
+        (scatter * scatter + kOfSpacing * spacing * kOfSpacing * spacing) / (radius * radius);
+    return (1 - filled()) / (error / free + kLeastError * kLeastError);
+}
+
+std::vector<NodeEvidence> gather_evidence(const DraftTree& tree, const FitSamples& samples,
+                                          std::span<const float> spacing, const Context& ctx) {
+    const std::vector<Sums> of_node = sums_of_nodes(tree, samples, spacing, ctx);
+    const std::vector<std::uint32_t> next = axis_children(tree);
+    std::vector<NodeEvidence> out(tree.size());
+    for (std::uint32_t n = 0; n < tree.size(); ++n)
+        out[n] = evidence_of(of_node[n], sums_about(tree, next, of_node, n), tree.radius[n]);
+    for (std::uint32_t n = 0; n < tree.size(); ++n)
+        if (out[n].spacing == 0 && tree.parent[n] != kNone) out[n].spacing = out[tree.parent[n]].spacing;
+    return out;
+}
+
+}  // namespace coppice::extract_internal
