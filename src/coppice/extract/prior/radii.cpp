@@ -18,7 +18,7 @@ constexpr double kOfFoot = 0.8;                            // least share of a t
 constexpr double kKindError = 0.12;                        // of the exponent that wood of one kind shows
 constexpr double kError = 0.5;                             // of the logarithm of a radius
 constexpr double kSeen = 4;                                // least precision of a radius that was seen
-constexpr double kTooThick = 2;       // [error] above the prior, from which on half are no branches
+constexpr double kTooThick = 1.5;       // [error] above the prior, from which on half are no branches
 constexpr double kNineOfTen = 1.645;  // [standard deviation]
 
 /// [m] of wood beyond every node, its own radius included.
