@@ -8,6 +8,7 @@
 #include <string>
 
 #include "coppice/base/error.h"
+#include "coppice/base/random.h"
 #include "coppice/skeleton/measure.h"
 #include "extract/cloud_support.h"
 
@@ -199,6 +200,62 @@ TEST(FromCloud, SaysHowSureItIs) {
     // All points but a few about the rim of the stem lie on the surface that was found.
     EXPECT_GT(samples, 6750u);
     EXPECT_LT(found.report.residual, 0.1f);
+}
+
+TEST(FromCloud, SaysBetweenWhatRadiiLie) {
+    const CloudExtraction found = extract_from_cloud(fork_cloud(0.002));
+    double seen = 0;
+    for (const NodeId n : nodes(found.skeleton)) {
+        const NodeConfidence& c = found.confidence[n.index()];
+        EXPECT_LT(c.radius_low, found.skeleton.radius(n));
+        EXPECT_GT(c.radius_high, found.skeleton.radius(n));
+        seen += c.evidence;
+    }
+    EXPECT_GT(seen, 0.8 * static_cast<double>(found.skeleton.size()));
+    EXPECT_LT(found.report.presumed, 0.5);
+}
+
+/// A stem with two limbs that end in clusters of points.
+PointSet clusters() {
+    PointSet set = fork_cloud(0.003);
+    const CounterRandom random(5, 5);
+    std::uint64_t draw = 0;
+    for (const Vec3d at : {Vec3d{0.8, 0, 3}, Vec3d{-0.8, 0.1, 3}, Vec3d{0.9, 0.3, 3.3}}) {
+        for (int i = 0; i < 300; ++i) {
+            const double x = random.uniform(draw++, -1, 1), y = random.uniform(draw++, -1, 1);
+            const double z = random.uniform(draw++, -1, 1);
+            if (x * x + y * y + z * z < 1) set.positions.push_back(Vec3(at + Vec3d{x, y, z} * 0.25));
+        }
+    }
+    return set;
+}
+
+TEST(FromCloud, GrowsNoThickerOutward) {
+    for (const PointSet& set : {fork_cloud(0.004), tree_on_ground(), clusters()}) {
+        const Skeleton s = extract_from_cloud(set).skeleton;
+        for (const NodeId n : nodes(s)) {
+            if (!s.is_root(n)) {
+                EXPECT_LE(s.radius(n), s.radius(s.parent(n)));
+            }
+        }
+    }
+}
+
+TEST(FromCloud, TakesClustersForNoThickWood) {
+    const CloudExtraction found = extract_from_cloud(clusters(), {.leaves = LeafRule::keep});
+    const Skeleton& s = found.skeleton;
+    // The limbs are 5 cm thick at their ends; the clusters measure half a metre, and something leads to each.
+    for (const Vec3d at : {Vec3d{0.8, 0, 3}, Vec3d{-0.8, 0.1, 3}, Vec3d{0.9, 0.3, 3.3}}) {
+        bool reached = false;
+        for (const NodeId n : nodes(s)) {
+            if (distance(Vec3d(s.position(n)), at) > 0.25) continue;
+            reached = true;
+            EXPECT_LT(s.radius(n), 0.08f);
+        }
+        EXPECT_TRUE(reached);
+    }
+    EXPECT_NEAR(s.radii()[0], 0.1, 0.01);
+    EXPECT_GT(found.report.presumed, 0.3);
 }
 
 TEST(FromCloud, GivesTheSameBitsForAnyNumberOfThreads) {

@@ -139,13 +139,19 @@ struct CloudExtraction : ExtractResult {
 /// paths that lies on no surface yet, back to the tree, through the middle of the points about the path,
 /// however few. Then all segments are fitted to all points at once (see capsule_fit.h), laterals start where
 /// their axis meets the one they leave, and branches whose points the others explain go. Chains, fit and
-/// selection run three times. Before all that, leaves go where the cloud shows some: normals about wood lie
-/// in a plane, those amid leaves point everywhere. Sources: [Xu2007] for paths and pieces, [Taubin1991].
+/// selection run three times. Leaves are told before where the cloud shows some, and stay out of all that:
+/// normals about wood lie in a plane, those amid leaves point everywhere.
+///
+/// Last, axes are smoothed, and radii become the most likely ones by what points say and by what trees are
+/// like; they never grow outward. What looked like thick wood against both is cut out, and thin axes lead on
+/// along paths, through leaves too, of which each cluster gets one. See prior/radii_internal.h.
+///
+/// Sources: [Xu2007] for paths, pieces and how thick branches are, [Taubin1991], [Pardalos1999].
 ///
 /// Limits: a twig needs three points, and to rise 0.75 spacings above the rest: where there are fewer than
 /// about five points on it, one in two or three is found. Stems thicker than about twenty spacings can grow
-/// twigs that are not there: downsample with `voxel`. Twigs amid leaves go with them unless they lead
-/// farther; fronds, and leaves wider than a few per cent of the height, are not told from wood.
+/// twigs that are not there: downsample with `voxel`. Fronds, and leaves wider than a few per cent of the
+/// height, are not told from wood.
 ///
 /// The origin is that of the cloud. O(n log n), about 500 bytes per point, the same bits for any number of
 /// threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or after

@@ -10,7 +10,6 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr double kThick = 1.2, kHollow = 0.25;  // [radius], and [spacing], that points lie from the axis
-constexpr double kSparse = 1;
 constexpr Tolerance kCovered{DraftOptions{}.cover, 1};  // of points that need no twig of their own
 constexpr int kFitted = 4;                              // iterations
 constexpr double kTolerance = 0.02;                     // [radius] to which nodes are needed
@@ -66,14 +65,13 @@ std::vector<std::uint32_t> cut_out(CloudDraft& draft, std::vector<char> gone) {
 /// Gives all points that need no twig of their own to what is near: a twig leads to the middle of a cluster
 /// of leaves, not to each of them.
 PointDistances cover_points(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
-    PointDistances distances;
     std::vector<std::uint32_t> wide;
     if (!cloud.leaf.empty()) {
         assign_points(draft.tree, draft.samples, cloud.spacing, ctx,
                       {kCovered.spacings, kCovered.radii, cloud.options.detail});
         wide = draft.samples.node;
     }
-    distances = assign_points(draft.tree, draft.samples, cloud.spacing, ctx, kCovered);
+    const PointDistances distances = assign_points(draft.tree, draft.samples, cloud.spacing, ctx, kCovered);
     for (std::size_t p = 0; p < cloud.leaf.size(); ++p)
         if (cloud.leaf[p]) draft.samples.node[p] = wide[p];
     return distances;
@@ -81,7 +79,7 @@ PointDistances cover_points(CloudDraft& draft, const DraftCloud& cloud, const Co
 
 /// Takes away what points lie about farther out than any radius that is to be believed there: clusters of
 /// leaves and bundles of twigs taken for thick branches. What stays is attached along paths again, and thin
-/// axes lead on to what is farther than a spacing and a half from all of them. Radii become those that are
+/// axes lead on to what is farther than a spacing and a radius from all of them. Radii become those that are
 /// believed.
 void lead_through_unresolved(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
     const auto evidence = evidence_of(draft, cloud, ctx);
@@ -91,9 +89,9 @@ void lead_through_unresolved(CloudDraft& draft, const DraftCloud& cloud, const C
     for (const auto& base : cloud.bases)
         for (const std::uint32_t p : base) draft.samples.node[p] = kNone;
     assign_stem_bases(draft, cloud.bases, roots);
-    Buffer<float> spacing =
-        cloud.spacing.empty() ? Buffer<float>{} : Buffer<float>(cloud.spacing.begin(), cloud.spacing.end());
-    const float most = static_cast<float>(kSparse) * median(spacing);
+    // Where points are sparse, steps are no cheaper for it: wood is where they are dense.
+    Buffer<float> spacing(cloud.spacing.begin(), cloud.spacing.end());
+    const float most = median(cloud.spacing);
     for (float& s : spacing) s = std::min(s, most);
     DraftCloud unresolved = cloud;
     unresolved.spacing = spacing;

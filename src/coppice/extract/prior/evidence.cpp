@@ -17,7 +17,6 @@ constexpr double kFewPoints = 3;       // so many points more, as scattered as a
 constexpr double kDiscScatter = 0.35;  // [mean distance] of a filled disc
 constexpr double kOfSpacing = 0.12;    // [spacing] what one point leaves open of the radius
 constexpr double kLeastError = 0.02;   // of the logarithm of any radius
-constexpr double kPointError = 0.2;    // [radius] that one point may be off, however well the others agree
 constexpr double kLeastRadius = 0.1;   // of the radius before, that may come of it
 
 /// Sums over samples of their distance from the surface.

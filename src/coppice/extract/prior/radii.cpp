@@ -15,10 +15,10 @@ constexpr double kUsualExponent = 0.42, kExponentError = 0.1;
 constexpr double kLeastExponent = 0.3, kMostExponent = 1;
 constexpr double kHeightPerRadius = 85, kFootError = 0.5;  // of a foot that nothing is seen of
 constexpr double kOfFoot = 0.8;                            // least share of a tree beyond its foot
-constexpr double kKindError = 0.2;                        // of the exponent that wood of one kind shows
+constexpr double kKindError = 0.2;                         // of the exponent that wood of one kind shows
 constexpr double kError = 0.5;                             // of the logarithm of a radius
 constexpr double kSeen = 4;                                // least precision of a radius that was seen
-constexpr double kTooThick = 1.5;       // [error] above the prior, from which on half are no branches
+constexpr double kTooThick = 1.5;     // [error] above the prior, from which on half are no branches
 constexpr double kNineOfTen = 1.645;  // [standard deviation]
 
 /// [m] of wood beyond every node, its own radius included.
