@@ -19,6 +19,7 @@ constexpr double kKindError = 0.2;                         // of the exponent th
 constexpr double kError = 0.5;                             // of the logarithm of a radius
 constexpr double kSeen = 4;                                // least precision of a radius that was seen
 constexpr double kTooThick = 1.5;     // [error] above the prior, from which on half are no branches
+constexpr double kConvincing = 40;    // points about a node: many do not lie like a tube by chance
 constexpr double kNineOfTen = 1.645;  // [standard deviation]
 
 /// [m] of wood beyond every node, its own radius included.
@@ -132,7 +133,8 @@ RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> eviden
         if (seen > 0) {
             off = std::log(evidence[n].radius) - usual;
             const double z = std::max(0.0, off / kError);
-            seen /= 1 + std::exp(0.5 * (z * z - kTooThick * kTooThick));
+            const double doubt = 0.5 * (z * z - kTooThick * kTooThick) - evidence[n].points / kConvincing;
+            seen /= 1 + std::exp(doubt);
         }
         weight[n] = seen + prior;
         value[n] = usual + seen / weight[n] * off;
