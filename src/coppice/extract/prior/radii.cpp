@@ -133,7 +133,8 @@ RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> eviden
         if (seen > 0) {
             off = std::log(evidence[n].radius) - usual;
             const double z = std::max(0.0, off / kError);
-            const double doubt = 0.5 * (z * z - kTooThick * kTooThick) - evidence[n].points / kConvincing;
+            const double doubt = 0.5 * (z * z - kTooThick * kTooThick) -
+                                 (1 - evidence[n].filled()) * evidence[n].points / kConvincing;
             seen /= 1 + std::exp(doubt);
         }
         weight[n] = seen + prior;
