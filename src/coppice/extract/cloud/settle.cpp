@@ -71,7 +71,7 @@ PointDistances cover_points(CloudDraft& draft, const DraftCloud& cloud, const Co
                       {kCovered.spacings, kCovered.radii, cloud.options.detail});
         wide = draft.samples.node;
     }
-    const PointDistances distances = assign_points(draft.tree, draft.samples, cloud.spacing, ctx, kCovered);
+    PointDistances distances = assign_points(draft.tree, draft.samples, cloud.spacing, ctx, kCovered);
     for (std::size_t p = 0; p < cloud.leaf.size(); ++p)
         if (cloud.leaf[p]) draft.samples.node[p] = wide[p];
     return distances;
