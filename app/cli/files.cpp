@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/io/points/reader.h"
@@ -67,6 +69,17 @@ void check_points_output(const std::filesystem::path& path) {
             "'{}' is no name of points; use the ending .ply, .xyz, .txt, .asc or .csv", path.string()));
     }
     check_output_folder(path);
+}
+
+std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& confidence, bool cloud) {
+    std::vector<NodeAttribute> out{{"samples", {}}, {"residual", {}}};
+    if (cloud) out.insert(out.end(), {{"radius_low", {}}, {"radius_high", {}}, {"evidence", {}}});
+    for (const NodeConfidence& c : confidence) {
+        const std::array<float, 5> values{static_cast<float>(c.samples), c.residual, c.radius_low,
+                                          c.radius_high, c.evidence};
+        for (std::size_t k = 0; k < out.size(); ++k) out[k].values.push_back(values[k]);
+    }
+    return out;
 }
 
 Figures repairs_of(const RepairReport& r) {

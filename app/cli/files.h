@@ -2,9 +2,12 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "coppice/extract/extract_result.h"
 #include "coppice/io/file_kind.h"
 #include "coppice/io/skeleton/reader.h"
+#include "coppice/io/skeleton/writer.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/painted_points.h"
 #include "run.h"
@@ -36,6 +39,10 @@ SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const Re
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
 PointSet load_points(Run& run, const std::filesystem::path& path);
 PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns);
+
+/// What is known of every node of an extracted skeleton, to be written with it; uncertainties only of clouds,
+/// whose radii are estimates.
+std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& confidence, bool cloud);
 
 /// What was wrong with a skeleton, and the gaps and jumps between its cylinders, which are not.
 Figures repairs_of(const RepairReport& report);

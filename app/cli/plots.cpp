@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -161,16 +160,6 @@ std::string table_of(const std::vector<PlotTree>& trees, const std::string& endi
     return out;
 }
 
-void write_tree(const fs::path& path, const CloudExtraction& result, const WriteSkeletonOptions& options,
-                const Context& ctx) {
-    std::array<NodeAttribute, 2> attributes{{{"samples", {}}, {"residual", {}}}};
-    for (const NodeConfidence& c : result.confidence) {
-        attributes[0].values.push_back(static_cast<float>(c.samples));
-        attributes[1].values.push_back(c.residual);
-    }
-    write_skeleton(path, result.skeleton, options, attributes, ctx);
-}
-
 /// The surface of each tree; what cannot be made is said in its row.
 void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& files,
                     const UnfinishedFolder& folder) {
@@ -303,7 +292,9 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
         for (std::size_t t = 0; t < trees.size(); ++t) {
             if (!trees[t].result) continue;
             try {
-                write_tree(folder / name_of_tree(t, ending), *trees[t].result, files.write, ctx);
+                const CloudExtraction& found = *trees[t].result;
+                write_skeleton(folder / name_of_tree(t, ending), found.skeleton, files.write,
+                               node_attributes(found.confidence, true), ctx);
             } catch (const Unsupported& error) {
                 trees[t].warnings.emplace_back(error.what());
                 trees[t].result.reset();

@@ -5,35 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/random.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/scan.h"
 #include "coppice/skeleton/measure.h"
+#include "draws.h"
 #include "face_at.h"
 
 namespace coppice::bench {
 namespace {
 
 constexpr std::uint64_t kSeed = 5;
-
-/// Draws one after the other.
-class Draws {
-  public:
-    double uniform(double low, double high) { return random_.uniform(next_++, low, high); }
-    double normal() {
-        const double radius = std::sqrt(-2 * std::log(1 - uniform(0, 1)));
-        return radius * std::cos(2 * std::numbers::pi * uniform(0, 1));
-    }
-
-  private:
-    CounterRandom random_{kSeed, 99};
-    std::uint64_t next_ = 0;
-};
 
 /// A blade of eight triangles about its midrib, from its base on along a direction.
 void add_leaf(PolygonMesh& mesh, Vec3d base, Vec3d along, Vec3d up, double size, Draws& draws) {
@@ -68,7 +53,7 @@ double LeafyScan::leaf_share() const {
 }
 
 void add_foliage(PolygonMesh& mesh, const Skeleton& tree, const Foliage& foliage) {
-    Draws draws;
+    Draws draws(kSeed, 99);
     for (const NodeId n : nodes(tree)) {
         if (tree.is_root(n) || tree.radius(n) > foliage.thickest) continue;
         const Segment s = tree.segment(n);

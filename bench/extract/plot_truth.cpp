@@ -10,10 +10,10 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/random.h"
 #include "coppice/measure/surface_tree.h"
 #include "coppice/render/scan.h"
 #include "coppice/skeleton/random_tree.h"
+#include "draws.h"
 #include "face_at.h"
 #include "leafy_tree.h"
 
@@ -25,16 +25,6 @@ constexpr double kMargin = 4;  // [m] of ground around them
 constexpr double kApart = 2;   // [m] between stems, at least
 constexpr int kBushesPerTree = 1;
 constexpr double kBreast = 1.3;
-
-class Draws {
-  public:
-    explicit Draws(std::uint64_t seed) : random_(seed, 0x706c6f74) {}
-    double uniform(double low, double high) { return random_.uniform(next_++, low, high); }
-
-  private:
-    CounterRandom random_;
-    std::uint64_t next_ = 0;
-};
 
 /// [m] of the ground.
 double ground(double x, double y) {
@@ -213,7 +203,7 @@ PlotScene make_plot(const std::string& name, const Context& ctx) {
     if (!is_read || count < 1 || count > 1000 || points < 1000)
         throw InvalidInput(fmt::format(
             "'{}' names no plot; write TREES:POINTS or TREES:POINTS:FOLIAGE, as 40:4000000", name));
-    Draws draws(count);
+    Draws draws(count, 0x706c6f74);
     const double wide = std::sqrt(kRoom * count);
     PlotScene out{name, {}, {}, {}, {}};
     PolygonMesh mesh;

@@ -4,25 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "coppice/base/random.h"
+#include "draws.h"
 
 namespace coppice::bench {
 namespace {
 
-/// Draws one after the other.
-class Dice {
-  public:
-    explicit Dice(std::uint64_t seed) : random_(seed, 0) {}
-    double between(double low, double high) { return random_.uniform(next_++, low, high); }
-
-  private:
-    CounterRandom random_;
-    std::uint64_t next_ = 0;
-};
-
-void cut(Stroke& stroke, Dice& dice) {
-    const double share = dice.between(0.05, 0.2);
-    const bool at_tip = dice.between(0, 1) < 0.5;
+void cut(Stroke& stroke, Draws& draws) {
+    const double share = draws.uniform(0.05, 0.2);
+    const bool at_tip = draws.uniform(0, 1) < 0.5;
     double total = 0, before = 0;
     for (std::size_t i = 1; i < stroke.points.size(); ++i)
         total += length(stroke.points[i] - stroke.points[i - 1]);
@@ -52,17 +41,17 @@ void take_out(Stroke& stroke, const std::vector<bool>& wrong) {
 }  // namespace
 
 Sketch messed_up(Sketch sketch, const Mess& mess, std::uint64_t seed) {
-    Dice dice(seed);
+    Draws draws(seed);
     for (SketchBranch& branch : sketch.branches) {
-        if (dice.between(0, 1) < mess.cut) cut(branch.strokes[dice.between(0, 1) < 0.5 ? 0 : 1], dice);
+        if (draws.uniform(0, 1) < mess.cut) cut(branch.strokes[draws.uniform(0, 1) < 0.5 ? 0 : 1], draws);
         for (Stroke& stroke : branch.strokes) {
             std::vector<bool> wrong(stroke.points.size(), false);
             for (std::size_t i = 0; i < stroke.points.size(); ++i) {
                 PicturePoint& p = stroke.points[i];
-                p = p + PicturePoint{dice.between(-mess.jitter, mess.jitter),
-                                     dice.between(-mess.jitter, mess.jitter)};
-                if (dice.between(0, 1) >= mess.wrong) continue;
-                const double far = dice.between(20, 60), turn = dice.between(0, 2 * std::numbers::pi);
+                p = p + PicturePoint{draws.uniform(-mess.jitter, mess.jitter),
+                                     draws.uniform(-mess.jitter, mess.jitter)};
+                if (draws.uniform(0, 1) >= mess.wrong) continue;
+                const double far = draws.uniform(20, 60), turn = draws.uniform(0, 2 * std::numbers::pi);
                 p = p + PicturePoint{far * std::cos(turn), far * std::sin(turn)};
                 wrong[i] = true;
             }
@@ -74,11 +63,11 @@ Sketch messed_up(Sketch sketch, const Mess& mess, std::uint64_t seed) {
 
 void misplace(SketchView& view, double error, std::uint64_t seed) {
     if (error == 0) return;
-    Dice dice(seed + 1000);
-    const double up = dice.between(-1, 1), round = dice.between(0, 2 * std::numbers::pi);
+    Draws draws(seed + 1000);
+    const double up = draws.uniform(-1, 1), round = draws.uniform(0, 2 * std::numbers::pi);
     const double level = std::sqrt(1 - up * up), angle = error * std::numbers::pi / 180;
     view.r = view.r * rotation_about(Vec3d{level * std::cos(round), level * std::sin(round), up} * angle);
-    const double scale = 1 + (dice.between(0, 1) < 0.5 ? -0.01 : 0.01) * error;
+    const double scale = 1 + (draws.uniform(0, 1) < 0.5 ? -0.01 : 0.01) * error;
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) view.k[i][i] *= scale;
 }
 

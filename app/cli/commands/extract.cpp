@@ -170,18 +170,6 @@ void check_groups(const GivenOptions& given, const std::filesystem::path& input,
     }
 }
 
-/// What is known of every node; uncertainties only of clouds, whose radii are estimates.
-std::vector<NodeAttribute> attributes_of(const std::vector<NodeConfidence>& confidence, bool cloud) {
-    std::vector<NodeAttribute> out{{"samples", {}}, {"residual", {}}};
-    if (cloud) out.insert(out.end(), {{"radius_low", {}}, {"radius_high", {}}, {"evidence", {}}});
-    for (const NodeConfidence& c : confidence) {
-        const std::array<float, 5> values{static_cast<float>(c.samples), c.residual, c.radius_low,
-                                          c.radius_high, c.evidence};
-        for (std::size_t k = 0; k < out.size(); ++k) out[k].values.push_back(values[k]);
-    }
-    return out;
-}
-
 bool is_given(const GivenOptions& given, std::string_view name) {
     return std::ranges::any_of(given, [&](const Option* option) { return option->name == name; });
 }
@@ -248,7 +236,7 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
         kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
     run.stage("write", [&](const Context&) {
         write_skeleton(flags.output, result.skeleton, flags.write,
-                       attributes_of(result.confidence, kind == FileKind::points));
+                       node_attributes(result.confidence, kind == FileKind::points));
     });
     fill_report(run, result);
     const std::string surface = then_mesh(run, flags.mesh_output, result.skeleton, flags.mesh);

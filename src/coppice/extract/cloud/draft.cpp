@@ -13,10 +13,9 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr int kRounds = 3;
-constexpr int kLongFit = 8, kShortFit = 4;                            // iterations
+constexpr int kLongFit = 8;                                           // iterations
 constexpr float kFitted = 0.08f, kAttached = 0.2f, kRefined = 0.97f;  // of the time, by then
 constexpr double kRobust = 0.5;       // [radius] residuals much larger than this hardly count
-constexpr double kTolerance = 0.02;   // [radius] to which nodes are needed
 constexpr double kLeast = 0.05;       // [spacing] median: no radius is less, which nothing could tell
 constexpr double kSwellingEnd = 1.5;  // [radius] of what bears it, as far as a swelling is thicker than this
 
@@ -41,7 +40,7 @@ void refine(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
     grow_chains(draft.tree, draft.samples, cloud, distances, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
     fit_draft(draft, kLongFit, part_of(ctx, 0.3f, 0.7f));
-    simplify(draft.tree, draft.samples, kTolerance);
+    simplify(draft.tree, draft.samples, kNodeTolerance);
     draft.pruned += prune_redundant(draft.tree, draft.samples, cloud.spacing, distances.noise, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
     fit_draft(draft, kShortFit, part_of(ctx, 0.8f, 1));
@@ -119,9 +118,9 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const DraftClou
     correct_swollen_radii(draft.tree);
     const double least = kLeast * double{median(cloud.spacing)};
     for (double& r : draft.tree.radius) r = std::max(r, least);
-    simplify(draft.tree, draft.samples, kTolerance);
+    simplify(draft.tree, draft.samples, kNodeTolerance);
     reattach_laterals(draft.tree, draft.samples, ctx);
-    simplify(draft.tree, draft.samples, kTolerance);
+    simplify(draft.tree, draft.samples, kNodeTolerance);
     assign_points(draft.tree, draft.samples, cloud.spacing, ctx);
     return draft;
 }

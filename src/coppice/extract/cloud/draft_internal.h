@@ -15,6 +15,9 @@ namespace coppice::extract_internal {
 /// is no branch but a few twigs, or outliers, taken for one.
 inline constexpr double kThickerThanBearer = 2.3, kStout = 12;
 
+inline constexpr int kShortFit = 4;             // iterations of a fit of what was fitted before
+inline constexpr double kNodeTolerance = 0.02;  // [radius] to which nodes are needed
+
 struct DraftOptions {
     double step = 1;      ///< [spacing] between nodes
     double reach = 0.75;  ///< [spacing] least height of a tip above the surface of what is there

@@ -11,8 +11,6 @@ namespace {
 
 constexpr double kThick = 1.2, kHollow = 0.25;  // [radius], and [spacing], that points lie from the axis
 constexpr Tolerance kCovered{DraftOptions{}.cover, 1};  // of points that need no twig of their own
-constexpr int kFitted = 4;                              // iterations
-constexpr double kTolerance = 0.02;                     // [radius] to which nodes are needed
 
 /// Leaves near an axis are none of its points.
 PointDistances assign_wood(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
@@ -115,8 +113,8 @@ void settle_draft(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx
     smooth(draft, cloud, ctx);
     lead_through_unresolved(draft, cloud, ctx);
     // What was found instead may be twigs after all, which a fit shows.
-    fit_draft(draft, kFitted, ctx);
-    simplify(draft.tree, draft.samples, kTolerance);
+    fit_draft(draft, kShortFit, ctx);
+    simplify(draft.tree, draft.samples, kNodeTolerance);
     const PointDistances distances = assign_wood(draft, cloud, ctx);
     draft.pruned += prune_redundant(draft.tree, draft.samples, cloud.spacing, distances.noise, ctx);
     lead_through_unresolved(draft, cloud, ctx);

@@ -17,7 +17,7 @@ constexpr double kOfSpacing = 0.05;                   // [spacing] least error o
 constexpr double kBendPerLength = 0.8;                // [rad] that axes turn by over kBendLength
 constexpr double kBendLength = 20;                    // [radius]
 constexpr double kLeastBend = 0.05, kMostBend = 0.8;  // [rad] usual at one node
-constexpr double kSharp = 0.6;                        // [cos] of a turn that is bent open: 45 degrees
+constexpr double kSharp = 0.6;                        // [cos] of a turn that is bent open: 53 degrees
 // Of both arms of a turn, and of the radius: shorter arms hold no direction.
 constexpr double kShortArm = 0.1, kShortest = 0.05;
 constexpr double kStiffer = 8;  // times as stiff, each time that a turn is still too sharp
