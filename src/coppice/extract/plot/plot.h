@@ -38,7 +38,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"widest_gap", "Widest gap between points of one tree", Unit::metre, 0.01, 10}, o.widest_gap);
 }
 
+/// In place of the index of a tree: the point lies on the ground.
 inline constexpr std::uint32_t kPointOfGround = std::numeric_limits<std::uint32_t>::max();
+/// In place of the index of a tree: the point hangs on no stem.
 inline constexpr std::uint32_t kPointOfNoTree = kPointOfGround - 1;
 
 /// The trees of a plot, and whose each point is.
@@ -78,7 +80,7 @@ struct PlotTree {
 
 /// The skeletons of all trees of a plot.
 struct PlotExtraction {
-    PlotSegments segments;
+    PlotSegments segments;        ///< ground, stems, and whose each point is
     std::vector<PlotTree> trees;  ///< as in `segments`
 };
 
