@@ -49,6 +49,8 @@ def make_inputs():
     # A trunk with two laterals, of which one forks: six branches that begin at branch nodes.
     write("twigs.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.18 1\n3 1 0 0 2 0.15 2\n4 1 0 0 3 0.1 3\n5 1 1 0 1.5 0.1 2\n"
           "6 1 1.6 0 2 0.07 5\n7 1 1.2 0.6 2 0.05 5\n8 1 -0.9 0 2.6 0.08 3\n")
+    write("presumed.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
+                                       "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
     write("small.coppice", "sphere s radius=0.01\n")
     write("tree_cm.swc", "1 1 0 0 0 20 -1\n2 1 0 0 100 15 1\n3 1 50 0 180 10 2\n4 1 -50 0 180 10 2\n")
     sketch = {"format": "coppice-sketch", "version": 1,

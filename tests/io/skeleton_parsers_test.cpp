@@ -324,14 +324,20 @@ TEST(EdgePly, AsciiWithEndsAsTwoNumbers) {
 }
 
 TEST(SkeletonJson, ColumnsInAnyOrderBesideOtherThings) {
-    const auto nodes = parse_skeleton_json(
-        R"({"radius": [1, null], "notes": {"parent": [9, {"a": []}]}, "parent": [-1, 0],
+    const auto [nodes, attributes] = parse_skeleton_json(
+        R"({"radius": [1, null], "sure": [0.5, null], "Loud": [1, 2], "words": ["a", 3], "notes": {"parent": [9, {"a": []}]}, "parent": [-1, 0],
             "position": [[0, 0, 0], [0, 0.5, 1]], "origin": [100, 0, 0], "format": "coppice-skeleton"})",
         "t.json");
     ASSERT_EQ(nodes.size(), 2u);
     EXPECT_EQ(nodes[1].parent, 0);
     EXPECT_EQ(nodes[1].position, Vec3d(100, 0.5, 1));
     EXPECT_TRUE(std::isnan(nodes[1].radius));
+    ASSERT_EQ(attributes.size(), 2u);  // neither those whose names are none, nor what is nested
+    EXPECT_EQ(attributes[0].name, "sure");
+    ASSERT_EQ(attributes[0].values.size(), 2u);
+    EXPECT_EQ(attributes[0].values[0], 0.5);
+    EXPECT_TRUE(std::isnan(attributes[0].values[1]));
+    EXPECT_EQ(attributes[1].name, "words");
 }
 
 TEST(SkeletonJson, Errors) {

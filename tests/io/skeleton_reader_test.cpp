@@ -42,6 +42,18 @@ TEST(SkeletonReader, TellsFormatsByContentWhereTheNameDoesNot) {
     EXPECT_EQ(format(kSwc, "TREE.SWC"), "swc");
 }
 
+TEST(SkeletonReader, AttributesStayWithTheirNodesWhenNodesMove) {
+    // Node 0 comes before its parent, and node 3 lies where its parent lies.
+    const SkeletonFile file = parse_skeleton(
+        R"({"a": [10, 11, 12, 13], "b": [1, 2, 3], "c": [1, 1e99, 3, 4], "a": [0, 0, 0, 0], "d": [1, null, 1, 1],
+            "format": "coppice-skeleton", "parent": [1, -1, 1, 2], "radius": [1, 1, 1, 1],
+            "position": [[0, 0, 1], [0, 0, 0], [1, 0, 0], [1, 0, 0]]})",
+        "t.json");
+    ASSERT_EQ(file.skeleton.size(), 3u);
+    ASSERT_EQ(file.attributes.size(), 1u) << "too few, too large, twice, or unknown";
+    EXPECT_EQ(file.attributes[0].values, (std::vector<float>{11, 10, 12}));
+}
+
 TEST(SkeletonReader, UnknownFilesAreRefused) {
     EXPECT_EQ(error_of<Unsupported>([] { parse_skeleton("1 2 3\n4 5 6\n", "cloud.txt"); }),
               "cloud.txt: this is no skeleton file that can be told from its name or first line; known are "

@@ -92,7 +92,7 @@ TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
     EXPECT_EQ(read_skeleton(folder / "w.txt").format, "swc");
 }
 
-TEST(SkeletonWriter, AttributesStandBesideTheNodesAndArePassedOver) {
+TEST(SkeletonWriter, AttributesStandBesideTheNodesAndAreReadAgain) {
     const Skeleton s({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 1}}, {0.1f, 0.05f});
     const std::vector<NodeAttribute> attributes{{"samples", {12, 7}}, {"residual", {0.25f, 0.5f}}};
     const std::string json = encode_skeleton(s, {.format = SkeletonFormat::json}, attributes);
@@ -103,7 +103,13 @@ TEST(SkeletonWriter, AttributesStandBesideTheNodesAndArePassedOver) {
     EXPECT_NE(ply.find("0 0 1 0.05 7 0.5\n"), std::string::npos);
     const std::string binary = encode_skeleton(s, {.format = SkeletonFormat::ply}, attributes);
     for (const auto& [bytes, name] : {std::pair{json, "a.json"}, {ply, "a.ply"}, {binary, "a.ply"}}) {
-        const Skeleton back = parse_skeleton(bytes, name).skeleton;
+        const SkeletonFile file = parse_skeleton(bytes, name);
+        const Skeleton& back = file.skeleton;
+        ASSERT_EQ(file.attributes.size(), 2u) << name;
+        EXPECT_EQ(file.attributes[0].name, "samples") << name;
+        EXPECT_EQ(file.attributes[1].values, (std::vector<float>{0.25f, 0.5f})) << name;
+        EXPECT_EQ(file.attribute("samples")[1], 7) << name;
+        EXPECT_TRUE(file.attribute("none").empty()) << name;
         EXPECT_EQ(back.size(), 2u) << name;
         EXPECT_EQ(back.radius(NodeId(1)), 0.05f) << name;
         EXPECT_EQ(back.position(NodeId(1)), Vec3(0, 0, 1)) << name;

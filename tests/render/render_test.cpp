@@ -250,6 +250,22 @@ TEST(Render, InsideIsBlueAndOutsideRed) {
     EXPECT_NEAR(unknown[0], unknown[2], 30);
 }
 
+TEST(Render, MeasuredNodesAreBlueAndPresumedOnesRed) {
+    // A pole along x: the far half of it was measured.
+    const Skeleton pole({NodeId{}, NodeId(0), NodeId(1)}, {{0, -1, 0}, {0, 0, 0}, {0, 1, 0}},
+                        {0.3f, 0.3f, 0.3f});
+    const std::vector<float> evidence{0, 0, 1};
+    const PolygonMesh mesh = cube(0.5f);
+    RenderOptions o = small();
+    o.color = RenderColor::evidence;
+    o.samples = 16;
+    for (const PolygonMesh* around : {static_cast<const PolygonMesh*>(nullptr), &mesh}) {
+        const Image image = render({.mesh = around, .skeleton = &pole, .evidence = evidence}, o);
+        EXPECT_GT(image.at(20, 32)[0], image.at(20, 32)[2] + 40) << (around != nullptr);
+        EXPECT_GT(image.at(44, 32)[2], image.at(44, 32)[0] + 40) << (around != nullptr);
+    }
+}
+
 TEST(Render, TheSignalColourIsMagenta) {
     const PolygonMesh mesh = cube(1);
     RenderOptions o = small();
@@ -498,6 +514,9 @@ TEST(Render, BadInputIsRefused) {
     o = small();
     o.color = RenderColor::deviation;
     EXPECT_THROW(render({.mesh = &mesh}, o), InvalidInput) << "no deviations";
+    o.color = RenderColor::evidence;
+    const Skeleton tree = fork();
+    EXPECT_THROW(render({.skeleton = &tree}, o), InvalidInput) << "no evidence";
     mesh.positions[3].y = std::numeric_limits<float>::infinity();
     EXPECT_THROW(render({.mesh = &mesh}, small()), InvalidInput);
 }

@@ -46,6 +46,7 @@ TEST(RepairNodes, PutsParentsFirstAndKeepsTheOrderOtherwise) {
     EXPECT_EQ(r.skeleton.position(NodeId(2)), Vec3(0, 0, 2));
     EXPECT_EQ(r.skeleton.parent(NodeId(2)), NodeId(1));
     EXPECT_EQ(r.skeleton.parent(NodeId(3)), NodeId(0));
+    EXPECT_EQ(r.source, (std::vector<std::uint32_t>{1, 2, 0, 3}));
 }
 
 TEST(RepairNodes, TakesIdsFromEndToEndOfTheirRange) {

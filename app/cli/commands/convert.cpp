@@ -37,7 +37,9 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
     if (kind == FileKind::skeleton) {
         check_output_folder(flags.output);
         const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
-        run.stage("write", [&](const Context&) { write_skeleton(flags.output, file.skeleton, flags.write); });
+        run.stage("write", [&](const Context& ctx) {
+            write_skeleton(flags.output, file.skeleton, flags.write, file.attributes, ctx);
+        });
         what = grouped(file.skeleton.size()) + " nodes";
     } else if (kind == FileKind::points) {
         check_points_output(flags.output);

@@ -216,6 +216,14 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
         throw UsageError(
             "--color deviation needs a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
     }
+    const std::span<const float> evidence =
+        in.skeleton ? in.skeleton->attribute("evidence") : std::span<const float>{};
+    if (options.color == RenderColor::evidence && evidence.empty()) {
+        throw UsageError(
+            "--color evidence needs a skeleton that has it, as coppice extract CLOUD writes them in .json "
+            "and "
+            ".ply: coppice render TREE.json --color evidence -o PNG");
+    }
     std::vector<float> deviation;
     if (by_deviation) {
         deviation = run.stage("measure", [&](const Context& ctx) {
@@ -228,6 +236,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
                             .point_radius = in.point_radius,
                             .skeleton = in.skeleton ? &in.skeleton->skeleton : nullptr,
                             .deviation = deviation,
+                            .evidence = evidence,
                             .marked_faces = crossings.faces,
                             .marks = crossings.places,
                             .distance_to = in.surface ? &*in.surface : nullptr,

@@ -69,6 +69,10 @@ void check(const RenderScene& scene, const RenderOptions& options) {
         (scene.mesh == nullptr || !has_other)) {
         throw InvalidInput("render: colour by distance needs a mesh and another one with faces");
     }
+    if (options.color == RenderColor::evidence &&
+        (scene.skeleton == nullptr || scene.evidence.size() != scene.skeleton->size()))
+        throw InvalidInput(
+            "render: colour by evidence needs a skeleton and the evidence of each of its nodes");
     if (options.color != RenderColor::deviation) return;
     if (scene.mesh == nullptr || scene.deviation.size() != scene.mesh->positions.size()) {
         throw InvalidInput(
@@ -179,8 +183,10 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     }
     draw_marks(image, scene, traced, camera);
     if (options.color == RenderColor::deviation)
-        draw_scale_bar(image, fmt::format("{:.3g}%", 100 * options.deviation_range));
-    if (options.color == RenderColor::distance) draw_scale_bar(image, length_text(chosen.distance_range));
+        draw_scale_bar(image, around_zero(fmt::format("{:.3g}%", 100 * options.deviation_range)));
+    if (options.color == RenderColor::distance)
+        draw_scale_bar(image, around_zero(length_text(chosen.distance_range)));
+    if (options.color == RenderColor::evidence) draw_scale_bar(image, {"0%", "50%", "100%"});
     return image;
 }
 

@@ -21,11 +21,13 @@ enum class RenderColor {
     signal,     ///< magenta, as neither bark nor leaves nor sky are
     deviation,  ///< see RenderScene
     distance,   ///< see RenderScene
+    evidence,   ///< see RenderScene
 };
 
 template <>
 struct EnumNames<RenderColor> {
-    static constexpr std::array<std::string_view, 4> names{"plain", "signal", "deviation", "distance"};
+    static constexpr std::array<std::string_view, 5> names{"plain", "signal", "deviation", "distance",
+                                                           "evidence"};
 };
 
 /// A place to point at.
@@ -47,6 +49,7 @@ struct RenderScene {
     const Skeleton* skeleton = nullptr;    ///< the skeleton, if any
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
+    std::span<const float> evidence;  ///< per node of the skeleton: share of measures in its radius, 0 to 1
     std::span<const std::uint32_t> marked_faces;  ///< of the mesh
     std::span<const RenderMark> marks;            ///< places to draw rings around, large enough to be seen
     /// Another surface, from which the points are measured that have no distances of their own, or the mesh
@@ -69,7 +72,8 @@ struct RenderOptions {
     float margin = 0.04f;         ///< of the picture left free on each side
     float sun_azimuth = -0.9f;    ///< [rad] from the camera's side to the sun, counter-clockwise
     float sun_elevation = 0.85f;  ///< [rad] of the sun above the horizon
-    /// `deviation` and `distance` need those of RenderScene; `plain` points have the colours of their own.
+    /// `deviation`, `distance` and `evidence` need those of RenderScene; `plain` points have the colours of
+    /// their own.
     RenderColor color = RenderColor::plain;
     float deviation_range = 0.1f;  ///< [radius] deviation drawn in full colour
     float distance_range =
@@ -103,8 +107,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.sun_elevation);
     visit(Field{"color",
                 "what the colour of the surface shows; signal is magenta, as pictures of trees are nowhere; "
-                "deviation "
-                "and distance: inside blue, outside red"},
+                "deviation and distance: inside blue, outside red; evidence, of a skeleton: measured radii "
+                "blue, presumed ones red"},
           o.color);
     visit(Field{"deviation_range", "deviation from the radius drawn in full colour", Unit::radius, 1e-4, 10},
           o.deviation_range);

@@ -49,8 +49,9 @@ struct RepairReport {
 
 /// A valid skeleton, and what had to be repaired for it.
 struct RepairResult {
-    Skeleton skeleton;    ///< every node of the input but those merged
-    RepairReport report;  ///< what was repaired
+    Skeleton skeleton;                  ///< every node of the input but those merged
+    RepairReport report;                ///< what was repaired
+    std::vector<std::uint32_t> source;  ///< of each node: index of the raw node; empty for cylinders
 };
 
 /// Makes a valid skeleton of raw nodes. Parents are put first, otherwise the order is kept. Nodes without a

@@ -95,10 +95,11 @@ class Assembler {
         for (std::uint32_t i = 0; i < nodes.size(); ++i) crowded_.push_back(children[i] > 1);
     }
 
-    Skeleton run(RepairReport& report) {
+    RepairResult run(RepairReport report) {
         for (std::uint32_t i = 0; i < nodes_.size(); ++i) merged_[i] = place_node(i, report);
-        return Skeleton(std::move(parent_), std::move(position_), std::move(radius_), origin_,
-                        std::move(stable_id_));
+        return {Skeleton(std::move(parent_), std::move(position_), std::move(radius_), origin_,
+                         std::move(stable_id_)),
+                report, std::move(source_)};
     }
 
   private:
@@ -127,6 +128,7 @@ class Assembler {
         radius_.push_back(static_cast<float>(nodes_.radius[i]));
         has_siblings_.push_back(false);
         if (!nodes_.stable_id.empty()) stable_id_.push_back(nodes_.stable_id[i]);
+        if (!nodes_.source.empty()) source_.push_back(nodes_.source[i]);
         return static_cast<std::uint32_t>(radius_.size() - 1);
     }
 
@@ -140,6 +142,7 @@ class Assembler {
     std::vector<Vec3> position_;
     std::vector<float> radius_;
     std::vector<StableId> stable_id_;
+    std::vector<std::uint32_t> source_;
 };
 
 }  // namespace
@@ -221,7 +224,9 @@ double extent(const std::vector<Vec3d>& points) {
     return distance(low, high);
 }
 
-Skeleton assemble(const NodeList& nodes, RepairReport& report) { return Assembler(nodes).run(report); }
+RepairResult assemble(const NodeList& nodes, const RepairReport& report) {
+    return Assembler(nodes).run(report);
+}
 
 }  // namespace skeleton_internal
 
@@ -244,6 +249,7 @@ RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source
     const std::vector<std::uint32_t> parent = find_parents(links, source, report);
     const std::vector<std::uint32_t> order = parents_first(parent, links, source, report);
     NodeList list;
+    list.source = order;
     std::vector<std::uint32_t> new_index(nodes.size());
     std::vector<double> step;
     for (const std::uint32_t i : order) {
@@ -254,7 +260,7 @@ RepairResult repair(const std::vector<RawNode>& nodes, const std::string& source
     }
     COPPICE_ASSERT(list.stable_id.empty() || list.stable_id.size() == list.size());
     report.missing_radii = fill_radii(list.parent, step, extent(list.position), list.radius);
-    return {assemble(list, report), report};
+    return assemble(list, report);
 }
 
 }  // namespace coppice

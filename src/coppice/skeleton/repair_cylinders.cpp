@@ -286,7 +286,8 @@ RepairResult repair(const std::vector<RawCylinder>& cylinders, const std::string
     RepairReport report;
     const std::vector<Axis> axes = read_axes(cylinders, source, report);
     const NodeList joined = Joiner(axes, report).run();
-    return {assemble(JumpKeeper(joined).run(report), report), report};
+    const NodeList nodes = JumpKeeper(joined).run(report);
+    return assemble(nodes, report);
 }
 
 }  // namespace coppice

@@ -30,7 +30,8 @@ struct NodeList {
     std::vector<std::uint32_t> parent;  // kNone for roots
     std::vector<Vec3d> position;        // world
     std::vector<double> radius;
-    std::vector<StableId> stable_id;  // empty, or of every node
+    std::vector<StableId> stable_id;    // empty, or of every node
+    std::vector<std::uint32_t> source;  // empty, or of every node: index of the raw node
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }
     std::uint32_t add(std::uint32_t parent_index, Vec3d p, double r) {
@@ -64,7 +65,7 @@ std::uint32_t fill_radii(const std::vector<std::uint32_t>& parent, const std::ve
 /// The diagonal of the points' box.
 double extent(const std::vector<Vec3d>& points);
 
-/// Merges what coincides, moves to the local origin.
-Skeleton assemble(const NodeList& nodes, RepairReport& report);
+/// Merges what coincides, which it counts in addition, and moves to the local origin.
+RepairResult assemble(const NodeList& nodes, const RepairReport& report);
 
 }  // namespace coppice::skeleton_internal

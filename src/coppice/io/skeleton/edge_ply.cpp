@@ -5,6 +5,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/ply_header.h"
+#include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 
 namespace coppice {
@@ -57,6 +58,13 @@ class EdgePlyParser {
         const auto found = element.find({"radius", "Radius", "r"});
         const bool has_radii = found && !element.properties[*found].is_list();
         const std::size_t radius = found.value_or(0);
+        std::vector<std::size_t> columns;  // of the attributes
+        for (std::size_t k = 0; k < element.properties.size(); ++k) {
+            const PlyProperty& property = element.properties[k];
+            if (property.is_list() || !is_attribute_name(property.name)) continue;
+            columns.push_back(k);
+            graph_.attributes.push_back({property.name, {}});
+        }
         if (element.count > kMostVertices) {
             throw Unsupported(
                 fmt::format("{}: {} vertices are more than a skeleton can have", source_, element.count));
@@ -67,6 +75,8 @@ class EdgePlyParser {
             rows_.read(row);
             graph_.position.push_back({row.scalar(x), row.scalar(y), row.scalar(z)});
             if (has_radii) graph_.radius.push_back(row.scalar(radius));
+            for (std::size_t k = 0; k < columns.size(); ++k)
+                graph_.attributes[k].values.push_back(row.scalar(columns[k]));
         }
         if (graph_.radius.size() != graph_.position.size()) graph_.radius.clear();
     }

@@ -7,6 +7,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/file_progress.h"
+#include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -30,22 +31,25 @@ class Columns {
         : text_(text), source_(source), progress_({.stop = ctx.stop}, 0) {}
 
     bool null() {
-        if (column_ == Column::radius && depth_ == 2)
-            radius_.push_back(std::numeric_limits<double>::quiet_NaN());
-        return true;
+        if (column_ == Column::radius && depth_ == 2) radius_.push_back(kUnknown);
+        return no_number();
     }
-    bool boolean(bool) { return true; }
+    bool boolean(bool) { return no_number(); }
     bool number_integer(number_integer_t value) { return number(static_cast<double>(value)); }
     bool number_unsigned(number_unsigned_t value) { return number(static_cast<double>(value)); }
     bool number_float(number_float_t value, const string_t&) { return number(value); }
     bool string(const string_t& value) {
         if (column_ == Column::format && depth_ == 1) is_skeleton_ = value == "coppice-skeleton";
-        return true;
+        return no_number();
     }
     bool binary(binary_t&) { return true; }
-    bool start_object(std::size_t) { return enter(); }
+    bool start_object(std::size_t) {
+        pass_over_nested();
+        return enter();
+    }
     bool end_object() { return leave(); }
     bool start_array(std::size_t) {
+        if (depth_ > 1) pass_over_nested();
         enter();
         if (depth_ == 3 && column_ == Column::position) point_begin_ = position_.size();
         return true;
@@ -66,6 +70,10 @@ class Columns {
                   : name == "radius"    ? Column::radius
                   : name == "stable_id" ? Column::id
                                         : Column::other;
+        if (column_ == Column::other && is_attribute_name(name)) {
+            column_ = Column::attribute;
+            attributes_.push_back({name, {}});
+        }
         return true;
     }
     bool parse_error(std::size_t position, const std::string& token, const nlohmann::json::exception&) {
@@ -73,6 +81,15 @@ class Columns {
         fail_at(source_, static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1,
                 fmt::format("this is not valid JSON near {}", in_quotes(token)));
     }
+
+    RawSkeleton result() {
+        std::erase_if(attributes_, [&](const RawAttribute& a) { return a.values.size() != parent_.size(); });
+        return {nodes(), std::move(attributes_)};
+    }
+
+  private:
+    enum class Column { other, format, version, origin, parent, position, radius, id, attribute };
+    static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
     std::vector<RawNode> nodes() const {
         if (!is_skeleton_) fail("this JSON is no skeleton: it needs \"format\": \"coppice-skeleton\"");
@@ -100,8 +117,17 @@ class Columns {
         return nodes;
     }
 
-  private:
-    enum class Column { other, format, version, origin, parent, position, radius, id };
+    bool no_number() {
+        if (column_ == Column::attribute && depth_ == 2) attributes_.back().values.push_back(kUnknown);
+        return true;
+    }
+
+    /// What is no plain array of numbers is no attribute.
+    void pass_over_nested() {
+        if (column_ != Column::attribute) return;
+        attributes_.pop_back();
+        column_ = Column::other;
+    }
 
     bool number(double value) {
         progress_.at(++numbers_);
@@ -109,6 +135,7 @@ class Columns {
         if (column_ == Column::origin && depth_ == 2) origin_.push_back(value);
         if (column_ == Column::position && depth_ == 3) position_.push_back(value);
         if (column_ == Column::radius && depth_ == 2) radius_.push_back(value);
+        if (column_ == Column::attribute && depth_ == 2) attributes_.back().values.push_back(value);
         if (column_ == Column::parent && depth_ == 2) {
             const bool whole = value >= -1 && value < 4294967296.0 &&
                                value == static_cast<double>(static_cast<std::int64_t>(value));
@@ -151,17 +178,17 @@ class Columns {
     std::vector<double> origin_, position_, radius_;
     std::vector<std::int64_t> parent_;
     std::vector<StableId> id_;
+    std::vector<RawAttribute> attributes_;
     std::size_t point_begin_ = 0;
 };
 
 }  // namespace
 
-std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source,
-                                         const Context& ctx) {
+RawSkeleton parse_skeleton_json(std::string_view text, const std::string& source, const Context& ctx) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     Columns columns(text, source, ctx);
     nlohmann::json::sax_parse(text.begin(), text.end(), &columns);
-    return columns.nodes();
+    return columns.result();
 }
 
 }  // namespace coppice

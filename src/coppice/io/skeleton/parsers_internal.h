@@ -31,14 +31,25 @@ std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& so
                                     const Context& ctx = {});
 bool is_raycloud_header(std::string_view line);
 
-std::vector<RawNode> parse_skeleton_json(std::string_view text, const std::string& source,
-                                         const Context& ctx = {});
+/// Numbers of nodes, or vertices, that the file has besides.
+struct RawAttribute {
+    std::string name;            ///< see is_attribute_name()
+    std::vector<double> values;  ///< by the ids of the nodes, or vertices
+};
+
+struct RawSkeleton {
+    std::vector<RawNode> nodes;  ///< their ids are their indices
+    std::vector<RawAttribute> attributes;
+};
+
+RawSkeleton parse_skeleton_json(std::string_view text, const std::string& source, const Context& ctx = {});
 
 /// Vertices joined by edges, as graph formats have them.
 struct EdgeGraph {
     std::vector<Vec3d> position;
     std::vector<double> radius;  ///< one for each vertex, or none at all
     std::vector<std::array<std::uint32_t, 2>> edges;
+    std::vector<RawAttribute> attributes;
     bool directed = false;       ///< edges are meant to run from parent to child
     bool weld = false;           ///< vertices at the same position are one, of the greater radius
     bool drop_isolated = false;  ///< vertices that no edge names do not count; an edge to itself names one

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,6 +36,18 @@ SkeletonFormat detect(std::string_view text, const std::string& source) {
 /// The decimal number that was meant: 0.001f is not 0.001, and positions have the digits to show it.
 double exact_scale(float scale) { return parse_number(fmt::format("{}", scale)).value_or(scale); }
 
+/// The values of the nodes that the sources name, if all are finite.
+std::optional<std::vector<float>> values_of(const RawAttribute& attribute, const std::vector<RawNode>& nodes,
+                                            std::span<const std::uint32_t> sources) {
+    std::vector<float> out;
+    out.reserve(sources.size());
+    for (const std::uint32_t i : sources) {
+        out.push_back(static_cast<float>(attribute.values[static_cast<std::size_t>(nodes[i].id)]));
+        if (!std::isfinite(out.back())) return std::nullopt;
+    }
+    return out;
+}
+
 class Reading {
   public:
     Reading(SkeletonFormat format, const std::string& source, const ReadSkeletonOptions& options,
@@ -59,7 +73,7 @@ class Reading {
             case SkeletonFormat::obj:
                 return finish(parse_obj_lines(text, source_, ctx_));
             case SkeletonFormat::json:
-                return finish(parse_skeleton_json(text, source_, ctx_));
+                return finish_json(parse_skeleton_json(text, source_, ctx_));
             case SkeletonFormat::mat:
                 return finish(parse_mat(text, source_, options_.model, ctx_));
             case SkeletonFormat::automatic:
@@ -76,24 +90,33 @@ class Reading {
             c.radius *= scale_;
         }
         fill_radii(cylinders);
-        return repaired(cylinders);
+        return file_of(repaired(cylinders));
     }
 
-    SkeletonFile finish(std::vector<RawNode> nodes) {
+    SkeletonFile finish(std::vector<RawNode> nodes, std::span<const RawAttribute> attributes = {}) {
         for (RawNode& n : nodes) {
             n.position *= scale_;
             n.radius *= scale_;
         }
         fill_radii(nodes);
-        return repaired(nodes);
+        RepairResult result = repaired(nodes);
+        std::vector<NodeAttribute> kept;
+        for (const RawAttribute& a : attributes) {
+            const bool is_new = std::ranges::find(kept, a.name, &NodeAttribute::name) == kept.end();
+            auto values = values_of(a, nodes, result.source);
+            if (is_new && values) kept.push_back({a.name, *std::move(values)});
+        }
+        return file_of(std::move(result), std::move(kept));
     }
+
+    SkeletonFile finish_json(RawSkeleton raw) { return finish(std::move(raw.nodes), raw.attributes); }
 
     SkeletonFile finish(const EdgeGraph& graph) {
         Forest forest = forest_of(graph, source_);
         if (forest.loops_cut > 0) {
             notes_.push_back(fmt::format("{} edges that closed loops were left out", forest.loops_cut));
         }
-        return finish(std::move(forest.nodes));
+        return finish(std::move(forest.nodes), graph.attributes);
     }
 
     template <class Raw>
@@ -108,14 +131,18 @@ class Reading {
     }
 
     template <class Raw>
-    SkeletonFile repaired(const std::vector<Raw>& items) {
+    RepairResult repaired(const std::vector<Raw>& items) const {
         if (options_.model > 1 && format_ != SkeletonFormat::mat) {
             throw InvalidInput(
                 fmt::format("{}: there is no model {}; the file holds 1", source_, options_.model));
         }
         ctx_.throw_if_cancelled();
-        RepairResult result = repair(items, source_);
-        return {std::move(result.skeleton), result.report, std::string(name_of(format_)), std::move(notes_)};
+        return repair(items, source_);
+    }
+
+    SkeletonFile file_of(RepairResult result, std::vector<NodeAttribute> attributes = {}) {
+        return {std::move(result.skeleton), result.report, std::string(name_of(format_)), std::move(notes_),
+                std::move(attributes)};
     }
 
     SkeletonFormat format_;
@@ -127,6 +154,11 @@ class Reading {
 };
 
 }  // namespace
+
+std::span<const float> SkeletonFile::attribute(std::string_view name) const {
+    const auto found = std::ranges::find(attributes, name, &NodeAttribute::name);
+    return found == attributes.end() ? std::span<const float>{} : found->values;
+}
 
 SkeletonFile read_skeleton(const std::filesystem::path& path, const ReadSkeletonOptions& options,
                            const Context& ctx) {

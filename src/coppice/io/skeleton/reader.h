@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/io/skeleton/format.h"
+#include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -42,6 +44,12 @@ struct SkeletonFile {
     RepairReport report;             ///< what was repaired
     std::string format;              ///< name of the SkeletonFormat it was read as
     std::vector<std::string> notes;  ///< what else the user should know, one sentence each
+    /// What JSON and PLY say of each node besides, where that is a finite number and well named (see
+    /// is_attribute_name()).
+    std::vector<NodeAttribute> attributes;
+
+    /// The values of an attribute, one per node; none where the file has no such attribute.
+    std::span<const float> attribute(std::string_view name) const;
 };
 
 /// Reads a skeleton of any SkeletonFormat and repairs it; cylinders become segments (see raw.h). The format

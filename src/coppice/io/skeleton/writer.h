@@ -8,6 +8,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/io/skeleton/format.h"
+#include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -26,12 +27,6 @@ constexpr void visit_fields(Self& options, Visitor&& visit) {
     visit(Field{"binary", "write PLY as binary instead of ASCII"}, options.binary);
 }
 
-/// A number for every node beside its place and radius: how well an extraction is sure of it, say.
-struct NodeAttribute {
-    std::string name;           ///< a word of small letters, digits and _, not one of x, y, z and radius
-    std::vector<float> values;  ///< one per node, finite
-};
-
 /// Writes a skeleton as swc, cylinders (.csv), ply, obj or json; the file appears whole or not at all.
 /// Positions are in world space: the origin is added back in double precision, and the digits are enough for
 /// a reader to find the same floats when the origin is zero (to 15 digits otherwise).
@@ -42,7 +37,7 @@ struct NodeAttribute {
 /// Stable ids go into JSON where the skeleton has some, and are read again.
 ///
 /// Attributes go into JSON, each an array of its own, and PLY, as properties of the vertices; the other
-/// formats have no place for them. Readers pass over them.
+/// formats have no place for them. They are read again.
 ///
 /// Throws IoError when the file cannot be written, Unsupported when the format cannot be: one that is read
 /// only, a name without a known ending, a list of cylinders of a skeleton without segments; Cancelled. O(n).

@@ -80,9 +80,12 @@ std::string length_text(double length) {
     return fmt::format("{:.{}f} {}", number, number < 9.995 ? 2 : number < 99.95 ? 1 : 0, scale->name);
 }
 
-void draw_scale_bar(Image& image, std::string_view number) {
+ScaleLabels around_zero(const std::string& number) { return {"+" + number, "0", "-" + number}; }
+
+void draw_scale_bar(Image& image, const ScaleLabels& labels) {
     const int dot = std::max(1, std::min(image.width, image.height) / 400);
-    const int text_width = static_cast<int>(number.size() + 1) * (kGlyphWidth + 1) * dot;
+    const std::size_t longest = std::max({labels.top.size(), labels.middle.size(), labels.bottom.size()});
+    const int text_width = static_cast<int>(longest) * (kGlyphWidth + 1) * dot;
     const int bar_width = 10 * dot, bar_height = image.height / 3, gap = 4 * dot;
     const int left = image.width - text_width - gap - bar_width - 2 * gap,
               top = (image.height - bar_height) / 2;
@@ -94,9 +97,9 @@ void draw_scale_bar(Image& image, std::string_view number) {
         fill(image, left, top + y, bar_width, 1, encoded(deviation_color(t)));
     }
     const int text_left = left + bar_width + gap, rise = kGlyphHeight * dot / 2;
-    draw_text(image, fmt::format("+{}", number), text_left, top - rise, dot);
-    draw_text(image, "0", text_left, top + bar_height / 2 - rise, dot);
-    draw_text(image, fmt::format("-{}", number), text_left, top + bar_height - rise, dot);
+    draw_text(image, labels.top, text_left, top - rise, dot);
+    draw_text(image, labels.middle, text_left, top + bar_height / 2 - rise, dot);
+    draw_text(image, labels.bottom, text_left, top + bar_height - rise, dot);
 }
 
 }  // namespace coppice

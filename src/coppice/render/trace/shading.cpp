@@ -123,7 +123,8 @@ Light Shading::sample(float x, float y, const Draws& draws) const {
     if (scene_.has_axis()) {
         if (const auto axis = scene_.trace_axis(origin, direction)) {
             const float bright = 0.35f + 0.65f * dot(axis->normal, -direction);
-            light = over({kAxis * (bright * kAxisCover), kAxisCover}, light);
+            const Vec3 color = evidence_color(*axis).value_or(kAxis);
+            light = over({color * (bright * kAxisCover), kAxisCover}, light);
         }
     }
     if (scene_.has_marked()) light = over(marked(origin, direction, hit), light);
@@ -144,7 +145,13 @@ Vec3 Shading::sun_direction(const Draws& draws) const {
     return around(sun_, kSunRadius * std::sqrt(draws.sun.x), 2 * std::numbers::pi_v<float> * draws.sun.y, 1);
 }
 
+std::optional<Vec3> Shading::evidence_color(const Hit& hit) const {
+    if (options_.color != RenderColor::evidence || !hit.node) return std::nullopt;
+    return deviation_color(1 - 2 * scene_.evidence(*hit.node));
+}
+
 Vec3 Shading::albedo(const Hit& hit) const {
+    if (const auto color = evidence_color(hit)) return *color;
     if (options_.color == RenderColor::deviation && hit.on_mesh) {
         return deviation_color(scene_.deviation(hit) / options_.deviation_range);
     }

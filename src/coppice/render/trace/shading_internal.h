@@ -31,6 +31,7 @@ class Shading {
     Light marked(Vec3 origin, Vec3 direction, const std::optional<Hit>& front) const;
     Light solid(const Hit& hit, float x, float y, const Draws& draws) const;
     Light ground(Vec3 origin, Vec3 direction, const Draws& draws) const;
+    std::optional<Vec3> evidence_color(const Hit& hit) const;  ///< none where it is not asked for
     Vec3 albedo(const Hit& hit) const;
     float wire(const Hit& hit, float x, float y) const;
     Vec3 sun_direction(const Draws& draws) const;

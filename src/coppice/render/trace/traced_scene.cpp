@@ -34,14 +34,20 @@ static_assert(sizeof(Ball) == 16);
 struct Tubes {
     std::vector<Ball> cones;  ///< two per cone
     std::vector<Ball> balls;
+    std::vector<std::uint32_t> cone_nodes, ball_nodes;  ///< whose they are
 
-    void add(Ball a, Ball b) {
+    void add(Ball a, Ball b, NodeId node) {
         if (distance(a.center, b.center) <= std::abs(a.radius - b.radius) * 1.0001f + 1e-9f) {
-            balls.push_back(a.radius > b.radius ? a : b);
+            add(a.radius > b.radius ? a : b, node);
         } else {
             cones.push_back(a);
             cones.push_back(b);
+            cone_nodes.push_back(node.index());
         }
+    }
+    void add(Ball ball, NodeId node) {
+        balls.push_back(ball);
+        ball_nodes.push_back(node.index());
     }
 };
 
@@ -62,7 +68,7 @@ void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::v
 }  // namespace
 
 TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx)
-    : deviation_(scene.deviation), distance_to_(scene.distance_to) {
+    : deviation_(scene.deviation), evidence_(scene.evidence), distance_to_(scene.distance_to) {
     const bool inside = scene.mesh != nullptr || scene.cloud != nullptr;
     const float skeleton_width = inside ? options.axis_width : 1;
     if (scene.cloud != nullptr) {
@@ -216,15 +222,18 @@ EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Conte
     for (const NodeId n : nodes(s)) {
         if (!s.is_root(n)) {
             const Segment g = s.segment(n);
-            tubes.add(ball(g.a, g.radius_a), ball(g.b, g.radius_b));
+            tubes.add(ball(g.a, g.radius_a), ball(g.b, g.radius_b), n);
         } else if (s.is_tip(n)) {
-            tubes.balls.push_back(ball(s.position(n), s.radius(n)));
+            tubes.add(ball(s.position(n), s.radius(n)), n);
         }
     }
     EmbreeScene scene(rtcNewScene(device_.get()));
     attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE, tubes.cones);
     attach(scene.get(), device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT, tubes.balls);
     commit_scene(device_.get(), scene.get(), ctx);
+    // Geometries without parts are not attached.
+    for (auto* part_nodes : {&tubes.cone_nodes, &tubes.ball_nodes})
+        if (!part_nodes->empty()) tube_nodes_.push_back(std::move(*part_nodes));
     return scene;
 }
 
@@ -260,6 +269,8 @@ std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 directio
     const bool is_solid = scene == solid_.get();
     hit.on_mesh = is_solid && parts_[r.hit.geomID] == Part::mesh;
     if (is_solid && parts_[r.hit.geomID] == Part::points) hit.point = r.hit.primID;
+    if (scene == axis_.get() || (is_solid && parts_[r.hit.geomID] == Part::tubes))
+        hit.node = tube_nodes_[r.hit.geomID][r.hit.primID];
     hit.face = r.hit.primID;
     hit.u = r.hit.u, hit.v = r.hit.v;
     if (dot(hit.geometric_normal, direction) > 0) hit.geometric_normal = -hit.geometric_normal;

@@ -20,6 +20,7 @@ struct Hit {
     Vec3 geometric_normal;  ///< unit, of the face, on the same side
     float distance = 0;
     std::optional<std::uint32_t> point;  ///< of those drawn, if on one
+    std::optional<std::uint32_t> node;   ///< of the skeleton, if on its segment or ball
     bool on_mesh = false;
     std::uint32_t face = 0;  ///< of `quads()`, if on the mesh
     float u = 0, v = 0;      ///< corners 0..3 lie at (0,0), (1,0), (1,1), (0,1)
@@ -55,7 +56,8 @@ class TracedScene {
         return (edges_[face] >> k & 1) != 0;
     }  ///< corner k to k + 1
     Vec3 position(std::uint32_t vertex) const { return positions_[vertex]; }
-    float deviation(const Hit& hit) const;           ///< NaN where unknown
+    float deviation(const Hit& hit) const;  ///< NaN where unknown
+    float evidence(std::uint32_t node) const { return evidence_[node]; }
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
 
   private:
@@ -82,13 +84,14 @@ class TracedScene {
     std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
     std::vector<Quad> marked_quads_;  ///< those of marked faces
     std::vector<std::uint8_t> edges_;
-    std::span<const float> deviation_;
+    std::span<const float> deviation_, evidence_;
     const SurfaceTree* distance_to_ = nullptr;
     std::span<const Rgb> point_colors_;
     std::size_t cloud_size_ = 0, point_count_ = 0;  ///< all points, and those drawn
     /// What the solid scene holds, in the order of Embree's numbers.
     enum class Part : std::uint8_t { mesh, points, tubes };
     std::vector<Part> parts_;
+    std::vector<std::vector<std::uint32_t>> tube_nodes_;  ///< of each geometry of tubes: nodes of its parts
     EmbreeDevice device_;
     EmbreeScene solid_, axis_, marked_;
 };
