@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; the library's
-modules are listed; README.md's commands run.
+modules are listed; README.md's commands run; every figure that check and info print is explained.
 
 Commands are those of the README that begin with "coppice "; they run in a folder of their own beside a copy of examples/.
 """
 
+import json
 import os
 import pathlib
 import re
@@ -97,11 +98,41 @@ def failing_commands(root, program):
                 yield f"README.md: '{line}' ended with {done.returncode}: {done.stderr.strip()}"
 
 
+def names_in(figures):
+    """The names of all figures in a report of JSON, in whatever depth."""
+    if isinstance(figures, dict):
+        yield from figures
+    for value in figures.values() if isinstance(figures, dict) else figures if isinstance(figures, list) else ():
+        yield from names_in(value)
+
+
+def unexplained_figures(root, program):
+    """Names in what check and info say of a skeleton, its mesh and a scan of that, that figures.md does not have."""
+    page = root / "docs/user/figures.md"
+    explained = set(re.findall(r"`(\w+)`", page.read_text()))
+    commands = ("mesh fork.swc -o mesh.ply", "scan mesh.ply --points 20000 -o scan.ply",
+                "check mesh.ply --skeleton fork.swc --json", "info fork.swc --json --forestry", "info mesh.ply --json",
+                "info scan.ply --json --forestry")
+    with tempfile.TemporaryDirectory() as folder:
+        # Out of order, without a radius, twice at one place, and with a parent that is missing.
+        pathlib.Path(folder, "fork.swc").write_text("3 1 0 0 2 0.1 2\n1 1 0 0 0 0.3 -1\n2 1 0 0 1 0.2 1\n4 1 1 0 2 0 2\n"
+                                                    "5 1 1 0 2 0.1 4\n6 1 1 1 3 0.1 5\n7 1 4 0 0 0.1 99\n8 1 4 0 2 0.1 7\n")
+        for command in commands:
+            done = subprocess.run([program, *command.split()], cwd=folder, capture_output=True, text=True, check=False)
+            if done.returncode != 0:
+                yield f"{command}: ended with {done.returncode}: {done.stderr.strip()}"
+            elif "--json" in command:
+                for name in dict.fromkeys(names_in(json.loads(done.stdout))):
+                    if name not in explained:
+                        yield f"{page.relative_to(root)}: does not explain '{name}' of coppice {command.split()[0]}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
     faults = [*missing_sources(root), *broken_links(root), *pictures(root), *missing_modules(root)]
     if len(sys.argv) > 2:
-        faults += failing_commands(root, os.path.abspath(sys.argv[2]))
+        program = os.path.abspath(sys.argv[2])
+        faults += [*failing_commands(root, program), *unexplained_figures(root, program)]
     print("\n".join(faults))
     sys.exit(1 if faults else 0)
 
