@@ -114,9 +114,10 @@ def unexplained_figures(root, program):
                 "check mesh.ply --skeleton fork.swc --json", "info fork.swc --json --forestry", "info mesh.ply --json",
                 "info scan.ply --json --forestry")
     with tempfile.TemporaryDirectory() as folder:
-        # Out of order, without a radius, twice at one place, and with a parent that is missing.
+        # Out of order, without a radius, at the place of its parent, of its sibling, and with a parent that is missing.
         pathlib.Path(folder, "fork.swc").write_text("3 1 0 0 2 0.1 2\n1 1 0 0 0 0.3 -1\n2 1 0 0 1 0.2 1\n4 1 1 0 2 0 2\n"
-                                                    "5 1 1 0 2 0.1 4\n6 1 1 1 3 0.1 5\n7 1 4 0 0 0.1 99\n8 1 4 0 2 0.1 7\n")
+                                                    "5 1 1 0 2 0.1 4\n6 1 1 1 3 0.1 5\n7 1 4 0 0 0.1 99\n8 1 4 0 2 0.1 7\n"
+                                                    "9 1 4 0 2 0.1 8\n10 1 4 1 3 0.1 9\n11 1 4 1 3 0.1 9\n")
         for command in commands:
             done = subprocess.run([program, *command.split()], cwd=folder, capture_output=True, text=True, check=False)
             if done.returncode != 0:

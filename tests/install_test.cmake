@@ -25,7 +25,7 @@ run(${PYTHON} ${SOURCE}/tests/tour_test.py ${SOURCE} ${WORK}/examples/tour)
 run(${prefix}/bin/coppice check ${WORK}/oak.ply --no-intersections)
 
 # Skeletons need nothing of what meshes, pictures and files need.
-foreach(package embree PNG ZLIB hwy Eigen3 nanoflann nlohmann_json)
+foreach(package embree PNG ZLIB EXPAT hwy Eigen3 nanoflann nlohmann_json)
   list(APPEND without -D CMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
 build(${WORK}/guest ${SOURCE}/tests/guest -D CMAKE_PREFIX_PATH=${prefix} ${without})

@@ -43,6 +43,8 @@ Command compose_command();
 Command check_command();
 Command compare_command();
 Command info_command();
+Command table_command();
+Command chart_command();
 Command convert_command();
 Command render_command();
 Command scan_command();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string>
 
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/reader.h"
@@ -28,7 +29,7 @@ FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred) {
     if (const auto kind = kind_of_output(path, preferred)) return *kind;
     throw UsageError(
         fmt::format("the ending of '{}' names no format; use .obj, .ply, .stl, .glb or .usda for a mesh, "
-                    ".swc, .json, .obj, .ply or .csv for a skeleton",
+                    ".swc, .json, .obj, .ply, .csv, .rsml or .mtg for a skeleton",
                     path.string()));
 }
 
@@ -58,7 +59,8 @@ void check_mesh_output(const std::filesystem::path& path) {
 void check_skeleton_output(const std::filesystem::path& path) {
     if (kind_to_write(path, FileKind::skeleton) != FileKind::skeleton) {
         throw UsageError(
-            fmt::format("'{}' is no name of a skeleton; use .swc, .json, .csv, .ply or .obj", path.string()));
+            fmt::format("'{}' is no name of a skeleton; use .swc, .json, .csv, .ply, .obj, .rsml or .mtg",
+                        path.string()));
     }
     check_output_folder(path);
 }
@@ -80,6 +82,10 @@ std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& co
         for (std::size_t k = 0; k < out.size(); ++k) out[k].values.push_back(values[k]);
     }
     return out;
+}
+
+std::string in_unit(std::string_view name, LengthUnit unit, int power) {
+    return fmt::format("{}_{}{}", name, name_of(unit), power == 1 ? "" : std::to_string(power));
 }
 
 Figures repairs_of(const RepairReport& r) {
@@ -115,24 +121,27 @@ SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const Re
     return file;
 }
 
-PolygonMesh load_mesh(Run& run, const std::filesystem::path& path) {
+PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up) {
     PolygonMesh mesh = run.stage("read", [&](const Context& ctx) { return read_mesh(path, ctx); });
+    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(mesh, up);
     run.counts()["vertices"] = mesh.positions.size();
     run.counts()["faces"] = mesh.face_count();
     return mesh;
 }
 
-PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns) {
+PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns,
+                                  FileUp up) {
     PaintedPoints painted =
         run.stage("read", [&](const Context& ctx) { return read_painted_points(path, columns, ctx); });
+    turn_from_file(painted.points, up);
     run.counts()["points"] = painted.points.size();
     if (const auto warning = warning_of_extent(painted.points))
         run.warn(fmt::format("{}: {}", path.string(), *warning));
     return painted;
 }
 
-PointSet load_points(Run& run, const std::filesystem::path& path) {
-    return load_painted_points(run, path, kNoColumns).points;
+PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up) {
+    return load_painted_points(run, path, kNoColumns, up).points;
 }
 
 }  // namespace coppice::cli

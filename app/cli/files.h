@@ -33,16 +33,21 @@ void check_skeleton_output(const std::filesystem::path& path);
 /// The same for points.
 void check_points_output(const std::filesystem::path& path);
 
-/// Reads as a stage of the run; fills its counts and repairs, and warns of points that are odd. Throws
-/// UsageError for a file of another kind, with the command that makes a skeleton of it.
+/// Reads as a stage of the run; fills its counts and repairs, and warns of points that are odd. `up` is the
+/// axis of the file that points up; GLB says so itself. Throws UsageError for a file of another kind, with
+/// the command that makes a skeleton of it.
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
-PolygonMesh load_mesh(Run& run, const std::filesystem::path& path);
-PointSet load_points(Run& run, const std::filesystem::path& path);
-PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns);
+PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
+PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
+PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns,
+                                  FileUp up = FileUp::z);
 
 /// What is known of every node of an extracted skeleton, to be written with it; uncertainties only of clouds,
 /// whose radii are estimates.
 std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& confidence, bool cloud);
+
+/// The name of a figure with its unit, "length_um" or "volume_um3"; `power` is 1 for lengths.
+std::string in_unit(std::string_view name, LengthUnit unit, int power = 1);
 
 /// What was wrong with a skeleton, and the gaps and jumps between its cylinders, which are not.
 Figures repairs_of(const RepairReport& report);

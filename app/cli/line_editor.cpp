@@ -99,6 +99,10 @@ LineEditor::LineEditor(std::string prompt, Complete complete) {
 
 LineEditor::~LineEditor() = default;
 
+void LineEditor::set_prompt(std::string prompt) {
+    if (terminal_) terminal_->prompt = std::move(prompt);
+}
+
 std::optional<std::string> LineEditor::next() { return terminal_ ? terminal_->next() : next_plain(); }
 
 std::optional<std::string> LineEditor::next_plain() {

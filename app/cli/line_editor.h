@@ -23,6 +23,9 @@ class LineEditor {
 
     bool interactive() const { return terminal_ != nullptr; }
 
+    /// Stands before the lines from now on, on terminals.
+    void set_prompt(std::string prompt);
+
     /// A line without its end; nothing when the input has ended. A plain line is cut at 1 MiB.
     std::optional<std::string> next();
 

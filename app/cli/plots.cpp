@@ -171,7 +171,7 @@ void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& fil
             const Context part{.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
             try {
                 const MeshResult made = mesh_skeleton(trees[t].result->skeleton, files.surface, part);
-                write_surface(folder / name_of_tree(t, files.mesh.string()), made, part);
+                write_surface(folder / name_of_tree(t, files.mesh.string()), made, {}, part);
             } catch (const InvalidInput& error) {
                 trees[t].warnings.push_back(fmt::format("no surface: {}", error.what()));
             } catch (const Unsupported& error) {

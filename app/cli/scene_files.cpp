@@ -2,35 +2,89 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "coppice/io/file.h"
+#include "coppice/pipeline/spelling.h"
 
 namespace coppice::cli {
 namespace {
 
 /// The command of a line, to call its stage by.
 std::string stage_name(const std::string& line) {
-    const auto words = scene_words(line);
-    return words.empty() ? "nothing" : words.front().text;
+    try {
+        const auto words = scene_words(line);
+        return words.empty() ? "nothing" : words.front().text;
+    } catch (const InvalidInput&) {
+        return "nothing";  // the scene says what is wrong, and where
+    }
+}
+
+/// The lines of the scenes that can be read; running them tells of the others.
+std::vector<SceneLine> lines_of_files(std::span<const std::filesystem::path> scenes) {
+    std::vector<SceneLine> all;
+    for (const auto& path : scenes) {
+        try {
+            std::ranges::move(scene_lines(read_file(path, kLargestScene), path.string()),
+                              std::back_inserter(all));
+        } catch (const Error&) {
+            continue;
+        }
+    }
+    return all;
+}
+
+void check_known(const std::string& name, const std::vector<std::string>& known) {
+    if (std::ranges::find(known, name) != known.end()) return;
+    std::string hint = did_you_mean(name, known);
+    if (hint.empty() && known.size() > 8) hint = "; it takes what stands after let";
+    if (hint.empty()) {
+        hint = known.empty() ? "; it has none (they stand after let)"
+                             : fmt::format("; it has {}", fmt::join(known, ", "));
+    }
+    throw UsageError(fmt::format("--set: the scene has no variable '{}'{}", name, hint));
 }
 
 }  // namespace
+
+void add_scene_options(OptionList& options, SceneFlags& flags) {
+    options.value(
+        {{"set", "NAME=VALUE: a variable of the scene, instead of what its first let says; may be repeated"},
+         &flags.set});
+    options.value({{"seed", "seed of all in the scene that is random and comes before a set seed of its own",
+                    Unit::none, 0, 2147483647},
+                   &flags.seed});
+}
+
+SceneSettings scene_settings(Run& run, const SceneFlags& flags,
+                             std::span<const std::filesystem::path> scenes) {
+    SceneSettings settings{.max_memory = run.max_memory(SceneSettings{}.max_memory), .seed = flags.seed};
+    if (flags.set.empty()) return settings;
+    const std::vector<std::string> known = variables_of(lines_of_files(scenes));
+    for (const std::string& word : flags.set) {
+        const std::size_t sign = word.find('=');
+        if (sign == word.npos || sign == 0)
+            throw UsageError(fmt::format("--set takes NAME=VALUE, not '{}'", word));
+        const std::string name = word.substr(0, sign);
+        check_known(name, known);
+        settings.variables[name] = word.substr(sign + 1);
+    }
+    return settings;
+}
 
 void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path) {
     const std::string text =
         run.stage("read", [&](const Context&) { return read_file(path, kLargestScene); });
     scene.set_folder(path.parent_path());
-    for (const SceneLine& line : scene_lines(text, path.string())) {
-        const std::string place = fmt::format("{}:{}", path.string(), line.number);
-        std::string stage;
-        try {
-            stage = stage_name(line.text);
-        } catch (const InvalidInput&) {
-            stage = "nothing";  // the scene says what is wrong, and where
-        }
-        const std::string said =
-            run.stage(stage, [&](const Context& ctx) { return scene.run(line.text, place, ctx); });
+    const std::vector<SceneLine> lines = scene_lines(text, path.string());
+    for (const auto step : scene_steps(lines, path.string())) {
+        const std::string said = run.stage(stage_name(step.front().text), [&](const Context& ctx) {
+            std::string all;
+            for (const SceneLine& line : step)
+                all += scene.run(line.text, fmt::format("{}:{}", path.string(), line.number), ctx);
+            return all;
+        });
         fmt::print("{}", said);
     }
 }

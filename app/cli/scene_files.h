@@ -9,6 +9,7 @@
 
 #include "coppice/implicit/solid/solid.h"
 #include "coppice/scene/scene.h"
+#include "options.h"
 #include "run.h"
 
 namespace coppice::cli {
@@ -16,8 +17,20 @@ namespace coppice::cli {
 /// [bytes] No scene, and no file of edits, may be larger.
 inline constexpr std::uint64_t kLargestScene = std::uint64_t{64} << 20;
 
-/// Runs the commands of a scene file, each as a stage of the run, and prints what they say. Files that it
-/// reads are looked for beside it.
+/// What a scene is given from outside.
+struct SceneFlags {
+    std::vector<std::string> set;  ///< NAME=VALUE
+    int seed = 0;
+};
+void add_scene_options(OptionList& options, SceneFlags& flags);
+
+/// The settings of the scenes that are to be run. Throws UsageError for what is no NAME=VALUE, or names no
+/// variable of theirs.
+SceneSettings scene_settings(Run& run, const SceneFlags& flags,
+                             std::span<const std::filesystem::path> scenes);
+
+/// Runs the commands of a scene file, each as a stage of the run, and a block as one, and prints what they
+/// say. Files that it reads are looked for beside it.
 void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path);
 
 /// The commands of scene files that are to be run, as far as is known before: none where a file or a line

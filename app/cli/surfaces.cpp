@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <string_view>
 #include <vector>
 
@@ -145,10 +147,34 @@ std::string count(Figures& counts, const CylinderMesh& surface) {
 
 }  // namespace
 
-void write_surface(const std::filesystem::path& path, const MeshResult& result, const Context& ctx) {
+void write_surface(const std::filesystem::path& path, const MeshResult& result,
+                   const MeshWriteOptions& options, const Context& ctx) {
     const auto* tubes = std::get_if<CylinderMesh>(&result.surface);
-    if (tubes != nullptr) return write_textured_mesh(path, tubes->mesh, tubes->texture, {}, ctx);
-    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, {}, ctx); }, result.surface);
+    if (tubes != nullptr) return write_textured_mesh(path, tubes->mesh, tubes->texture, options, ctx);
+    std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, options, ctx); }, result.surface);
+}
+
+void add_mesh_write_options(OptionList& options, MeshWriteOptions& write) {
+    options.flag("--normals", write.normals, "also write smooth normals into .obj; .glb and .usda have them",
+                 "Writing a mesh");
+    options.value(
+        {{"output_up", "axis that points up in the written file; .glb and .usda say which theirs is"},
+         choice_of(write.up)},
+        "Writing a mesh");
+}
+
+void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std::filesystem::path> outputs) {
+    using enum MeshFormat;
+    const auto any = [&](std::initializer_list<MeshFormat> formats) {
+        return std::ranges::any_of(outputs, [&](const auto& path) {
+            const auto format = mesh_format_of_name(path);
+            return format && std::ranges::find(formats, *format) != formats.end();
+        });
+    };
+    if (write.normals && !any({obj}))
+        throw UsageError("--normals are for .obj, which none of the outputs is");
+    if (write.up != FileUp::z && !any({obj, ply, stl}))
+        throw UsageError("--output-up is for .obj, .ply and .stl, which none of the outputs is");
 }
 
 std::string count_surface(Run& run, const MeshResult& result) {
@@ -166,7 +192,7 @@ std::string then_mesh(Run& run, const std::filesystem::path& path, const Skeleto
     if (path.empty()) return {};
     const MeshResult made =
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(skeleton, options, ctx); });
-    run.stage("write mesh", [&](const Context& ctx) { write_surface(path, made, ctx); });
+    run.stage("write mesh", [&](const Context& ctx) { write_surface(path, made, {}, ctx); });
     return fmt::format("; {}: {}", path.string(), count_surface(run, made));
 }
 

@@ -1,15 +1,24 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
+#include "coppice/io/mesh/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "options.h"
 #include "run.h"
 
 namespace coppice::cli {
 
 /// Writes the mesh of a surface, whichever method made it.
-void write_surface(const std::filesystem::path& path, const MeshResult& result, const Context& ctx);
+void write_surface(const std::filesystem::path& path, const MeshResult& result,
+                   const MeshWriteOptions& options, const Context& ctx);
+
+/// The options of MeshWriteOptions but the format.
+void add_mesh_write_options(OptionList& options, MeshWriteOptions& write);
+/// Throws UsageError where one of them would do nothing for any of the files.
+void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std::filesystem::path> outputs);
 
 /// Puts the figures of a surface into the report; returns what to say of it.
 std::string count_surface(Run& run, const MeshResult& result);

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Ctrl-C while a file is read acts at once: on a pipe that nobody writes to, and in the middle of a large file."""
+"""Ctrl-C acts at once while a file is read, on a pipe that nobody writes to and in the middle of a large file, and within the loops
+of a scene."""
 
 import os
 import signal
@@ -39,6 +40,9 @@ def main():
             for _ in range(20):
                 file.write("1.234567 2.345678 3.456789 255 255 255\n" * 250_000)
         wrong.append(interrupted(program, "info", "large.xyz", "--threads", "1"))
+        with open("loops.coppice", "w", encoding="ascii") as file:
+            file.write("sphere s\nrepeat 300\nrepeat 300\npointset gen s count=5000\nend\nend\n")
+        wrong.append(interrupted(program, "run", "loops.coppice"))
         os.chdir("/")
     wrong = [text for text in wrong if text]
     print("\n".join(wrong))

@@ -52,6 +52,7 @@ def make_inputs():
     write("presumed.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
                                        "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
     write("small.coppice", "sphere s radius=0.01\n")
+    write("neuron.swc", "1 1 0 0 0 5 -1\n2 3 0 0 150 1 1\n3 3 0 0 250 1 2\n")
     write("tree_cm.swc", "1 1 0 0 0 20 -1\n2 1 0 0 100 15 1\n3 1 50 0 180 10 2\n4 1 -50 0 180 10 2\n")
     sketch = {"format": "coppice-sketch", "version": 1,
               "views": [{"name": side, "orthographic": side, "pixels_per_metre": 100, "origin": [200, 300]} for side in ("front", "side")],
@@ -70,6 +71,13 @@ def make_inputs():
     write("broken.sketch.json", json.dumps(sketch).replace('"parent": "stem"', '"parent": "trunk"'))
     write("torn.sketch.json", json.dumps(sketch).replace("[230, 150], [250, 110]", "[230, 250], [250, 290]"))
     write("messy.swc", "2 1 0 0 1 0.15 1\n1 1 0 0 0 0.2 -1\n3 1 0 0 2 0 2\n")
+    write("roots.rsml", "<rsml><metadata><unit>cm</unit></metadata><scene><plant><root><geometry><polyline><point x='0' y='0'/><point x='0' y='9'/>"
+          "</polyline></geometry><functions><function name='diameter'><sample>0.4</sample><sample>0.2</sample></function></functions><root>"
+          "<geometry><polyline><point x='0' y='4'/><point x='3' y='6'/></polyline></geometry></root></root></plant></scene></rsml>\n")
+    head = "CODE:\tFORM-A\nCLASSES:\nP\t1\nA\t2\nN\t3\nFEATURES:\nXX\tREAL\nYY\tREAL\nZZ\tREAL\nTopDia\tREAL\nMTG:\nENTITY-CODE\t\tXX\tYY\tZZ\tTopDia\n"
+    write("branch.mtg", head + "/P1\n^/A1/N1\t\t0\t0\t0\t0.4\n^<N2\t\t0\t0\t2\t0.3\n\t+A2/N1\t1\t0\t3\t0.2\n^<N3\t\t0\t0\t4\t0.2\n")
+    write("shapeless.mtg", head + "/P1\n^/A1/N1<N2\n")
+    write("torn.rsml", "<rsml><scene>\n<plant></scene></rsml>\n")
     write("broken.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n2 1 0 0 2 0.1 1\n")
     write("lines.obj", "v 0 0 0\nv 0 0 1\nv 0 0 2\nl 1 2 3\n")
     write("cube.obj", CUBE + "".join(CUBE_FACES))
@@ -158,6 +166,10 @@ def make_inputs():
     write("saved.edits.json", json.dumps({"format": "coppice-edits", "version": 1, "base": [0, 0, 0], "size": 1.8, "edits": [
         {"command": "split 1", "nodes": [node(1, [0, 0, 1 / 1.8])]}, {"command": "delete 9", "nodes": [node(9, [-2, -1, 0])]}]}))
     write("lines.coppice", "list\nscale bal 2\nquit\nlist\n")
+    write("variables.coppice", 'let n = 2\nlet name = "ball"\nfor i in 1..n\n  sphere ${name}${i} radius=${random(1, 2)}\n'
+          '  pointset gen ${name}${i} count=${10 * n}\nend\ndescribe ${name}1\n')
+    write("misspelt.coppice", "let height = 2\nrepeat 2\n  sphere s radius=${hieght}\nend\n")
+    write("loops.coppice", "for i in 1..2\nsphere s${i}\nend\nlist\nrepeat 2\n")
     os.mkfifo("never.ply")
     os.mkdir("folder")
     os.mkdir("folder.ply")
@@ -165,6 +177,9 @@ def make_inputs():
 
 def value_at(value, path):
     for part in path.split("."):
+        if isinstance(value, list) and int(part) < len(value):
+            value = value[int(part)]
+            continue
         if not isinstance(value, dict) or part not in value:
             return None
         value = value[part]

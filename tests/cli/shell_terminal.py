@@ -42,6 +42,10 @@ def main():
     say(terminal, "this goes\x03list\n", "solid      crown")
     say(terminal, "bogus\n", "there is no command 'bogus'")
     say(terminal, "\x1b[A\x1b[A\n", "solid      crown")
+    os.write(terminal, b"for i in 1..2\nsphere ball${i}\n")
+    say(terminal, "end\n", PROMPT)
+    say(terminal, "list\n", "solid      ball1 ball2 crown")
+    say(terminal, "delete ball1 ball2\n", PROMPT)
     os.write(terminal, b"render crown crown.png width=2048 height=2048 samples=4096\n")
     time.sleep(0.5)  # it takes minutes; Ctrl-C is to come while it runs
     say(terminal, "\x03", "interrupted")

@@ -13,7 +13,7 @@
 
 namespace {
 
-const coppice::SceneSettings kSettings{.max_memory = 2, .files = false, .outputs = false, .folder = {}};
+const coppice::SceneSettings kSettings{.max_memory = 2, .files = false, .outputs = false, .most_lines = 60};
 constexpr std::size_t kMostLines = 40;
 
 void require(bool condition) {

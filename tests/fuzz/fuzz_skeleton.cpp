@@ -18,9 +18,9 @@ namespace {
 using coppice::SkeletonFormat;
 
 constexpr SkeletonFormat kFormats[]{
-    SkeletonFormat::automatic, SkeletonFormat::swc,  SkeletonFormat::cylinders,
-    SkeletonFormat::raycloud,  SkeletonFormat::ply,  SkeletonFormat::gel,
-    SkeletonFormat::obj,       SkeletonFormat::json, SkeletonFormat::mat};
+    SkeletonFormat::automatic, SkeletonFormat::swc,  SkeletonFormat::cylinders, SkeletonFormat::raycloud,
+    SkeletonFormat::ply,       SkeletonFormat::gel,  SkeletonFormat::obj,       SkeletonFormat::json,
+    SkeletonFormat::mat,       SkeletonFormat::rsml, SkeletonFormat::mtg};
 
 void write_and_read_back(const coppice::Skeleton& skeleton, SkeletonFormat format) {
     const std::string text = coppice::encode_skeleton(skeleton, {.format = format});
@@ -40,8 +40,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     } catch (const coppice::Error&) {
         return 0;  // refused in words, as it should be
     }
-    for (const SkeletonFormat out :
-         {SkeletonFormat::swc, SkeletonFormat::ply, SkeletonFormat::obj, SkeletonFormat::json}) {
+    for (const SkeletonFormat out : {SkeletonFormat::swc, SkeletonFormat::ply, SkeletonFormat::obj,
+                                     SkeletonFormat::json, SkeletonFormat::rsml, SkeletonFormat::mtg}) {
         write_and_read_back(file->skeleton, out);
     }
     return 0;

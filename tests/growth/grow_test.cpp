@@ -396,5 +396,113 @@ TEST(Grow, DescribesEveryOptionOnceWithItsDefaultInRange) {
     test::expect_described<GrowOptions>(3);  // bytes of padding after the bool
 }
 
+/// A stem of five nodes with a twig at the third, with radii and ids of its own.
+Skeleton young_tree(Vec3d origin = {}) {
+    const auto id = [](std::uint32_t i) { return NodeId(i); };
+    return Skeleton({NodeId::none(), id(0), id(1), id(2), id(3), id(2)},
+                    {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}, {1, 0, 2.5f}},
+                    {0.5f, 0.4f, 0.3f, 0.2f, 0.1f, 0.05f}, origin,
+                    {StableId(3), StableId(1), StableId(4), StableId(10), StableId(5), StableId(9)});
+}
+
+const GrowOptions kOfYoungTree{.influence_radius = 2, .kill_radius = 0.3f, .step = 0.2f};
+
+TEST(GrowFromTree, KeepsTheOldNodesAndAttachesNewOnes) {
+    const Skeleton tree = young_tree({100, 0, 0});
+    const auto points = ball(300, {0, 0, 5}, 1.5);
+    const GrowResult r = grow({.attractors = points, .roots = {}, .tree = &tree}, kOfYoungTree);
+    const Skeleton& s = r.skeleton;
+    ASSERT_GT(s.size(), 100u);
+    EXPECT_EQ(r.stop, StopReason::attractors_spent);
+    EXPECT_EQ(s.tree_count(), 1u);
+    EXPECT_EQ(s.origin(), Vec3d(100, 0, 0));
+    for (const NodeId n : nodes(tree)) {
+        EXPECT_EQ(s.parent(n), tree.parent(n));
+        EXPECT_EQ(s.position(n), tree.position(n));
+        EXPECT_EQ(s.radius(n), tree.radius(n));
+        EXPECT_EQ(s.stable_id(n), tree.stable_id(n));
+    }
+    EXPECT_EQ(s.stable_id(NodeId(6)), StableId(11));
+    for (std::uint32_t i = tree.size(); i < s.size(); ++i) {
+        ASSERT_FALSE(s.is_root(NodeId(i)));
+        const Vec3 from = s.position(s.parent(NodeId(i)));
+        EXPECT_NEAR(distance(s.position(NodeId(i)), from), 0.2f, 1e-4f);
+        EXPECT_FLOAT_EQ(s.radius(NodeId(i)), 0.02f);
+    }
+}
+
+TEST(GrowFromTree, ATreeOutOfReachGrowsATrunkFromItsNearestNode) {
+    const Skeleton tree = young_tree();
+    const std::vector<Vec3> points{{4, 0, 2.5f}};
+    const GrowResult r = grow({.attractors = points, .roots = {}, .tree = &tree}, kOfYoungTree);
+    EXPECT_EQ(r.stop, StopReason::attractors_spent);
+    EXPECT_EQ(r.skeleton.parent(NodeId(6)), NodeId(5));
+    const GrowResult none = grow({.attractors = points, .roots = {}, .tree = &tree},
+                                 {.influence_radius = 2, .kill_radius = 0.3f, .step = 0.2f, .trunk = false});
+    EXPECT_EQ(none.skeleton.size(), tree.size());
+    EXPECT_EQ(none.stop, StopReason::no_progress);
+}
+
+TEST(GrowFromTree, RootsMayGrowBesideIt) {
+    const Skeleton tree = young_tree();
+    const std::vector<Root> roots{{{10, 0, 0}, {0, 0, 1}}};
+    std::vector<Vec3> points = ball(100, {0, 0, 5}, 1);
+    for (const Vec3 p : ball(100, {10, 0, 5}, 1)) points.push_back(p);
+    const Skeleton s = grow({.attractors = points, .roots = roots, .tree = &tree}, kOfYoungTree).skeleton;
+    EXPECT_EQ(s.tree_count(), 2u);
+    EXPECT_TRUE(s.is_root(NodeId(6)));
+    EXPECT_GT(s.position(s.children(NodeId(6)).front()).z, 0.199f);  // straight on, as it was told
+}
+
+TEST(GrowFromTree, InTwoStagesReachesWhatWasOutOfReach) {
+    const std::vector<Vec3> low = ball(200, {0, 0, 2}, 1), high = ball(200, {0, 0, 6}, 1);
+    const Skeleton first = grow({.attractors = low, .roots = kOrigin}, kOfYoungTree).skeleton;
+    const GrowResult second = grow({.attractors = high, .roots = {}, .tree = &first}, kOfYoungTree);
+    EXPECT_EQ(second.stop, StopReason::attractors_spent);
+    EXPECT_GT(second.skeleton.size(), first.size() + 80);
+    EXPECT_EQ(second.skeleton.tree_count(), 1u);
+}
+
+TEST(GrowFromTree, TheLeaderCountsOnAlongTheAxis) {
+    // Laterals leave only every two nodes: 1 and 3 of the stem have no bud, though the twig at 2 came in
+    // later.
+    const Skeleton tree = young_tree();
+    const std::vector<Vec3> points{{0.9f, 0, 1}, {0.9f, 0, 3.1f}, {-0.9f, 0, 2}};
+    const GrowOptions options{.influence_radius = 1, .kill_radius = 0.2f, .step = 0.2f, .bud_interval = 2};
+    const Skeleton s = grow({.attractors = points, .roots = {}, .tree = &tree}, options).skeleton;
+    EXPECT_EQ(s.children(NodeId(1)).size(), 1u);
+    EXPECT_EQ(s.children(NodeId(3)).size(), 1u);
+    EXPECT_EQ(s.children(NodeId(2)).size(), 3u);
+}
+
+TEST(GrowFromTree, ADenseTreeTakesNoLonger) {
+    // All nodes in one cell of the grid that keeps nodes apart.
+    std::vector<NodeId> parents{NodeId::none()};
+    std::vector<Vec3> positions{{0, 0, 0}};
+    for (std::uint32_t i = 1; i < 50'000; ++i) {
+        parents.emplace_back(i - 1);
+        positions.emplace_back(0.001f * static_cast<float>(i % 7), 0, 2e-6f * static_cast<float>(i));
+    }
+    const Skeleton tree(parents, positions, std::vector<float>(positions.size(), 0.01f));
+    const auto points = ball(3000, {0, 0, 20}, 15);
+    const GrowOptions options{.influence_radius = 30, .kill_radius = 2, .step = 1, .max_iterations = 200};
+    const GrowResult r = grow({.attractors = points, .roots = {}, .tree = &tree}, options);
+    EXPECT_GT(r.skeleton.size(), tree.size() + 200);
+}
+
+TEST(GrowFromTree, Refusals) {
+    const Skeleton tree = young_tree();
+    const std::vector<Vec3> points{{0, 0, 5}};
+    EXPECT_EQ(
+        test::error_of([&] { grow({.attractors = points, .roots = {}, .tree = &tree}, {.max_nodes = 5}); }),
+        "grow: the tree that grows on has 6 nodes, and max_nodes is 5");
+    const Skeleton far = Skeleton({NodeId::none()}, {{1e9f, 0, 0}}, {1});
+    EXPECT_NE(test::error_of([&] { grow({.attractors = points, .roots = {}, .tree = &far}); }), "no error");
+    EXPECT_NE(test::error_of([&] { grow({.attractors = points, .roots = {}}); }), "no error");
+    const GrowResult full = grow({.attractors = points, .roots = {}, .tree = &tree}, {.max_nodes = 6});
+    EXPECT_EQ(full.stop, StopReason::node_limit);
+    EXPECT_EQ(full.skeleton.size(), 6u);
+}
+
 }  // namespace
 }  // namespace coppice

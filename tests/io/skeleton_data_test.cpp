@@ -1,6 +1,7 @@
 // Reads the third-party files beside the checkout, where they are.
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <map>
@@ -51,7 +52,7 @@ TEST(SkeletonData, EverySwcFileHasTheNodesOfItsTable) {
     std::size_t counted = 0;
     for (const auto& path : files) {
         SCOPED_TRACE(path.filename());
-        const auto raw = parse_swc(read_file(path), path.string());
+        const auto raw = parse_swc(read_file(path), path.string()).nodes;
         const auto known = expected.find(path.stem().string());
         if (known != expected.end()) {
             EXPECT_EQ(raw.size(), known->second.first);
@@ -85,6 +86,32 @@ TEST(SkeletonData, EveryCylinderListIsOneTree) {
     EXPECT_EQ(read, 13);
 }
 
+TEST(SkeletonData, CylindersAddUpToWhatTreeQsmStates) {
+    // TotalVolume [l], TotalLength [m] and TotalArea [m^2] of treedata in each file.
+    const std::map<std::string, std::array<double, 3>> stated{
+        {"itsme_buttressed_tree_1_qsm_1.mat", {1027.1587, 49.521217, 20.044167}},
+        {"itsme_tree_1_qsm.mat", {263.65649, 21.5828, 8.2213478}},
+        {"qsm2r_QSM_Juglans_regia_S.mat", {15.266079, 49.129166, 2.7752077}},
+        {"qsm2shade_walnut.mat", {151.13193, 296.37903, 18.39921}},
+        {"rtwig_QSM.mat", {21.567524, 32.799881, 2.4975157}}};
+    const auto files = files_in("qsm");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    std::size_t compared = 0;
+    for (const auto& path : files) {
+        const auto known = stated.find(path.filename().string());
+        if (known == stated.end()) continue;
+        SCOPED_TRACE(path.filename());
+        const SkeletonFile file = read_skeleton(path);
+        ASSERT_TRUE(file.declared.has_value());
+        const auto [litres, length, area] = known->second;
+        EXPECT_NEAR(1000 * file.declared->volume, litres, 1e-5 * litres);
+        EXPECT_NEAR(file.declared->length, length, 1e-5 * length);
+        EXPECT_NEAR(file.declared->area, area, 1e-5 * area);
+        ++compared;
+    }
+    EXPECT_EQ(compared, stated.size());
+}
+
 TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
@@ -94,7 +121,7 @@ TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
         auto table_path = path;
         table_path.replace_extension(".cylinders.csv");
         const auto table = parse_cylinders(read_file(table_path), table_path.string());
-        const auto mat = parse_mat(read_file(path), path.string(), 0);
+        const auto mat = parse_mat(read_file(path), path.string(), 0).cylinders;
         ASSERT_EQ(mat.size(), table.size());
         for (std::size_t i = 0; i < mat.size(); ++i) {
             EXPECT_EQ(mat[i].parent, table[i].parent);
@@ -109,7 +136,7 @@ TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
 /// The sentence of refusal, or "no error" for a file from which `expected` is read.
 std::string read_damaged(const std::string& bytes, const std::vector<RawCylinder>& expected) {
     return test::error_of([&] {
-        const auto read = parse_mat(bytes, "damaged.mat", 0);
+        const auto read = parse_mat(bytes, "damaged.mat", 0).cylinders;
         ASSERT_EQ(read.size(), expected.size());
         for (std::size_t i = 0; i < read.size(); ++i) {
             ASSERT_EQ(read[i].parent, expected[i].parent);
@@ -124,7 +151,7 @@ TEST(SkeletonData, DamagedMatFilesAreRefusedOrReadAsTheyWere) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
     const std::string whole = read_file(kData / "qsm" / "itsme_tree_1_qsm.mat");
-    const auto cylinders = parse_mat(whole, "whole.mat", 0);
+    const auto cylinders = parse_mat(whole, "whole.mat", 0).cylinders;
     for (std::size_t size = 0; size < whole.size(); size += 7) {
         EXPECT_EQ(read_damaged(whole.substr(0, size), cylinders).find("damaged.mat: "), 0u) << size;
     }

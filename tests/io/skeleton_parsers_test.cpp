@@ -57,7 +57,7 @@ TEST(Text, CellsWithQuotes) {
 }
 
 TEST(Swc, NodesWithCommentsBlanksAndOddNumbers) {
-    const auto nodes = parse_swc(
+    const auto [nodes, attributes, notes] = parse_swc(
         "\xEF\xBB\xBF# head\r\n\r\n  1 1 0.5 -1 2. 0.25 -1.\r\n 7\t5 1 2 3 1.0e+000 1.0000e+000 # tip\r\n",
         "t.swc");
     ASSERT_EQ(nodes.size(), 2u);
@@ -69,11 +69,14 @@ TEST(Swc, NodesWithCommentsBlanksAndOddNumbers) {
     EXPECT_EQ(nodes[1].id, 7);
     EXPECT_EQ(nodes[1].parent, 1);
     EXPECT_EQ(nodes[1].line, 4u);
+    ASSERT_EQ(attributes.size(), 1u);
+    EXPECT_EQ(attributes[0].name, "type");
+    EXPECT_EQ(attributes[0].values, (std::vector<double>{1, 5}));
 }
 
 TEST(Swc, ParentZeroIsARootUnlessThereIsANodeZero) {
-    EXPECT_EQ(parse_swc("1 0 0 0 0 1 0\n", "t").front().parent, -1);
-    EXPECT_EQ(parse_swc("0 0 0 0 0 1 -1\n1 0 0 0 1 1 0\n", "t").back().parent, 0);
+    EXPECT_EQ(parse_swc("1 0 0 0 0 1 0\n", "t").nodes.front().parent, -1);
+    EXPECT_EQ(parse_swc("0 0 0 0 0 1 -1\n1 0 0 0 1 1 0\n", "t").nodes.back().parent, 0);
 }
 
 TEST(Swc, ErrorsNameLineAndColumn) {
@@ -324,7 +327,7 @@ TEST(EdgePly, AsciiWithEndsAsTwoNumbers) {
 }
 
 TEST(SkeletonJson, ColumnsInAnyOrderBesideOtherThings) {
-    const auto [nodes, attributes] = parse_skeleton_json(
+    const auto [nodes, attributes, notes] = parse_skeleton_json(
         R"({"radius": [1, null], "sure": [0.5, null], "Loud": [1, 2], "words": ["a", 3], "notes": {"parent": [9, {"a": []}]}, "parent": [-1, 0],
             "position": [[0, 0, 0], [0, 0.5, 1]], "origin": [100, 0, 0], "format": "coppice-skeleton"})",
         "t.json");
@@ -408,7 +411,7 @@ class MatWriter {
 };
 
 std::vector<RawCylinder> read_mat(const std::filesystem::path& path, int model) {
-    return parse_mat(read_file(path), path.string(), model);
+    return parse_mat(read_file(path), path.string(), model).cylinders;
 }
 
 TEST(Mat, StructOfColumns) {
@@ -542,11 +545,13 @@ class RawMat {
 TEST(Mat, BothByteOrders) {
     for (const bool big_endian : {false, true}) {
         const RawMat mat(big_endian);
-        expect_two_cylinders(parse_mat(
-            mat.with(mat.doubles("Rad", 2, 1, {0.5, 0.25}) + mat.doubles("Len", 2, 1, {2, 1}) +
-                     mat.doubles("Sta", 2, 3, {1, 1, 2, 2, 3, 5}) +
-                     mat.doubles("Axe", 2, 3, {0, 1, 0, 0, 1, 0}) + mat.doubles("CPar", 2, 1, {0, 1})),
-            "t.mat", 0));
+        expect_two_cylinders(
+            parse_mat(
+                mat.with(mat.doubles("Rad", 2, 1, {0.5, 0.25}) + mat.doubles("Len", 2, 1, {2, 1}) +
+                         mat.doubles("Sta", 2, 3, {1, 1, 2, 2, 3, 5}) +
+                         mat.doubles("Axe", 2, 3, {0, 1, 0, 0, 1, 0}) + mat.doubles("CPar", 2, 1, {0, 1})),
+                "t.mat", 0)
+                .cylinders);
     }
 }
 

@@ -54,11 +54,30 @@ TEST(SkeletonReader, AttributesStayWithTheirNodesWhenNodesMove) {
     EXPECT_EQ(file.attributes[0].values, (std::vector<float>{11, 10, 12}));
 }
 
+TEST(SkeletonReader, UnitsAreStatedOrThoseOfANeuron) {
+    const auto units = [](const std::string& text, const std::string& name,
+                          ReadSkeletonOptions options = {}) {
+        return name_of(parse_skeleton(text, name, options).units);
+    };
+    const std::string neuron = "1 1 0 0 0 5 -1\n2 3 0 0 190 1 1\n", tree = "1 5 0 0 0 5 -1\n2 5 0 0 9 1 1\n";
+    EXPECT_EQ(units(tree, "t.swc"), "m");
+    EXPECT_EQ(units(neuron, "t.swc"), "um");
+    EXPECT_EQ(units("1 1 0 0 0 5 -1\n2 3 0 0 90 1 1\n", "t.swc"), "m") << "a tree with such types";
+    EXPECT_EQ(units(neuron, "t.swc", {.scale = 1e-6f}), "m") << "metres were made";
+    EXPECT_EQ(units(neuron, "t.swc", {.units = LengthUnit::mm}), "mm");
+    EXPECT_EQ(units("# Meta: {\"id\": \"7\", \"units\": \"1 nanometer\"}\n" + neuron, "t.swc"), "nm");
+    EXPECT_EQ(units("# Meta: {\"units\": \"8 nanometer\"}\n" + tree, "t.swc"), "m") << "8 of them are none";
+    EXPECT_EQ(units("# written; units: Centimeters\n" + tree, "t.swc"), "cm");
+    EXPECT_EQ(units("# subunits: mm\n# units: furlong\n" + tree, "t.swc"), "m");
+    EXPECT_EQ(parse_skeleton(neuron, "t.swc").notes.size(), 1u) << "what was taken for granted is said";
+}
+
 TEST(SkeletonReader, UnknownFilesAreRefused) {
-    EXPECT_EQ(error_of<Unsupported>([] { parse_skeleton("1 2 3\n4 5 6\n", "cloud.txt"); }),
-              "cloud.txt: this is no skeleton file that can be told from its name or first line; known are "
-              "SWC, cylinder "
-              "tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines and JSON");
+    EXPECT_EQ(
+        error_of<Unsupported>([] { parse_skeleton("1 2 3\n4 5 6\n", "cloud.txt"); }),
+        "cloud.txt: this is no skeleton file that can be told from its name or first line; known are "
+        "SWC, cylinder "
+        "tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines, RSML, MTG and JSON");
     EXPECT_THROW(parse_skeleton("", "empty"), Unsupported);
     EXPECT_THROW(parse_skeleton("", "empty.swc"), InvalidInput);
     EXPECT_THROW(parse_skeleton("MATLAB 5.0 MAT-file", "t"), InvalidInput);

@@ -32,11 +32,9 @@ void expect_equal(const Skeleton& a, const Skeleton& b) {
     }
 }
 
-const std::vector<WriteSkeletonOptions> kLossless{{SkeletonFormat::swc},
-                                                  {SkeletonFormat::json},
-                                                  {SkeletonFormat::obj},
-                                                  {SkeletonFormat::ply, true},
-                                                  {SkeletonFormat::ply, false}};
+const std::vector<WriteSkeletonOptions> kLossless{
+    {SkeletonFormat::swc},        {SkeletonFormat::json}, {SkeletonFormat::obj}, {SkeletonFormat::ply, true},
+    {SkeletonFormat::ply, false}, {SkeletonFormat::rsml}, {SkeletonFormat::mtg}};
 
 TEST(SkeletonWriter, WhatIsReadBackHasTheSameBits) {
     for (const WriteSkeletonOptions& options : kLossless) {
@@ -84,7 +82,7 @@ TEST(SkeletonWriter, CylindersHaveTheVolumeOfTheirSegments) {
 
 TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
     const std::filesystem::path folder(testing::TempDir());
-    for (const char* name : {"w.swc", "w.JSON", "w.obj", "w.ply"}) {
+    for (const char* name : {"w.swc", "w.JSON", "w.obj", "w.ply", "w.rsml", "w.mtg"}) {
         write_skeleton(folder / name, fork());
         expect_equal(read_skeleton(folder / name).skeleton, fork());
     }
@@ -116,11 +114,55 @@ TEST(SkeletonWriter, AttributesStandBesideTheNodesAndAreReadAgain) {
     }
 }
 
+TEST(SkeletonWriter, TypesOfSwcGoThroughOtherFormatsAndBack) {
+    const std::string swc =
+        "# SWC written by Coppice; units: m\n# id type x y z radius parent\n"
+        "1 1 0 0 0 5 -1\n2 3 0 0 9 1 1\n3 256 4 0 12 0.5 2\n";
+    const auto through = [](const std::string& text, const char* name, SkeletonFormat next) {
+        const SkeletonFile file = parse_skeleton(text, name);
+        return encode_skeleton(file.skeleton, {.format = next}, file.attributes);
+    };
+    const std::string json = through(swc, "t.swc", SkeletonFormat::json);
+    const std::string ply = through(json, "t.json", SkeletonFormat::ply);
+    EXPECT_EQ(through(ply, "t.ply", SkeletonFormat::swc), swc);
+    const SkeletonFile file = parse_skeleton(swc, "t.swc");
+    const std::vector<NodeAttribute> shares{{"type", {0.5f, 1, 2}}};
+    EXPECT_NE(
+        encode_skeleton(file.skeleton, {.format = SkeletonFormat::swc}, shares).find("\n2 0 0 0 9 1 1\n"),
+        std::string::npos)
+        << "what is no type is not written as one";
+}
+
+TEST(SkeletonWriter, FilesSayWhatAUnitIs) {
+    for (const char* name : {"swc", "json", "obj", "ply"}) {
+        const SkeletonFormat format = *format_of_extension(std::string("t.") + name);
+        for (const LengthUnit units : {LengthUnit::m, LengthUnit::um, LengthUnit::inch}) {
+            const std::string bytes = encode_skeleton(fork(), {.format = format, .units = units});
+            EXPECT_EQ(parse_skeleton(bytes, std::string("t.") + name).units, units) << name;
+        }
+    }
+}
+
+TEST(NodeAttribute, ThoseOfEditedTreesAreCarried) {
+    const auto node = [](std::uint32_t i) { return NodeId(i); };
+    const Skeleton before({NodeId::none(), node(0), node(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, {1, 1, 1});
+    // The last is gone; one is new between the two that stayed, with a twig, and a tree beside them.
+    const Skeleton after({NodeId::none(), node(0), node(1), node(1), NodeId::none()},
+                         {{0, 0, 0}, {0, 0, 0.5f}, {0, 0, 1}, {1, 0, 1}, {5, 0, 0}}, {1, 1, 1, 1, 1}, {},
+                         {StableId(0), StableId(7), StableId(1), StableId(8), StableId(9)});
+    const std::vector<NodeAttribute> carried = carried_attributes({{{"type", {1, 3, 4}}}}, before, after);
+    ASSERT_EQ(carried.size(), 1u);
+    EXPECT_EQ(carried[0].name, "type");
+    EXPECT_EQ(carried[0].values, (std::vector<float>{1, 1, 3, 1, 0}));
+    EXPECT_TRUE(carried_attributes({}, before, after).empty());
+}
+
 TEST(SkeletonWriter, Errors) {
     EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.xyz", fork()); }),
-              "t.xyz: the ending of the name tells no skeleton format; use .swc, .csv, .ply, .obj or .json");
+              "t.xyz: the ending of the name tells no skeleton format; use .swc, .csv, .ply, .obj, .json, "
+              ".rsml or .mtg");
     EXPECT_EQ(error_of<Unsupported>([] { write_skeleton("t.mat", fork()); }),
-              "skeletons are not written as mat; choose swc, cylinders, ply, obj or json");
+              "skeletons are not written as mat; choose swc, cylinders, ply, obj, json, rsml or mtg");
     EXPECT_THROW(encode_skeleton(Skeleton({NodeId::none()}, {Vec3{}}, {1.0f}), {SkeletonFormat::cylinders}),
                  Unsupported);
     EXPECT_THROW(write_skeleton("no/such/folder/t.swc", fork()), IoError);

@@ -492,6 +492,28 @@ TEST(Render, AViewIsTheCameraWhateverTheOrigin) {
     EXPECT_THROW(render({.skeleton = &dot, .view = &mirror}, small()), InvalidInput);
 }
 
+TEST(Render, WhatIsLookedAtStandsInTheMiddleAndZoomMakesItLarger) {
+    const Skeleton balls({NodeId{}, NodeId{}}, {{-4, 0, 0}, {4, 0, 3}}, {0.2f, 0.2f}, {1000, 0, 0});
+    RenderOptions o = small();
+    o.width = o.height = 64;
+    o.ground = false;
+    o.transparent = true;
+    const auto alpha_in_the_middle = [&] { return render({.skeleton = &balls}, o).at(32, 32)[3]; };
+    EXPECT_EQ(alpha_in_the_middle(), 0);
+    for (const Vec3d place : {Vec3d{996, 0, 0}, Vec3d{1004, 0, 3}}) {
+        o.look_at = place;
+        o.zoom = 1;
+        EXPECT_EQ(alpha_in_the_middle(), 255);
+        const int before = opaque_pixels(render({.skeleton = &balls}, o));
+        o.zoom = 6;
+        const int after = opaque_pixels(render({.skeleton = &balls}, o));
+        EXPECT_NEAR(after, 36 * before, 12 * before) << "one of two balls may have left the picture";
+    }
+    o.azimuth = 0;
+    o.look_at = Vec3d{1e6, 0, 0};
+    EXPECT_THROW(render({.skeleton = &balls}, o), InvalidInput) << "behind the camera";
+}
+
 TEST(Render, AMeshWithoutSizeIsNoCrash) {
     PolygonMesh mesh;
     mesh.positions.assign(3, Vec3{1, 2, 3});

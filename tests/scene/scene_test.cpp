@@ -20,6 +20,14 @@ const PointSet& points_of_scene(const Scene& scene, const std::string& name) {
     return std::get<PointSet>(scene.state().objects.at({ObjectKind::points, name})->value);
 }
 
+std::vector<Vec3> nodes_of_tips(const Skeleton& tree) {
+    std::vector<Vec3> tips;
+    for (const NodeId n : nodes(tree)) {
+        if (tree.is_tip(n)) tips.push_back(tree.position(n));
+    }
+    return tips;
+}
+
 float value_at(const Scene& scene, const std::string& name, Vec3 p) {
     float value = 0;
     SolidField(solid_of_scene(scene, name)).values(std::span(&p, 1), std::span(&value, 1));
@@ -201,6 +209,71 @@ TEST(Scene, ADensityOfOnesOwnAndACachedField) {
     scene.run("pointset gen s uniform count=300 cached=true");
     EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
     EXPECT_NE(refusal(scene, "pointset gen s density=inverse cached=true"), "no error");
+}
+
+const Skeleton& tree_of_scene(const Scene& scene, const std::string& name) {
+    return std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, name})->value);
+}
+
+TEST(Scene, ALimbPassesThroughItsPoints) {
+    Scene scene;
+    scene.run_text(
+        "limb stem 0,0,0 0,0,4 radius=0.2 spacing=0.5\n"
+        "limb bent 0,0,0 1,0,0 1,1,0 radius=0.1 tip_radius=0.02 kind=polyline spacing=0.3\nlimb short 0,0,0 "
+        "1,0,0",
+        "x");
+    const Skeleton& stem = tree_of_scene(scene, "stem");
+    EXPECT_EQ(stem.size(), 9u);
+    EXPECT_FLOAT_EQ(stem.radius(NodeId(0)), 0.2f);
+    EXPECT_FLOAT_EQ(stem.radius(NodeId(8)), 0.05f);
+    EXPECT_FLOAT_EQ(stem.radius(NodeId(4)), 0.125f);
+    const Skeleton& bent = tree_of_scene(scene, "bent");
+    EXPECT_EQ(bent.size(), 9u);
+    EXPECT_LT(distance(bent.position(NodeId(4)), Vec3(1, 0, 0)), 1e-5f);
+    EXPECT_FLOAT_EQ(bent.radius(NodeId(8)), 0.02f);
+    EXPECT_EQ(tree_of_scene(scene, "short").size(), 17u);
+    EXPECT_NE(refusal(scene, "limb a 0,0,0"), "no error");
+    EXPECT_NE(refusal(scene, "limb a 0,0,0 1,0,0 spacing=1e-9").find("MiB"), std::string::npos);
+}
+
+TEST(Scene, SkeletonsAreMovedTurnedScaledAndJoined) {
+    Scene scene;
+    scene.run_text(
+        "limb bough 0,0,0 2,0,0 radius=0.1 spacing=1\nlimb stem 0,0,0 0,0,4 radius=0.2 spacing=1\n"
+        "for k in 1..4\ncopy bough one kind=skeleton\nrotate one ${90 * k}\nscale one 0.5\ntranslate one 0 0 "
+        "${k - 0.5}\n"
+        "join stem one stem\nend\nedit attach stem",
+        "x");
+    const Skeleton& tree = tree_of_scene(scene, "stem");
+    EXPECT_EQ(tree.tree_count(), 1u);
+    EXPECT_EQ(std::ranges::count_if(nodes_of_tips(tree),
+                                    [](Vec3 p) { return p.z < 4 && length(Vec3(p.x, p.y, 0)) > 0.99f; }),
+              4);
+    // A solid goes first where both are called so; kind= says otherwise.
+    scene.run_text("sphere bough\ntranslate bough 5 0 0", "x");
+    EXPECT_EQ(tree_of_scene(scene, "bough").position(NodeId(0)), Vec3(0, 0, 0));
+    scene.run("translate bough 5 0 0 kind=skeleton");
+    EXPECT_EQ(tree_of_scene(scene, "bough").position(NodeId(0)), Vec3(5, 0, 0));
+    EXPECT_EQ(refusal(scene, "scale stem 1 2 3"),
+              "f.coppice:1: scale: a skeleton is scaled by one factor, so that its branches stay round");
+    EXPECT_EQ(refusal(scene, "translate stem 1 2 3 kind=solid"),
+              "f.coppice:1: translate: there is no solid 'stem'");
+    EXPECT_EQ(refusal(scene, "twist stem 30"), "f.coppice:1: 'stem' is a skeleton, not a solid");
+}
+
+TEST(Scene, GrowthGoesOnFromASkeleton) {
+    Scene scene;
+    scene.run_text(
+        "limb stem 0,0,0 0,0,3 radius=0.2 spacing=0.25\nsphere s radius=1 center=0,0,4\n"
+        "pointset gen s count=200\ngrow tree s from=stem influence_radius=1 kill_radius=0.2 step=0.1",
+        "x");
+    const Skeleton &stem = tree_of_scene(scene, "stem"), &tree = tree_of_scene(scene, "tree");
+    EXPECT_GT(tree.size(), 100u);
+    EXPECT_EQ(tree.tree_count(), 1u);
+    for (const NodeId n : nodes(stem)) EXPECT_EQ(tree.position(n), stem.position(n));
+    EXPECT_EQ(scene.state().history.back().find("root="), std::string::npos) << scene.state().history.back();
+    scene.run("grow two s from=stem root=1,0,0 influence_radius=1 kill_radius=0.2 step=0.1");
+    EXPECT_EQ(tree_of_scene(scene, "two").tree_count(), 2u);
 }
 
 }  // namespace

@@ -98,15 +98,17 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
         throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON] [--cloud POINTS]");
     check_cloud_options(given, flags);
     check_distances_output(flags.distances);
-    const PolygonMesh mesh = load_mesh(run, flags.mesh);
+    const PolygonMesh mesh = load_mesh(run, flags.mesh, flags.read.up);
     std::optional<SkeletonFile> skeleton;
     if (!flags.skeleton.empty()) skeleton = load_skeleton(run, flags.skeleton, flags.read);
     std::optional<PointSet> cloud;
-    if (!flags.cloud.empty()) cloud = load_points(run, flags.cloud);
+    if (!flags.cloud.empty()) cloud = load_points(run, flags.cloud, flags.read.up);
     const Skeleton* nodes = skeleton ? &skeleton->skeleton : nullptr;
     const SurfaceReport report =
         run.stage("check", [&](const Context& ctx) { return check_surface(mesh, nodes, flags.check, ctx); });
-    Figures figures = figures_of(report);
+    Figures figures;
+    if (skeleton) figures["units"] = std::string(name_of(skeleton->units));
+    figures.append(figures_of(report));
     if (cloud) figures.append(figures_of(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
     fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;

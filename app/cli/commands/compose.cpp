@@ -146,7 +146,7 @@ MeshResult mesh_some(Run& run, const ComposeFlags& flags, std::span<const Compos
                              .stop = ctx.stop};
         parallel_for(ctx, made.size(), 1, [&](std::size_t i) {
             MeshResult surface = mesh_skeleton(made[i].skeleton, flags.mesh, within);
-            write_surface(numbered(flags.mesh_output, first + i, flags.count), surface, within);
+            write_surface(numbered(flags.mesh_output, first + i, flags.count), surface, {}, within);
             if (i + 1 == made.size()) last = std::move(surface);
         });
         return *std::move(last);
@@ -221,7 +221,8 @@ Command compose_command() {
     options.fields(flags->compose, "Composing");
     options.fields(flags->which, "Which trees of the library", library_flag_names());
     options.fields(flags->read, "Reading the template");
-    options.fields(flags->write, "Writing", {.names = {{"format", "--output-format"}}});
+    options.fields(flags->write, "Writing",
+                   {.names = {{"format", "--output-format"}, {"up", "--output-up"}}, .without = {"units"}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"compose", "Make new trees of a template by replacing branches by those of a library", options,
             [flags](Run& run, const GivenOptions&) { return compose(run, *flags); }};

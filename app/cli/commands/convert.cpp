@@ -7,6 +7,7 @@
 #include "coppice/io/skeleton/writer.h"
 #include "files.h"
 #include "options.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -15,6 +16,7 @@ struct ConvertFlags {
     std::filesystem::path input, output;
     ReadSkeletonOptions read;
     WriteSkeletonOptions write;
+    MeshWriteOptions mesh;
 };
 
 /// The kind of the output, which must be that of the input.
@@ -33,23 +35,31 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
     if (flags.input.empty() || flags.output.empty())
         throw UsageError("name both files: coppice convert IN -o OUT");
     const FileKind kind = agreed_kind(flags);
+    if (flags.mesh.normals && kind != FileKind::mesh)
+        throw UsageError(fmt::format("--normals are those of a mesh, and '{}' is {}", flags.input.string(),
+                                     with_article(kind)));
     std::string what;
     if (kind == FileKind::skeleton) {
         check_output_folder(flags.output);
         const SkeletonFile file = load_skeleton(run, flags.input, flags.read);
         run.stage("write", [&](const Context& ctx) {
-            write_skeleton(flags.output, file.skeleton, flags.write, file.attributes, ctx);
+            WriteSkeletonOptions write = flags.write;
+            write.units = file.units;
+            write.up = flags.mesh.up;
+            write_skeleton(flags.output, file.skeleton, write, file.attributes, ctx);
         });
         what = grouped(file.skeleton.size()) + " nodes";
     } else if (kind == FileKind::points) {
         check_points_output(flags.output);
-        const PointSet points = load_points(run, flags.input);
+        PointSet points = load_points(run, flags.input, flags.read.up);
+        turn_to_file(points, flags.mesh.up);
         run.stage("write", [&](const Context& ctx) { write_points(flags.output, points, ctx); });
         what = grouped(points.size()) + " points";
     } else {
         check_mesh_output(flags.output);
-        const PolygonMesh mesh = load_mesh(run, flags.input);
-        run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, {}, ctx); });
+        check_mesh_write_options(flags.mesh, {&flags.output, 1});
+        const PolygonMesh mesh = load_mesh(run, flags.input, flags.read.up);
+        run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, flags.mesh, ctx); });
         what = grouped(mesh.face_count()) + " faces";
     }
     run.finish(fmt::format("{}: {}", flags.output.string(), what));
@@ -64,7 +74,9 @@ Command convert_command() {
     options.file("input", "IN", flags->input, "skeleton, mesh or points to read");
     options.file("-o,--output", "OUT", flags->output, "file to write; its ending tells the format");
     options.fields(flags->read, "Reading a skeleton");
-    options.fields(flags->write, "Writing a skeleton", {.names = {{"format", "--output-format"}}});
+    options.fields(flags->write, "Writing a skeleton",
+                   {.names = {{"format", "--output-format"}}, .without = {"units", "up"}});
+    add_mesh_write_options(options, flags->mesh);
     return {"convert", "Turn a file of a skeleton, a mesh or points into another kind of file of the same",
             options, [flags](Run& run, const GivenOptions&) { return convert(run, *flags); }};
 }

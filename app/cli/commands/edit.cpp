@@ -48,10 +48,13 @@ std::size_t replay(Run& run, EditSession& session, const std::filesystem::path& 
     return replayed.unbound.size();
 }
 
-void write_results(Run& run, const EditFlags& flags, const EditSession& session) {
+void write_results(Run& run, const EditFlags& flags, const SkeletonFile& file, const EditSession& session) {
     run.stage("write", [&](const Context& ctx) {
         const Skeleton edited = session.tree().skeleton();
-        for (const auto& output : flags.outputs) write_skeleton(output, edited, {}, {}, ctx);
+        const auto attributes = carried_attributes(file.attributes, file.skeleton, edited);
+        for (const auto& output : flags.outputs) {
+            write_skeleton(output, edited, {.units = file.units}, attributes, ctx);
+        }
         if (flags.save_edits.empty()) return;
         write_file(flags.save_edits, session.saved());
     });
@@ -83,7 +86,7 @@ ExitCode edit(Run& run, const EditFlags& flags) {
             return session.run_text(commands.string(), "COMMANDS", ctx);
         }));
     }
-    write_results(run, flags, session);
+    write_results(run, flags, file, session);
     const std::string surface = then_mesh(run, flags.mesh_output, session.tree().skeleton(), flags.mesh);
     run.counts()["edits"] = session.history().size();
     run.counts()["unbound_edits"] = unbound;

@@ -12,6 +12,7 @@
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/points/wood_classes.h"
+#include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 #include "files.h"
@@ -32,6 +33,7 @@ struct ExtractFlags {
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     PlotOptions from_plot;
+    FileUp up = FileUp::z;
     WriteSkeletonOptions write;
     MeshOptions mesh;
 };
@@ -89,7 +91,7 @@ auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& 
 }
 
 ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
-    const PolygonMesh mesh = load_mesh(run, flags.input);
+    const PolygonMesh mesh = load_mesh(run, flags.input, flags.up);
     FromMeshResult result = extract_stage(
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
     for (const auto& [name, seconds] : result.stages)
@@ -123,11 +125,11 @@ WoodClasses wood_classes(const ExtractFlags& flags) {
 }
 
 /// The points that may be wood by their classes; the report and `summary` say how many are not.
-PointSet load_wood(Run& run, const std::filesystem::path& input, const WoodClasses& wood,
+PointSet load_wood(Run& run, const std::filesystem::path& input, FileUp up, const WoodClasses& wood,
                    std::string& summary) {
     PointColumns classes = kNoColumns;
     classes.classes = true;
-    PaintedPoints scan = load_painted_points(run, input, classes);
+    PaintedPoints scan = load_painted_points(run, input, classes, up);
     const std::size_t all = scan.points.size();
     try {
         const ClassSelection out =
@@ -146,7 +148,7 @@ PointSet load_wood(Run& run, const std::filesystem::path& input, const WoodClass
 }
 
 ExtractResult from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
-    const PointSet points = load_wood(run, flags.input, wood_classes(flags), summary);
+    const PointSet points = load_wood(run, flags.input, flags.up, wood_classes(flags), summary);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
@@ -199,7 +201,7 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
     std::string found;
     WoodClasses wood = wood_classes(flags);
     wood.ground = true;
-    const PointSet points = load_wood(run, flags.input, wood, found);
+    const PointSet points = load_wood(run, flags.input, flags.up, wood, found);
     const PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
     });
@@ -262,7 +264,9 @@ Command extract_command() {
     options.value({{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
                     Unit::metre},
                    &flags->from_mesh.root});
-    options.fields(flags->from_mesh, kMeshGroup, {.without = {"root"}});
+    options.value({{"up", "axis of the file that points up; y as in games and in OBJ files of Blender"},
+                   choice_of(flags->up)});
+    options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.value({{"wood_classes",
                     "LAS classes of points that may be wood, as 4,5,20-22; auto leaves out ground, noise, "
@@ -275,7 +279,7 @@ Command extract_command() {
     options.fields(flags->from_plot, kPlotGroup);
     options.file("--tree-points", "PLY", flags->tree_points,
                  "also write all points, those of each tree in a colour of its own", kPlotGroup);
-    options.fields(flags->write, "Writing the skeleton");
+    options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree, or each of a plot",
             options, [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};

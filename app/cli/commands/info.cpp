@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "command.h"
 #include "coppice/extract/stem/stem_form.h"
@@ -26,10 +27,19 @@ struct InfoFlags {
 
 Figure::List numbers(Vec3d v) { return {v.x, v.y, v.z}; }
 
-void add_size(Figures& out, const Box3& box, Vec3d origin) {
-    out["size_m"] = numbers(Vec3d(box.size()));
-    out["low_m"] = numbers(Vec3d(box.low) + origin);
-    out["high_m"] = numbers(Vec3d(box.high) + origin);
+void add_size(Figures& out, const Box3& box, Vec3d origin, LengthUnit unit = LengthUnit::m) {
+    out[in_unit("size", unit)] = numbers(Vec3d(box.size()));
+    out[in_unit("low", unit)] = numbers(Vec3d(box.low) + origin);
+    out[in_unit("high", unit)] = numbers(Vec3d(box.high) + origin);
+}
+
+/// How many nodes there are of each type of SWC, where the file has types.
+void add_types(Figures& out, std::span<const float> types) {
+    std::map<float, std::uint64_t> counts;
+    for (const float type : types) ++counts[type];
+    constexpr std::size_t kMost = 20;
+    if (counts.size() > kMost) return;
+    for (const auto& [type, count] : counts) out[fmt::format("nodes_of_type_{}", type)] = count;
 }
 
 Figures describe(const SkeletonFile& file) {
@@ -39,16 +49,18 @@ Figures describe(const SkeletonFile& file) {
     Figures out;
     out["kind"] = "skeleton";
     out["format"] = file.format;
+    out["units"] = std::string(name_of(file.units));
     out["trees"] = m.trees;
     out["nodes"] = m.nodes;
     out["segments"] = m.segments;
     out["tips"] = m.tips;
     out["branch_nodes"] = m.branch_nodes;
-    out["length_m"] = m.length;
-    out["volume_m3"] = m.volume;
-    out["radius_min_m"] = shortest(thinnest);
-    out["radius_max_m"] = shortest(thickest);
-    add_size(out, s.bounds(), s.origin());
+    out[in_unit("length", file.units)] = m.length;
+    out[in_unit("volume", file.units, 3)] = m.volume;
+    out[in_unit("radius_min", file.units)] = shortest(thinnest);
+    out[in_unit("radius_max", file.units)] = shortest(thickest);
+    add_size(out, s.bounds(), s.origin(), file.units);
+    add_types(out, file.attribute("type"));
     out["repairs"] = file.report.total();
     const Figures repairs = repairs_of(file.report);
     for (const auto& [name, count] : repairs.entries())
@@ -192,9 +204,16 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
     std::string text;
     if (kind == FileKind::skeleton) {
         const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
+        if (file.units != LengthUnit::m) {
+            throw UsageError(
+                fmt::format("--forestry looks 1.3 m above the ground, and '{}' is in {}; turn it into metres "
+                            "with --scale, "
+                            "or say --units m where it is in metres",
+                            flags.file.string(), name_of(file.units)));
+        }
         text = forestry(describe(file), stem_forms(file.skeleton), flags.json);
     } else {
-        const PointSet points = load_points(run, flags.file);
+        const PointSet points = load_points(run, flags.file, flags.read.up);
         text = run.stage("measure", [&](const Context& ctx) {
             const Figures figures = describe(points, ctx);
             return forestry(figures, {stem_form(points, ctx)}, flags.json);
@@ -213,10 +232,10 @@ ExitCode info(Run& run, const InfoFlags& flags) {
     if (kind == FileKind::skeleton) {
         figures = describe(load_skeleton(run, flags.file, flags.read));
     } else if (kind == FileKind::points) {
-        const PaintedPoints scan = load_painted_points(run, flags.file, {.distances = false});
+        const PaintedPoints scan = load_painted_points(run, flags.file, {.distances = false}, flags.read.up);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(scan, ctx); });
     } else {
-        const PolygonMesh mesh = load_mesh(run, flags.file);
+        const PolygonMesh mesh = load_mesh(run, flags.file, flags.read.up);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(mesh, ctx); });
     }
     fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));

@@ -23,6 +23,7 @@ struct MeshFlags {
     MeshOptions mesh;
     RestoreOptions restore;
     ReadSkeletonOptions read;
+    MeshWriteOptions write;
 };
 
 bool makes_quads(MeshMethod method) {
@@ -44,6 +45,7 @@ void check_flags(const MeshFlags& flags) {
         throw UsageError("name the skeleton and the mesh: coppice mesh SKELETON -o MESH");
     }
     for (const auto& output : flags.outputs) check_mesh_output(output);
+    check_mesh_write_options(flags.write, flags.outputs);
     if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
         throw UsageError("--constraints are for global weights; add --weights global");
     }
@@ -118,9 +120,9 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     check_given(given, flags.mesh);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     PointSet constraints;
-    if (!flags.constraints.empty()) constraints = load_points(run, flags.constraints);
+    if (!flags.constraints.empty()) constraints = load_points(run, flags.constraints, flags.read.up);
     PolygonMesh original;
-    if (!flags.original.empty()) original = load_mesh(run, flags.original);
+    if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
     MeshResult result = run.stage("mesh", [&](const Context& ctx) {
         return flags.volume.empty() ? mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx)
                                     : mesh_solid(file.skeleton, constraints, flags.mesh, ctx);
@@ -129,7 +131,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) write_surface(output, result, ctx);
+        for (const auto& output : flags.outputs) write_surface(output, result, flags.write, ctx);
         if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
@@ -158,7 +160,7 @@ Command mesh_command() {
     const auto flags = std::make_shared<MeshFlags>();
     OptionList options;
     options.file("skeleton", "SKELETON", flags->skeleton,
-                 "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json)");
+                 "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg)");
     options.files("-o,--output", "MESH", flags->outputs,
                   "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
     options.file("--cage", "FILE", flags->cage,
@@ -174,6 +176,7 @@ Command mesh_command() {
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
+    add_mesh_write_options(options, flags->write);
     return {"mesh", "Turn a skeleton with radii into one closed surface of quads or triangles", options,
             [flags](Run& run, const GivenOptions& given) { return mesh(run, given, *flags); }};
 }

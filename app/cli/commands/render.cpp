@@ -87,11 +87,11 @@ Inputs load(Run& run, const RenderFlags& flags) {
         if (kind == FileKind::skeleton) {
             in.skeleton = load_skeleton(run, path, flags.read);
         } else if (kind == FileKind::points) {
-            in.cloud =
-                load_painted_points(run, path, {.classes = false, .intensities = false, .returns = false});
+            in.cloud = load_painted_points(
+                run, path, {.classes = false, .intensities = false, .returns = false}, flags.read.up);
             in.point_radius = point_radius(run, in.cloud->points, flags);
         } else {
-            in.mesh = load_mesh(run, path);
+            in.mesh = load_mesh(run, path, flags.read.up);
             validate(*in.mesh);
         }
     }
@@ -113,7 +113,7 @@ void load_other(Run& run, const RenderFlags& flags, Inputs& in) {
     if (!in.mesh && !in.cloud)
         throw UsageError(
             "--distance-to needs a mesh or points to draw: coppice render MESH --distance-to OTHER -o PNG");
-    in.other = load_mesh(run, flags.distance_to);
+    in.other = load_mesh(run, flags.distance_to, flags.read.up);
     if (in.cloud) in.cloud->distances.clear();  // those that count are from this mesh
     in.surface = run.stage("index", [&](const Context& ctx) {
         validate(*in.other);
@@ -173,6 +173,8 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
         if (flags.over.empty()) return out;
         throw UsageError("--over needs the camera that took the picture: --camera tree.sketch.json:front");
     }
+    if (options.look_at || options.zoom != 1)
+        throw UsageError("--camera looks where its view does; leave --look-at and --zoom out");
     out.view = load_view(run, flags.camera.string());
     if (out.view->width > 0 && out.view->height > 0) {
         options.width = out.view->width;

@@ -15,6 +15,7 @@ namespace {
 
 struct RunFlags {
     std::vector<std::filesystem::path> scenes, outputs;
+    SceneFlags given;
     bool reference = false;
 };
 
@@ -30,7 +31,7 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
         check_output_folder(output);
         if (commands) check_scene_output(*commands, output);
     }
-    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory)});
+    Scene scene(scene_settings(run, flags.given, flags.scenes));
     for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
     run.stage("write", [&](const Context& ctx) {
         std::vector<ObjectPtr> objects;
@@ -46,6 +47,7 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
 struct GrowFlags {
     std::filesystem::path scene;
     std::vector<std::filesystem::path> outputs;
+    SceneFlags given;
 };
 
 [[noreturn]] void refuse_without_tree(const std::filesystem::path& scene) {
@@ -60,7 +62,9 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     const auto commands = commands_of_files({&flags.scene, 1});
     const auto grows = [](const SceneCommand* c) { return c->name == "grow"; };
     if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
-    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory), .outputs = false});
+    SceneSettings settings = scene_settings(run, flags.given, {&flags.scene, 1});
+    settings.outputs = false;
+    Scene scene(std::move(settings));
     run_scene_file(run, scene, flags.scene);
     const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
     if (grown == scene.state().objects.end()) refuse_without_tree(flags.scene);
@@ -82,6 +86,7 @@ Command run_command() {
     options.files("scenes", "SCENE", flags->scenes, "scenes to run, one after the other (.coppice)");
     options.files("-o,--output", "FILE", flags->outputs,
                   "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
+    add_scene_options(options, flags->given);
     options.flag("--reference", flags->reference, "print the reference page of all commands");
     return {"run", "Run scenes: crowns, points, growth and meshes by commands, one a line", options,
             [flags](Run& run, const GivenOptions&) { return run_scenes(run, *flags); }};
@@ -93,6 +98,7 @@ Command grow_command() {
     options.file("scene", "SCENE", flags->scene, "scene to run (.coppice)");
     options.files("-o,--output", "SKELETON", flags->outputs,
                   "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    add_scene_options(options, flags->given);
     return {"grow", "Run a scene and write the tree that it grows last; it draws and saves nothing", options,
             [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
 }

@@ -16,17 +16,18 @@ namespace {
 
 struct ShellFlags {
     std::vector<std::filesystem::path> scenes;
+    SceneFlags given;
 };
 
-/// The exit code of an error, which the last failing line decides when lines come from a file or a pipe.
-ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
+constexpr const char* kPrompt = "coppice> ";
+constexpr const char* kPromptInBlock = "     ... ";  // until the block is closed
+
+/// Does the work and says what goes wrong. The exit code is that of the error, which the last failing line
+/// decides when lines come from a file or a pipe.
+template <class Work>
+ExitCode code_of(Work&& work) {
     try {
-        const auto lines = scene_lines(line, "the line");
-        if (lines.empty()) return kDone;
-        run.forget_interrupt();
-        renew_memory_limit();
-        fmt::print("{}", run.stage("command", [&](const Context& ctx) { return scene.run(line, {}, ctx); }));
-        std::fflush(stdout);
+        std::forward<Work>(work)();
         return kDone;
     } catch (const Cancelled& error) {
         fmt::print(stderr, "{}\n", printable(error.what()));
@@ -40,11 +41,22 @@ ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
     }
 }
 
+ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
+    return code_of([&] {
+        const auto lines = scene_lines(line, "the line");
+        if (lines.empty()) return;
+        run.forget_interrupt();
+        renew_memory_limit();
+        fmt::print("{}", run.stage("command", [&](const Context& ctx) { return scene.run(line, {}, ctx); }));
+        std::fflush(stdout);
+    });
+}
+
 ExitCode shell(Run& run, const ShellFlags& flags) {
-    Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory)});
+    Scene scene(scene_settings(run, flags.given, flags.scenes));
     for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
     scene.set_folder({});
-    LineEditor editor("coppice> ", [&](std::string_view line) { return completions(line, scene.state()); });
+    LineEditor editor(kPrompt, [&](std::string_view line) { return completions(line, scene.state()); });
     if (editor.interactive())
         fmt::print(
             "help lists the commands, tab completes words, Ctrl-C stops a command, quit or Ctrl-D leaves\n");
@@ -52,11 +64,13 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
     while (const auto line = editor.next()) {
         if (*line == "quit" || *line == "exit") break;
         const ExitCode now = run_line(run, scene, *line);
+        editor.set_prompt(scene.waits() ? kPromptInBlock : kPrompt);
         if (now == kDone) continue;
         if (!editor.interactive() && now == kInterrupted) return now;
         if (!editor.interactive()) code = now;
     }
     if (editor.interactive()) fmt::print("\n");
+    if (!editor.interactive() && scene.waits()) code = code_of([&] { scene.finish(); });
     count_objects(run, scene);
     return code;
 }
@@ -67,6 +81,7 @@ Command shell_command() {
     const auto flags = std::make_shared<ShellFlags>();
     OptionList options;
     options.files("scenes", "SCENE", flags->scenes, "scenes to run first (.coppice)");
+    add_scene_options(options, flags->given);
     return {"shell", "Take commands of scenes one by one, with history and completion", options,
             [flags](Run& run, const GivenOptions&) { return shell(run, *flags); }};
 }

@@ -204,7 +204,8 @@ Command sketch_command() {
     options.flag("--trace", flags->trace,
                  "propose strokes from the silhouettes of the sketch's images, to be corrected");
     options.fields(flags->sketch, kSketchGroup);
-    options.fields(flags->write, "Writing the skeleton", {.names = {{"format", "--output-format"}}});
+    options.fields(flags->write, "Writing the skeleton",
+                   {.names = {{"format", "--output-format"}, {"up", "--output-up"}}, .without = {"units"}});
     options.fields(flags->draw, kDrawGroup);
     options.fields(flags->read, "Reading a skeleton");
     return {"sketch",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -51,8 +52,17 @@ void check_position(Vec3 p, float step, const char* what, std::size_t number) {
                     step, what, number, far));
 }
 
+void check_tree(const Skeleton& tree, const GrowOptions& o) {
+    if (tree.size() > static_cast<std::uint32_t>(o.max_nodes)) {
+        throw InvalidInput(fmt::format("grow: the tree that grows on has {} nodes, and max_nodes is {}",
+                                       tree.size(), o.max_nodes));
+    }
+    for (const NodeId n : nodes(tree)) check_position(tree.position(n), o.step, "node", n.index());
+}
+
 void check_input(const GrowInput& input, float step) {
-    if (input.roots.empty()) throw InvalidInput("grow: there is no root to grow from; give at least one");
+    if (input.roots.empty() && !input.tree)
+        throw InvalidInput("grow: there is no root to grow from; give at least one");
     if (input.attractors.size() >= kNone) {
         throw InvalidInput(fmt::format("grow: {} attractors are too many; give fewer than 2^32 - 1",
                                        input.attractors.size()));
@@ -104,10 +114,14 @@ struct Growth {
     std::vector<Plan> plans;            ///< of the active nodes
     std::uint32_t stalls = 0, dropped = 0;
     bool full = false;  ///< max_nodes is reached
+
+    /// Nodes of the tree that grows on; they come first, and the roots after them.
+    std::uint32_t old_nodes() const { return task.input.tree ? task.input.tree->size() : 0; }
 };
 
-/// Adds a node where max_nodes leaves room for it.
-bool add_node(Growth& g, Vec3 p, std::uint32_t parent) {
+/// Adds a node where max_nodes leaves room for it. A crowded one keeps no others away: another one there
+/// does.
+bool add_node(Growth& g, Vec3 p, std::uint32_t parent, bool crowded = false) {
     Nodes& nodes = g.nodes;
     if (nodes.size() >= static_cast<std::size_t>(g.task.options.max_nodes)) {
         g.full = true;
@@ -121,14 +135,21 @@ bool add_node(Growth& g, Vec3 p, std::uint32_t parent) {
     nodes.children.push_back(0);
     nodes.rank.push_back(rank);
     nodes.pull.push_back({.changed = 1});
-    nodes.grid.insert(nodes.position);
+    nodes.grid.insert(nodes.position, crowded);
     return true;
+}
+
+/// The direction that was given to a root; 0 for all other nodes.
+Vec3d given_direction(const Growth& g, std::uint32_t node) {
+    const std::uint32_t old = g.old_nodes();
+    if (node < old || node - old >= g.task.input.roots.size()) return {};
+    return normalized(Vec3d(g.task.input.roots[node - old].direction), {});
 }
 
 /// The direction of the segment that ends at a node; 0 at roots that have none.
 Vec3d incoming_direction(const Growth& g, std::uint32_t node) {
     const Nodes& nodes = g.nodes;
-    if (nodes.parent[node] == kNone) return normalized(Vec3d(g.task.input.roots[node].direction), {});
+    if (nodes.parent[node] == kNone) return given_direction(g, node);
     return normalized(Vec3d(nodes.position[node]) - Vec3d(nodes.position[nodes.parent[node]]));
 }
 
@@ -167,7 +188,7 @@ std::optional<Vec3> nearer_step(const Growth& g, std::uint32_t node, Vec3d direc
 
 /// Straight on, as long as that leads at least half as fast to the attractors as the straight way.
 void grow_trunk(Growth& g, std::uint32_t root, const Context& ctx) {
-    Vec3d given = normalized(Vec3d(g.task.input.roots[root].direction), {});
+    Vec3d given = given_direction(g, root);
     std::uint32_t node = root;
     AttractorSet::Target target = g.attractors.nearest(g.nodes.position[node]);
     while (std::sqrt(target.distance_squared) > g.task.options.influence_radius) {
@@ -197,13 +218,41 @@ void assign_attractors(Growth& g, std::uint32_t first, const Context& ctx) {
     }
 }
 
-void start_from_roots(Growth& g, const Context& ctx) {
+/// Takes in the nodes of the tree that grows on.
+void take_tree(Growth& g, const Skeleton& tree) {
+    for (const NodeId n : nodes(tree)) {
+        const NodeId parent = tree.parent(n);
+        const bool crowded = g.nodes.grid.any_near(tree.position(n), g.nodes.position, 0);
+        add_node(g, tree.position(n), parent ? parent.index() : kNone, crowded);
+        // Of an old fork, the leader goes on with the axis, not the first child.
+        const bool leads = parent && tree.leader(parent) == n;
+        g.nodes.rank[n.index()] = !parent ? 0 : leads ? g.nodes.rank[parent.index()] + 1 : 1;
+    }
+}
+
+/// The old node that is nearest to an attractor.
+std::uint32_t node_nearest_to_attractors(const Growth& g, const Context& ctx) {
+    std::uint32_t nearest = 0;
+    float least = std::numeric_limits<float>::infinity();
+    for (std::uint32_t n = 0; n < g.old_nodes(); ++n) {
+        if (n % kGrain == 0) ctx.throw_if_cancelled();
+        const float d = g.attractors.nearest(g.nodes.position[n]).distance_squared;
+        if (d < least) nearest = n;
+        least = std::min(least, d);
+    }
+    return nearest;
+}
+
+void start(Growth& g, const Context& ctx) {
+    if (g.task.input.tree) take_tree(g, *g.task.input.tree);
+    const std::uint32_t first_root = g.nodes.size();
     for (const Root& root : g.task.input.roots) {
         if (!add_node(g, root.position, kNone)) break;
     }
     const std::uint32_t roots = g.nodes.size();
     if (g.task.options.trunk && g.attractors.size() > 0) {
-        for (std::uint32_t root = 0; root < roots && !g.full; ++root) grow_trunk(g, root, ctx);
+        if (first_root > 0) grow_trunk(g, node_nearest_to_attractors(g, ctx), ctx);
+        for (std::uint32_t root = first_root; root < roots && !g.full; ++root) grow_trunk(g, root, ctx);
     }
     assign_attractors(g, 0, ctx);
 }
@@ -276,20 +325,36 @@ void iterate(Growth& g, const Context& ctx) {
     assign_attractors(g, first, ctx);
 }
 
-/// Without the tips that came nearest to no attractor.
+/// Of the old nodes, and above them all for the new ones; none where the old ones have none of their own.
+std::vector<StableId> stable_ids(const Growth& g, std::size_t count) {
+    if (!g.task.input.tree || g.task.input.tree->stable_ids().empty()) return {};
+    const auto old = g.task.input.tree->stable_ids();
+    std::vector<StableId> ids(old.begin(), old.end());
+    std::uint32_t next = 0;
+    for (const StableId id : ids) next = std::max(next, id.index() + 1);
+    while (ids.size() < count) ids.emplace_back(next++);
+    return ids;
+}
+
+/// Without the new tips that came nearest to no attractor.
 Skeleton skeleton_of(const Growth& g) {
     const Nodes& nodes = g.nodes;
+    const std::uint32_t old = g.old_nodes();
     std::vector<NodeId> image(nodes.size()), parents;
     std::vector<Vec3> positions;
     for (std::uint32_t n = 0; n < nodes.size(); ++n) {
         const bool root = nodes.parent[n] == kNone;
-        if (!root && nodes.children[n] == 0 && nodes.pull[n].attracted == 0) continue;
+        if (n >= old && !root && nodes.children[n] == 0 && nodes.pull[n].attracted == 0) continue;
         image[n] = NodeId(static_cast<std::uint32_t>(parents.size()));
         parents.push_back(root ? NodeId::none() : image[nodes.parent[n]]);
         positions.push_back(nodes.position[n]);
     }
     std::vector<float> radii(parents.size(), 0.1f * g.task.options.step);
-    return Skeleton(std::move(parents), std::move(positions), std::move(radii), g.task.input.origin);
+    const Skeleton* tree = g.task.input.tree;
+    if (tree) std::ranges::copy(tree->radii(), radii.begin());
+    std::vector<StableId> ids = stable_ids(g, parents.size());
+    return Skeleton(std::move(parents), std::move(positions), std::move(radii),
+                    tree ? tree->origin() : g.task.input.origin, std::move(ids));
 }
 
 Growth growth_of(const GrowInput& input, const GrowOptions& o, const Context& ctx) {
@@ -304,8 +369,9 @@ Growth growth_of(const GrowInput& input, const GrowOptions& o, const Context& ct
 GrowResult grow(const GrowInput& input, const GrowOptions& options, const Context& ctx) {
     check_options(options);
     check_input(input, options.step);
+    if (input.tree) check_tree(*input.tree, options);
     Growth g = growth_of(input, options, ctx);
-    start_from_roots(g, ctx);
+    start(g, ctx);
     StopReason stop = StopReason::no_progress;
     int iteration = 0;
     for (; g.attractors.spent() < g.attractors.size() && !g.active.empty(); ++iteration) {

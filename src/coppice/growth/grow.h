@@ -74,9 +74,10 @@ struct Root {
 /// What a tree grows from, towards and around.
 struct GrowInput {
     std::span<const Vec3> attractors;  ///< [m] marker points, in any order
-    std::span<const Root> roots;       ///< at least one; several compete for the attractors
-    const Guard* guard = nullptr;      ///< what every segment must keep clear of, or none
-    Vec3d origin = {};                 ///< [m] of the skeleton
+    std::span<const Root> roots;       ///< several compete for the attractors; at least one without `tree`
+    const Guard* guard = nullptr;      ///< what every new segment must keep clear of, or none
+    Vec3d origin = {};                 ///< [m] of the skeleton; with `tree` its origin counts instead
+    const Skeleton* tree = nullptr;    ///< what grows on, or none: new nodes spring from its nodes
 };
 
 /// Why growth ended: all attractors spent, none that could be reached, or a limit.
@@ -90,7 +91,7 @@ struct EnumNames<StopReason> {
 
 /// A grown tree, and how it went.
 struct GrowResult {
-    Skeleton skeleton;                               ///< all radii are a tenth of the step: see radii.h
+    Skeleton skeleton;  ///< radii of new nodes are a tenth of the step: see radii.h
     StopReason stop = StopReason::attractors_spent;  ///< why it ended
     int iterations = 0;                              ///< rounds of growth
     std::uint32_t stalls = 0;   ///< times that a node went for one attractor, as all gave no way on
@@ -107,12 +108,17 @@ struct GrowResult {
 /// attractor alone, and gives that up where it cannot come nearer: because of the guard, the spacing or
 /// max_turn. Nodes that came nearest to no attractor are left out in the end.
 ///
-/// Nodes stand in the order in which they grew, roots first. The same input gives the same bits, whatever the
-/// number of threads. Time O(m log n) for m nodes and n attractors, apart from an attractor's changes of its
-/// nearest node; about 90 bytes per attractor and 80 per node.
+/// Of a tree that grows on, all nodes are kept as they are, with their numbers, radii and stable ids; new
+/// ones spring from nodes, not from the middle of segments. Where none of its nodes is within reach of the
+/// attractors, the nearest to them grows a trunk (GrowOptions::trunk).
+///
+/// Nodes stand in the order in which they grew, those of the tree first, then roots. The same input gives the
+/// same bits, whatever the number of threads. Time O(m log n) for m nodes and n attractors, apart from an
+/// attractor's changes of its nearest node; about 90 bytes per attractor and 80 per node.
 ///
 /// Throws InvalidInput where an option is out of range, a position is not finite or too far off for single
-/// precision to tell steps apart, there is no root, or a root is where the guard bars it; Cancelled.
+/// precision to tell steps apart, there is neither root nor tree, a root is where the guard bars it, or the
+/// tree has more nodes than max_nodes; Cancelled.
 GrowResult grow(const GrowInput& input, const GrowOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

@@ -17,14 +17,18 @@ class NodeGrid {
     explicit NodeGrid(float distance)
         : distance_squared_(distance * distance), per_cell_(1 / (2.0 * distance)), head_(1024, kEnd) {}
 
-    /// Nodes are inserted in order: nodes.back() is the new one.
-    void insert(std::span<const Vec3> nodes) {
-        next_.push_back(kEnd);
+    /// Nodes are inserted in order: nodes.back() is the new one. A passed one is counted and never found: so
+    /// cells do not fill up with nodes that were there, however dense.
+    void insert(std::span<const Vec3> nodes, bool passed = false) {
+        const auto last = static_cast<std::uint32_t>(nodes.size() - 1);
+        next_.push_back(passed ? last : kEnd);
         if (nodes.size() * 2 > head_.size()) {
             head_.assign(2 * head_.size(), kEnd);
-            for (std::uint32_t i = 0; i < nodes.size(); ++i) link(i, nodes[i]);
-        } else {
-            link(static_cast<std::uint32_t>(nodes.size() - 1), nodes.back());
+            for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+                if (next_[i] != i) link(i, nodes[i]);
+            }
+        } else if (!passed) {
+            link(last, nodes.back());
         }
     }
 

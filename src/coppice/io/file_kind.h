@@ -1,7 +1,11 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <string_view>
+
+#include "coppice/base/fields.h"
 
 namespace coppice {
 
@@ -10,6 +14,11 @@ enum class FileKind {
     skeleton,  ///< nodes with radii, or cylinders
     mesh,      ///< faces
     points     ///< neither edges nor faces
+};
+
+template <>
+struct EnumNames<FileKind> {
+    static constexpr std::array<std::string_view, 3> names{"skeleton", "mesh", "points"};
 };
 
 /// What a file holds, by its name, and by its content where several kinds share an ending (OBJ, PLY, OFF,

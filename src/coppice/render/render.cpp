@@ -164,8 +164,12 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     const TracedScene traced(shown, options, ctx);
     ctx.throw_if_cancelled();
     ctx.report(kBuildShare);
-    const Camera camera =
-        scene.view != nullptr ? Camera(traced.local(*scene.view)) : Camera(traced.frame_points(), options);
+    std::optional<Vec3> middle;
+    if (options.look_at) middle = traced.local(*options.look_at);
+    const Camera camera = scene.view != nullptr ? Camera(traced.local(*scene.view))
+                                                : Camera(traced.frame_points(), options, middle);
+    if (middle && scene.view == nullptr && camera.project(*middle).depth <= 0)
+        throw InvalidInput("render: what look_at names lies behind the camera; look from elsewhere");
     const Shading shading(traced, camera, chosen);
     Image image(options.width, options.height);
     const int columns = (options.width + kTile - 1) / kTile;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -61,17 +62,19 @@ struct RenderScene {
     std::span<const Vec3d> framed;
 };
 
-/// How to draw it. The camera stands where the whole object just fills the picture.
+/// How to draw it. The camera stands where the whole object just fills the picture, and looks from there.
 struct RenderOptions {
-    int width = 1024;             ///< [pixels]
-    int height = 1024;            ///< [pixels]
-    int samples = 16;             ///< per pixel; noise falls with its square root
-    float azimuth = -1.0f;        ///< [rad] from the object to the camera, counter-clockwise from +x
-    float elevation = 0.2f;       ///< [rad] of the camera above the horizon
-    float field_of_view = 0.5f;   ///< [rad] across the longer side of the picture
-    float margin = 0.04f;         ///< of the picture left free on each side
-    float sun_azimuth = -0.9f;    ///< [rad] from the camera's side to the sun, counter-clockwise
-    float sun_elevation = 0.85f;  ///< [rad] of the sun above the horizon
+    int width = 1024;              ///< [pixels]
+    int height = 1024;             ///< [pixels]
+    int samples = 16;              ///< per pixel; noise falls with its square root
+    float azimuth = -1.0f;         ///< [rad] from the object to the camera, counter-clockwise from +x
+    float elevation = 0.2f;        ///< [rad] of the camera above the horizon
+    float field_of_view = 0.5f;    ///< [rad] across the longer side of the picture
+    float margin = 0.04f;          ///< of the picture left free on each side
+    std::optional<Vec3d> look_at;  ///< [m] world: stands in the middle of the picture; else the object does
+    float zoom = 1;                ///< how many times larger things are, the camera staying where it is
+    float sun_azimuth = -0.9f;     ///< [rad] from the camera's side to the sun, counter-clockwise
+    float sun_elevation = 0.85f;   ///< [rad] of the sun above the horizon
     /// `deviation`, `distance` and `evidence` need those of RenderScene; `plain` points have the colours of
     /// their own.
     RenderColor color = RenderColor::plain;
@@ -100,6 +103,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"field_of_view", "opening of the camera across the longer side", Unit::radian, 0.01, 2.5},
           o.field_of_view);
     visit(Field{"margin", "part of the picture left free on each side", Unit::none, 0, 0.45}, o.margin);
+    visit(
+        Field{"look_at", "point that stands in the middle of the picture, as 0.5,-2,13; else the object does",
+              Unit::metre},
+        o.look_at);
+    visit(Field{"zoom", "how many times larger things are than where the whole object fills the picture",
+                Unit::none, 0.01, 10000},
+          o.zoom);
     visit(Field{"sun_azimuth", "where the sun stands, counter-clockwise from the camera", Unit::radian,
                 -6.2832, 6.2832},
           o.sun_azimuth);
@@ -130,7 +140,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// one search for each sample, or point.
 /// The same bits for any number of threads; the time is that of building a tree over the faces (about n log
 /// n) plus that of up to three rays per sample. Throws InvalidInput for an empty scene, options out of range,
-/// more than 128 million pixels, or positions that are not finite; Cancelled when stopped.
+/// more than 128 million pixels, positions that are not finite, or a look_at behind the camera; Cancelled
+/// when stopped.
 Image render(const RenderScene& scene, const RenderOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

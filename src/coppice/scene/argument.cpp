@@ -143,8 +143,12 @@ std::string takes_text(const Argument& a) {
             return fmt::format("one of {}", fmt::join(a.choices, ", "));
         case ArgumentType::new_name:
             return "a name (letters, digits, _, - and . after a letter, at most 64)";
-        case ArgumentType::object:
-            return a.any_kind ? "the name of an object" : fmt::format("the name of {}", with_article(a.kind));
+        case ArgumentType::object: {
+            if (a.any_kind) return "the name of an object";
+            std::string kinds(with_article(a.kind));
+            for (const ObjectKind kind : a.also) kinds += fmt::format(" or {}", with_article(kind));
+            return "the name of " + kinds;
+        }
         case ArgumentType::input_file:
         case ArgumentType::output_file:
             return "the name of a file";

@@ -53,6 +53,9 @@ struct Argument {
     bool any_kind = false;                   ///< an object of whatever kind
     std::vector<std::size_t> sizes;          ///< how many numbers a tuple may have
     std::string field;                       ///< "grow.step" where it stands for a member of an option struct
+    std::vector<ObjectKind> also =
+        {};                   ///< further kinds an object may be of, where none of `kind` is called so
+    std::string unless = {};  ///< no default where this argument is given
 };
 
 /// One value of an argument: a text, and its numbers where it has some, as they were typed: see
@@ -99,6 +102,9 @@ Argument argument_of(const Field& field, const T& value) {
         a.initial = name_of(value);
     } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
         a.repeats = true;
+    } else if constexpr (std::is_same_v<T, std::optional<Vec3d>>) {
+        a.type = ArgumentType::tuple;
+        a.sizes = {3};
     } else {
         a.type = std::is_same_v<T, int> ? ArgumentType::whole : ArgumentType::number;
         double shown = static_cast<double>(value);

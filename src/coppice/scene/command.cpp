@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/script/script.h"
 
 namespace coppice {
 namespace {
@@ -33,6 +34,7 @@ std::vector<std::string> command_names() {
         names.push_back(c.name);
         names.insert(names.end(), c.aliases.begin(), c.aliases.end());
     }
+    for (const SceneStatement& s : scene_statements()) names.emplace_back(s.name);
     return names;
 }
 
@@ -117,7 +119,8 @@ class Binder {
 
     ArgumentValue parsed(const Argument& a, const std::string& text) const {
         ArgumentValue value = parse_argument(a, text);
-        if (a.type == ArgumentType::object && !a.any_kind) check_exists(state_, a.kind, value.text);
+        if (a.type == ArgumentType::object && !a.any_kind && !is_one_of(a.also, value.text))
+            check_exists(state_, a.kind, value.text);
         if (a.type == ArgumentType::object && a.any_kind && kinds_of(state_, value.text).empty()) {
             std::vector<std::string> known;
             for (const auto& [key, object] : state_.objects) known.push_back(key.second);
@@ -126,6 +129,11 @@ class Binder {
         }
         if (a.type == ArgumentType::section) check_exists(state_, ObjectKind::profile, value.text);
         return value;
+    }
+
+    /// Whether an object of one of the kinds is called so.
+    bool is_one_of(const std::vector<ObjectKind>& kinds, const std::string& name) const {
+        return std::ranges::any_of(kinds, [&](ObjectKind k) { return state_.objects.contains({k, name}); });
     }
 
     void bind_positionals() {
@@ -174,6 +182,10 @@ class Binder {
         return std::max<std::size_t>(1, count);
     }
 
+    bool is_given(const std::string& name) const {
+        return std::ranges::any_of(typed_, [&](const auto& given) { return given.first->name == name; });
+    }
+
     void fill_defaults() {
         for (const Argument& a : command_.arguments) {
             if (typed_.contains(&a)) continue;
@@ -181,7 +193,7 @@ class Binder {
                 throw InvalidInput(fmt::format("{} needs {}: {}, as in: {}", command_.name, a.name,
                                                takes_text(a), own_line(command_)));
             }
-            if (a.initial.empty()) continue;
+            if (a.initial.empty() || is_given(a.unless)) continue;
             std::string text = a.initial;
             if (text.starts_with('@')) {
                 const auto other = std::ranges::find(command_.arguments, text.substr(1), &Argument::name);
@@ -341,6 +353,7 @@ std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const Scen
     std::vector<const SceneCommand*> commands;
     try {
         for (const SceneLine& line : lines) {
+            if (statement_of(line.text) != nullptr) continue;
             std::size_t used = 0;
             const auto words = scene_words(line.text);
             if (!words.empty()) commands.push_back(&find_command(words, used));

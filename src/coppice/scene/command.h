@@ -24,7 +24,10 @@ struct SceneSettings {
     int max_memory = 4096;  ///< [MiB] of all objects and what is being made; more is refused beforehand
     bool files = true;      ///< whether files may be read and written
     bool outputs = true;    ///< whether save and render write; if not, they only check
-    std::filesystem::path folder;  ///< where files to read are looked for; empty: the current one
+    std::filesystem::path folder = {};  ///< where files to read are looked for; empty: the current one
+    int seed = 0;                       ///< of commands that are given none, until set seed gives another
+    std::map<std::string, std::string> variables = {};  ///< as typed, instead of what their first let says
+    int most_lines = 100'000;  ///< that one block of loops may run, counted as often as they run
 };
 
 /// The objects of a scene by kind and name.
@@ -118,6 +121,9 @@ class SceneCall {
             value = flag(a.name);
         } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
             for (const ArgumentValue& v : values(a.name)) value.push_back(v.text);
+        } else if constexpr (std::is_same_v<T, std::optional<Vec3d>>) {
+            const std::vector<double>& n = values(a.name).front().numbers;
+            value = Vec3d(n.at(0), n.at(1), n.at(2));
         } else if constexpr (NamedEnum<T>) {
             const auto found = std::ranges::find(EnumNames<T>::names, text(a.name));
             value = static_cast<T>(found - EnumNames<T>::names.begin());
@@ -174,7 +180,8 @@ std::span<const SceneCommand> scene_commands();
 /// nearest spelling.
 const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& used);
 
-/// The commands that the lines of a scene name; none where a line is not understood: running it says why.
+/// The commands that the lines of a scene name, those in blocks too; none where a line is not understood:
+/// running it says why.
 std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const SceneLine> lines);
 
 /// Checks a line against the table. Throws InvalidInput, one sentence that names the word.

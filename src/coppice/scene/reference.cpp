@@ -6,12 +6,17 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "coppice/scene/script/script.h"
+
 namespace coppice {
 namespace {
+
+constexpr std::string_view kLanguage = "Variables and loops";
 
 /// The default, rounded where it is an angle in degrees with stray digits.
 std::string default_text(const Argument& a) {
     if (a.initial.starts_with('@')) return fmt::format("that of {}", a.initial.substr(1));
+    if (!a.unless.empty()) return fmt::format("{}; with {}= none", a.initial, a.unless);
     if (a.name == "seed") return fmt::format("{}, or what set seed says", a.initial);
     if (a.unit != Unit::radian || a.initial.empty()) return a.initial;
     return fmt::format("{:.4g}", numbers_of(a.initial).at(0));
@@ -31,19 +36,27 @@ std::string upper(std::string_view name) {
     return out;
 }
 
+/// Lines with two blanks before each.
+std::string indented(std::string_view lines) {
+    std::string text;
+    while (!lines.empty()) {
+        const std::size_t end = std::min(lines.find('\n'), lines.size());
+        text += fmt::format("  {}\n", lines.substr(0, end));
+        lines.remove_prefix(std::min(end + 1, lines.size()));
+    }
+    return text;
+}
+
+std::string help_of_statement(const SceneStatement& s) {
+    return fmt::format("{}\n    {}\nexample:\n{}", s.usage, s.help, indented(s.example));
+}
+
 std::string help_of_command(const SceneCommand& c) {
     std::string text = fmt::format("{}\n    {}\n", usage_of(c), c.help);
     if (!c.aliases.empty()) text += fmt::format("    also: {}\n", fmt::join(c.aliases, ", "));
     for (const Argument& a : c.arguments)
         text += fmt::format("  {:<18} {}\n", a.positional ? upper(a.name) : a.name + "=", argument_line(a));
-    text += "example:\n";
-    std::string_view rest = c.example;
-    while (!rest.empty()) {
-        const std::size_t end = std::min(rest.find('\n'), rest.size());
-        text += fmt::format("  {}\n", rest.substr(0, end));
-        rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-    return text;
+    return text + "example:\n" + indented(c.example);
 }
 
 std::string table_cell(std::string_view text) {
@@ -69,6 +82,10 @@ std::string markdown_of(const SceneCommand& c) {
     return text + "\n";
 }
 
+std::string markdown_of(const SceneStatement& s) {
+    return fmt::format("### {}\n`{}`: {}.\n```\n{}\n```\n\n", s.name, s.usage, s.help, s.example);
+}
+
 std::vector<std::string> groups() {
     std::vector<std::string> names;
     for (const SceneCommand& c : scene_commands()) {
@@ -83,8 +100,9 @@ std::vector<std::string> values_of(const Argument& a, const SceneState& state) {
     if (a.type == ArgumentType::flag) return {"false", "true"};
     std::vector<std::string> names;
     for (const auto& [key, object] : state.objects) {
-        if (a.type == ArgumentType::object && (a.any_kind || key.first == a.kind))
-            names.push_back(key.second);
+        const bool fits =
+            a.any_kind || key.first == a.kind || std::ranges::find(a.also, key.first) != a.also.end();
+        if (a.type == ArgumentType::object && fits) names.push_back(key.second);
         if (a.type == ArgumentType::section && key.first == ObjectKind::profile)
             names.push_back(key.second + "@");
     }
@@ -109,6 +127,10 @@ void add_commands(std::set<std::string>& out, const std::string& done, std::stri
         const std::string word = rest.substr(0, rest.find(' '));
         if (word.starts_with(begin)) out.insert(word);
     }
+    if (!done.empty()) return;
+    for (const SceneStatement& s : scene_statements()) {
+        if (s.name.starts_with(begin)) out.insert(std::string(s.name));
+    }
 }
 
 Json json_of(const Argument& a) {
@@ -130,6 +152,7 @@ Json json_of(const Argument& a) {
     if (!a.choices.empty()) out["choices"] = a.choices;
     if (!a.sizes.empty()) out["sizes"] = a.sizes;
     if (a.type == ArgumentType::object) out["kind"] = a.any_kind ? "any" : name_of(a.kind);
+    for (const ObjectKind kind : a.also) out["also"].push_back(name_of(kind));
     return out;
 }
 
@@ -155,11 +178,15 @@ std::string help_overview() {
             if (c.group == group) text += fmt::format("  {:<18} {}\n", c.name, c.help);
         }
     }
+    text += fmt::format("{}\n", kLanguage);
+    for (const SceneStatement& s : scene_statements()) text += fmt::format("  {:<18} {}\n", s.name, s.help);
     return text + "help COMMAND explains one; lines that begin with # are comments.\n";
 }
 
 std::string help_of(std::span<const SceneWord> words) {
     if (words.size() == 1) {
+        if (const SceneStatement* statement = statement_of(words[0].text))
+            return help_of_statement(*statement);
         std::string family;
         for (const SceneCommand& c : scene_commands()) {
             if (c.name.starts_with(words[0].text + " "))
@@ -183,6 +210,10 @@ std::string scene_reference(std::string_view only) {
         for (const SceneCommand& c : scene_commands()) {
             if (c.group == group) text += markdown_of(c);
         }
+    }
+    if (only.empty()) {
+        text += fmt::format("## {}\n\n", kLanguage);
+        for (const SceneStatement& s : scene_statements()) text += markdown_of(s);
     }
     text.pop_back();
     return text;

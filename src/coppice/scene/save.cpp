@@ -15,7 +15,8 @@ namespace {
 
 bool is_writable(SkeletonFormat format) {
     return format == SkeletonFormat::swc || format == SkeletonFormat::cylinders ||
-           format == SkeletonFormat::ply || format == SkeletonFormat::obj || format == SkeletonFormat::json;
+           format == SkeletonFormat::ply || format == SkeletonFormat::obj || format == SkeletonFormat::json ||
+           format == SkeletonFormat::rsml || format == SkeletonFormat::mtg;
 }
 
 bool suits(ObjectKind kind, const std::filesystem::path& path) {
@@ -36,7 +37,7 @@ std::string_view hint_of(ObjectKind kind) {
         case ObjectKind::points:
             return "use .xyz, .txt, .csv, .asc or .ply";
         case ObjectKind::skeleton:
-            return "use .swc, .json, .csv, .ply or .obj";
+            return "use .swc, .json, .csv, .ply, .obj, .rsml or .mtg";
         case ObjectKind::mesh:
             return "use .obj, .ply, .glb, .stl or .usda";
         case ObjectKind::solid:
@@ -46,6 +47,16 @@ std::string_view hint_of(ObjectKind kind) {
             break;
     }
     return "it is kept by: save recipe FILE.coppice";
+}
+
+/// A line that puts in nothing, also where a file is called by what would stand for a variable.
+std::string without_variables(std::string_view line) {
+    std::string out;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line.substr(i).starts_with("${")) out += '$';
+        out += line[i];
+    }
+    return out;
 }
 
 [[noreturn]] void refuse_to_hold(const std::filesystem::path& path) {
@@ -115,7 +126,7 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, c
 std::string recipe_of(const SceneState& state) {
     std::string text =
         "# Makes the same objects as the scene it was saved from; every option is spelled out.\n";
-    for (const std::string& line : state.history) text += line + "\n";
+    for (const std::string& line : state.history) text += without_variables(line) + "\n";
     return text;
 }
 

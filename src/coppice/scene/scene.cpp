@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kMostObjects = 10'000;
 constexpr std::size_t kMostSteps = 1000;
 constexpr std::uint64_t kMebibyte = 1 << 20;
+constexpr std::size_t kLongestAnswer = 16 * kMebibyte;  // [bytes] of what a block says
 
 std::string place_of(const std::string& place, const SceneCommand& command) {
     return place.empty() ? command.name : fmt::format("{}: {}", place, command.name);
@@ -22,7 +23,28 @@ std::string place_of(const std::string& place, const SceneCommand& command) {
 
 }  // namespace
 
+Scene::Scene(SceneSettings settings)
+    : settings_(std::move(settings)), script_(settings_.variables, settings_.most_lines) {
+    state_.seed = settings_.seed;
+    script_.set_seed(state_.seed);
+}
+
 std::string Scene::run(std::string_view line, const std::string& place, const Context& ctx) {
+    std::string said;
+    const auto run_one = [&](std::string_view command, const std::string& at) {
+        said += run_command(command, at, ctx);
+        if (said.size() > kLongestAnswer) {
+            placed(at, [] {
+                throw InvalidInput(
+                    "the block says more than 16 MiB; let fewer of its turns list or describe");
+            });
+        }
+    };
+    script_.take(line, place, run_one, ctx);
+    return said;
+}
+
+std::string Scene::run_command(std::string_view line, const std::string& place, const Context& ctx) {
     const auto words = placed(place, [&] { return scene_words(line); });
     if (words.empty()) return {};
     const SceneCall call = placed(place, [&] { return bind_command(words, state_, settings_, ctx); });
@@ -40,9 +62,11 @@ std::string Scene::run(std::string_view line, const std::string& place, const Co
 
 std::string Scene::run_text(std::string_view text, const std::string& source, const Context& ctx) {
     std::string out;
-    for (const SceneLine& line : scene_lines(text, source)) {
+    const std::vector<SceneLine> lines = scene_lines(text, source);
+    for (const auto step : scene_steps(lines, source)) {
         ctx.throw_if_cancelled();
-        out += run(line.text, fmt::format("{}:{}", source, line.number), ctx);
+        for (const SceneLine& line : step)
+            out += run(line.text, fmt::format("{}:{}", source, line.number), ctx);
     }
     return out;
 }
@@ -54,8 +78,8 @@ void Scene::apply(const SceneCall& call, const SceneOutcome& outcome) {
     double more = 0;
     for (const auto& change : outcome.changes)
         more += change.object ? static_cast<double>(change.object->bytes) : 0;
-    call.reserve(more);
     std::string typed = call.command().records ? call.typed() : std::string();
+    call.reserve(more + static_cast<double>(history_bytes_ + typed.size()));
     Step step{.before = {}, .history = state_.history.size(), .made = state_.made.size()};
     step.last_grown = state_.last_grown;
     step.seed = state_.seed;
@@ -67,9 +91,13 @@ void Scene::apply(const SceneCall& call, const SceneOutcome& outcome) {
         put(change.kind, change.name, change.object);
         if (change.object) state_.made.emplace_back(change.kind, change.name);
     }
+    history_bytes_ += typed.size();
     if (!typed.empty()) state_.history.push_back(std::move(typed));
     if (!outcome.grown.empty()) state_.last_grown = outcome.grown;
-    if (outcome.seed) state_.seed = *outcome.seed;
+    if (outcome.seed) {
+        state_.seed = *outcome.seed;
+        script_.set_seed(state_.seed);
+    }
     undo_bytes_ += step.bytes;
     undo_.push_back(std::move(step));
     forget_old_steps();
@@ -102,9 +130,12 @@ void Scene::take_back(int count) {
         undo_bytes_ -= step.bytes;
         for (auto change = step.before.rbegin(); change != step.before.rend(); ++change)
             put(change->kind, change->name, change->object);
+        for (std::size_t i = step.history; i < state_.history.size(); ++i)
+            history_bytes_ -= state_.history[i].size();
         state_.history.resize(step.history);
         state_.made.resize(step.made);
         state_.last_grown = step.last_grown;
+        if (state_.seed != step.seed) script_.set_seed(step.seed);
         state_.seed = step.seed;
     }
 }

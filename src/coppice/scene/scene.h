@@ -9,6 +9,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/scene/command.h"
+#include "coppice/scene/script/script.h"
 #include "coppice/scene/words.h"
 
 namespace coppice {
@@ -21,26 +22,34 @@ namespace coppice {
 /// same bits for any number of threads.
 class Scene {
   public:
-    explicit Scene(SceneSettings settings = {}) : settings_(std::move(settings)) {}  ///< without objects
+    explicit Scene(SceneSettings settings = {});  ///< without objects
 
-    /// Runs one command; `place` begins messages ("crown.coppice:3", empty for none). Returns what the
-    /// command has to say: nothing for most.
+    /// Runs one line: a command, with its variables put in, or a statement (see SceneScript). What stands in
+    /// a block runs when its end comes. `place` begins messages ("crown.coppice:3", empty for none). Returns
+    /// what the commands have to say: nothing for most.
     ///
     /// Throws what the command's library functions throw, as one sentence "PLACE: COMMAND: ...": InvalidInput
     /// for a word that is not understood (with the nearest valid spelling), a value out of range, an object
     /// that does not exist, more than 10,000 objects, or more memory than the settings allow, by estimate and
-    /// before work begins; IoError; Cancelled.
+    /// before work begins; IoError; Cancelled. What a block did before a line of it fails stays.
     std::string run(std::string_view line, const std::string& place = {}, const Context& ctx = {});
 
-    /// Runs all lines of a file's text; returns what they have to say. `source` names it in messages.
+    /// Whether a block is open, so that lines wait for its end.
+    bool waits() const { return script_.open(); }
+    /// Throws InvalidInput naming the line that opens the open block, if there is one, and forgets the block.
+    void finish() { script_.finish(); }
+
+    /// Runs all lines of a file's text; returns what they have to say. `source` names it in messages. Throws
+    /// before the first line where a block is not closed.
     std::string run_text(std::string_view text, const std::string& source, const Context& ctx = {});
 
     /// Gives a skeleton to the scene from outside, in place of one of that name. No command made it, so that
     /// neither `undo` nor a recipe knows of it.
     void hold_tree(const std::string& name, Skeleton tree);
 
-    const SceneState& state() const { return state_; }           ///< what it holds now
-    const SceneSettings& settings() const { return settings_; }  ///< as given
+    const SceneState& state() const { return state_; }                       ///< what it holds now
+    const SceneSettings& settings() const { return settings_; }              ///< as given
+    const SceneVariables& variables() const { return script_.variables(); }  ///< as they are now
     /// where files to read are looked for
     void set_folder(std::filesystem::path folder) { settings_.folder = std::move(folder); }
 
@@ -58,15 +67,19 @@ class Scene {
         std::uint64_t bytes = 0;  ///< of what was replaced
     };
 
+    std::string run_command(std::string_view line, const std::string& place, const Context& ctx);
+
     void apply(const SceneCall& call, const SceneOutcome& outcome);
     void put(ObjectKind kind, const std::string& name, const ObjectPtr& object);
     void take_back(int count);
     void forget_old_steps();
 
     SceneSettings settings_;
+    SceneScript script_;
     SceneState state_;
     std::deque<Step> undo_;
     std::uint64_t undo_bytes_ = 0;
+    std::uint64_t history_bytes_ = 0;
 };
 
 }  // namespace coppice

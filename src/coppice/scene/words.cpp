@@ -42,6 +42,15 @@ std::size_t key_length(std::string_view rest) {
     return static_cast<std::size_t>(end - rest.begin()) + 1;
 }
 
+/// The end of an unquoted word that begins at `at`. Blanks within ${...} are a part of it; `closes` is where
+/// the last } of the line stands, or 0.
+std::size_t end_of_plain_word(std::string_view line, std::size_t at, std::size_t closes) {
+    for (; at < line.size() && !is_blank(line[at]); ++at) {
+        if (at < closes && line.substr(at).starts_with("${")) at = line.find('}', at);
+    }
+    return at;
+}
+
 /// Reads what is quoted from the quote at `at`; leaves `at` behind the closing one.
 std::string read_quoted(std::string_view line, std::size_t& at) {
     std::string text;
@@ -93,6 +102,7 @@ std::vector<SceneLine> scene_lines(std::string_view text, const std::string& sou
 
 std::vector<SceneWord> scene_words(std::string_view line) {
     std::vector<SceneWord> words;
+    const std::size_t last = line.rfind('}'), closes = last == line.npos ? 0 : last;
     for (std::size_t at = 0; at < line.size();) {
         if (is_blank(line[at])) {
             ++at;
@@ -109,7 +119,7 @@ std::vector<SceneWord> scene_words(std::string_view line) {
             word.text = read_quoted(line, at);
         } else {
             const std::size_t start = at;
-            while (at < line.size() && !is_blank(line[at])) ++at;
+            at = end_of_plain_word(line, at, closes);
             word.text = line.substr(start, at - start);
         }
         words.push_back(std::move(word));

@@ -30,8 +30,8 @@ struct SceneWord {
 };
 
 /// Cuts a line into words at blanks. A `#` at the start of a word begins a comment. Double quotes keep blanks
-/// together, also behind `key=`; within them \" and \\ stand for " and \. Throws InvalidInput for a quote
-/// that is not closed, and for more than 200,000 words.
+/// together, also behind `key=`; within them \" and \\ stand for " and \. So does ${...}, which stays as it
+/// is. Throws InvalidInput for a quote that is not closed, and for more than 200,000 words.
 std::vector<SceneWord> scene_words(std::string_view line);
 
 /// A word that is read back as it is: with quotes where it needs them.

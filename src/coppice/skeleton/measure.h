@@ -31,16 +31,6 @@ struct SkeletonMeasures {
 /// O(n).
 SkeletonMeasures measure(const Skeleton& skeleton);
 
-/// The branches of one order.
-struct BranchOrder {
-    std::uint64_t branches = 0;  ///< how many
-    double length = 0;           ///< [m] of all of them
-};
-
-/// Branches by order: a root's axis has order 0; where a branch forks, its thickest child goes on with it and
-/// the others are one order higher. O(n).
-std::vector<BranchOrder> branch_orders(const Skeleton& skeleton);
-
 /// Per node, the root of its tree. O(n).
 std::vector<NodeId> tree_roots(const Skeleton& skeleton);
 

@@ -2,10 +2,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "coppice/extract/plot/crown_internal.h"
+#include "coppice/extract/plot/crown.h"
 #include "coppice/extract/stem/stem_form_internal.h"
 
-namespace coppice::extract_internal {
+namespace coppice {
 namespace {
 
 constexpr double kLargeBranch = 0.1;  // of the height of the tree
@@ -24,7 +24,8 @@ double crown_base(const Skeleton& s, const StemForm& form) {
         double& above = longest[s.parent(n).index()];
         above = std::max(above, longest[i]);
     }
-    const std::vector<NodeId> axis = main_axis(s, NodeId(0), highest_below(s));
+    const std::vector<NodeId> axis =
+        extract_internal::main_axis(s, NodeId(0), extract_internal::highest_below(s));
     for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
         const NodeId n = axis[i];
         for (const NodeId child : s.children(n)) {
@@ -55,4 +56,4 @@ double crown_area(const PointSet& points, double above) {
     return area;
 }
 
-}  // namespace coppice::extract_internal
+}  // namespace coppice

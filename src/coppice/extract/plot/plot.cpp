@@ -10,7 +10,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/extract/plot/crown_internal.h"
+#include "coppice/extract/plot/crown.h"
 #include "coppice/extract/plot/segments_internal.h"
 #include "coppice/extract/stem/stem_form_internal.h"
 #include "coppice/points/spacing.h"

@@ -11,9 +11,9 @@ namespace coppice::io_internal {
 namespace {
 
 template <class T>
-void put_obj_vertex(Chunk& chunk, BasicVec3<T> p) {
-    chunk.reserve(2 + 3 * (1 + Chunk::kNumber));
-    chunk.put("v ");
+void put_obj_vector(Chunk& chunk, std::string_view word, BasicVec3<T> p) {
+    chunk.reserve(word.size() + 3 * (1 + Chunk::kNumber));
+    chunk.put(word);
     chunk.put_vector(p, " ");
     chunk.put('\n');
 }
@@ -58,10 +58,10 @@ std::string ply_header(const MeshView& mesh, std::string_view size_type) {
     const std::string_view index =
         mesh.positions.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
     return fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, Z up\nelement vertex {0}\n"
+        "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, {5} up\nelement vertex {0}\n"
         "property {1} x\nproperty {1} y\nproperty {1} z\nelement face {2}\n"
         "property list {3} {4} vertex_indices\nend_header\n",
-        mesh.positions.size(), number, mesh.face_count, size_type, index);
+        mesh.positions.size(), number, mesh.face_count, size_type, index, mesh.up == FileUp::y ? 'Y' : 'Z');
 }
 
 template <class Size>
@@ -77,12 +77,14 @@ void write_ply_faces(AtomicFile& file, const MeshView& mesh, const Context& ctx)
 }  // namespace
 
 void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
-    file.write("# Coppice, metres, Z up\n");
+    file.write(mesh.up == FileUp::y ? "# Coppice, metres, Y up\n" : "# Coppice, metres, Z up\n");
     const bool shifted = mesh.has_origin();
     write_items(file, mesh.positions.size(), {0, 0.6f}, ctx, [&](std::size_t v, Chunk& chunk) {
         const Vec3 p = mesh.positions[v];
-        shifted ? put_obj_vertex(chunk, mesh.origin + Vec3d(p)) : put_obj_vertex(chunk, p);
+        shifted ? put_obj_vector(chunk, "v ", mesh.origin + Vec3d(p)) : put_obj_vector(chunk, "v ", p);
     });
+    write_items(file, mesh.normals.size(), {0.6f, 0.6f}, ctx,
+                [&](std::size_t v, Chunk& chunk) { put_obj_vector(chunk, "vn ", mesh.normals[v]); });
     const TextureTable texture = texture_table(mesh);
     write_items(file, texture.places.size(), {0.6f, 0.6f}, ctx, [&](std::size_t i, Chunk& chunk) {
         chunk.reserve(5 + 2 * Chunk::kNumber);
@@ -95,14 +97,19 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     write_items(file, mesh.face_count, {0.6f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
         const auto corners = mesh.face(f);
         const std::size_t first = mesh.first_corner(f);
-        chunk.reserve(2 + corners.size() * 2 * (1 + Chunk::kNumber));
+        chunk.reserve(2 + corners.size() * 3 * (1 + Chunk::kNumber));
         chunk.put('f');
         for (std::size_t k = 0; k < corners.size(); ++k) {
             chunk.put(' ');
             chunk.put_number(std::uint64_t{corners[k]} + 1);
-            if (mesh.texture.empty()) continue;
-            chunk.put('/');
-            chunk.put_number(std::uint64_t{texture.of_corner[first + k]} + 1);
+            if (!mesh.texture.empty()) {
+                chunk.put('/');
+                chunk.put_number(std::uint64_t{texture.of_corner[first + k]} + 1);
+            }
+            if (!mesh.normals.empty()) {
+                chunk.put(mesh.texture.empty() ? "//" : "/");
+                chunk.put_number(std::uint64_t{corners[k]} + 1);
+            }
         }
         chunk.put('\n');
     });

@@ -12,6 +12,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/parallel.h"
 #include "coppice/io/file.h"
+#include "coppice/io/file_up.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
 
@@ -57,6 +58,8 @@ struct MeshView {
     std::size_t face_count = 0;
     std::size_t sides = 0;
     std::span<const TexturePoint> texture;  ///< of every corner, or none
+    std::span<const Vec3> normals;          ///< of every vertex, for OBJ, or none
+    FileUp up = FileUp::z;                  ///< what the comments of OBJ and PLY say
 };
 
 /// emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, else a fan.

@@ -67,9 +67,26 @@ void write_whole(const std::filesystem::path& path, const MeshView& mesh, const 
     ctx.report(1);
 }
 
-void write_view(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options,
+/// Whether a file of this format leaves open which axis points up.
+bool has_no_up(MeshFormat format) {
+    return format == MeshFormat::obj || format == MeshFormat::ply || format == MeshFormat::stl;
+}
+
+void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWriteOptions& options,
                 const Context& ctx) {
     const MeshFormat format = format_for(path, options);
+    std::vector<Vec3> turned, normals;
+    if (options.up != FileUp::z && has_no_up(format)) {
+        turned.reserve(mesh.positions.size());
+        for (const Vec3 p : mesh.positions) turned.push_back(to_file(p, options.up));
+        mesh.positions = turned;
+        mesh.origin = to_file(mesh.origin, options.up);
+        mesh.up = options.up;
+    }
+    if (options.normals && format == MeshFormat::obj) {
+        normals = smooth_normals(mesh);
+        mesh.normals = normals;
+    }
     write_whole(path, mesh, ctx, [&](AtomicFile& file) {
         switch (format) {
             case MeshFormat::obj:

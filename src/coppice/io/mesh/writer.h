@@ -5,6 +5,7 @@
 #include <span>
 
 #include "coppice/base/context.h"
+#include "coppice/io/file_up.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
@@ -14,6 +15,8 @@ namespace coppice {
 /// What kind of mesh file is written.
 struct MeshWriteOptions {
     std::optional<MeshFormat> format;  ///< nothing: as the extension of the name says
+    FileUp up = FileUp::z;  ///< axis that points up in OBJ, PLY and STL; the others say which it is
+    bool normals = false;   ///< also in OBJ: smooth normals
 };
 
 /// Writes a surface; the file appears whole or not at all (`AtomicFile`).

@@ -14,6 +14,25 @@ namespace coppice {
 
 namespace {
 
+/// Whether the first element of an XML file is rsml; comments may come before it.
+bool is_rsml(std::string_view content) {
+    if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
+    const std::size_t first = content.find_first_not_of(" \t\r\n");
+    if (first == content.npos || content[first] != '<') return false;
+    std::size_t at = first;
+    while (at != content.npos && at + 1 < content.size() &&
+           (content[at + 1] == '?' || content[at + 1] == '!')) {
+        const bool comment = content.substr(at).starts_with("<!--");
+        at = content.find(comment ? "-->" : ">", at + 1);
+        at = content.find('<', at);
+    }
+    if (at == content.npos) return false;
+    std::string name(content.substr(at + 1, content.find_first_of(" \t\r\n>/", at) - at - 1));
+    std::ranges::transform(name, name.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+    return name == "rsml" || name.ends_with(":rsml");
+}
+
 bool is_matlab(std::string_view content) {
     return content.starts_with("MATLAB ") || content.starts_with("\x89HDF\r\n\x1a\n");
 }
@@ -92,6 +111,7 @@ std::optional<SkeletonFormat> format_of_lines(std::string_view line, std::string
         if (are_swc_rows(content)) return SkeletonFormat::swc;
         return std::nullopt;
     }
+    if (first.starts_with("CODE") && line.find("FORM-") != line.npos) return SkeletonFormat::mtg;
     if (is_raycloud_header(line)) return SkeletonFormat::raycloud;
     if (is_cylinder_header(line) || is_treeqsm_row(numbers_of(line, true))) return SkeletonFormat::cylinders;
     return std::nullopt;
@@ -104,14 +124,16 @@ std::optional<SkeletonFormat> format_of_extension(const std::filesystem::path& p
         std::string_view extension;
         SkeletonFormat format;
     };
-    constexpr std::array<Entry, 8> kEntries{{{"swc", SkeletonFormat::swc},
-                                             {"csv", SkeletonFormat::cylinders},
-                                             {"mat", SkeletonFormat::mat},
-                                             {"ply", SkeletonFormat::ply},
-                                             {"graph", SkeletonFormat::gel},
-                                             {"gel", SkeletonFormat::gel},
-                                             {"obj", SkeletonFormat::obj},
-                                             {"json", SkeletonFormat::json}}};
+    constexpr std::array<Entry, 10> kEntries{{{"swc", SkeletonFormat::swc},
+                                              {"csv", SkeletonFormat::cylinders},
+                                              {"mat", SkeletonFormat::mat},
+                                              {"ply", SkeletonFormat::ply},
+                                              {"graph", SkeletonFormat::gel},
+                                              {"gel", SkeletonFormat::gel},
+                                              {"obj", SkeletonFormat::obj},
+                                              {"json", SkeletonFormat::json},
+                                              {"rsml", SkeletonFormat::rsml},
+                                              {"mtg", SkeletonFormat::mtg}}};
     const std::string extension = plain_name(path.extension().string());
     for (const Entry& entry : kEntries) {
         if (entry.extension == extension) return entry.format;
@@ -122,6 +144,7 @@ std::optional<SkeletonFormat> format_of_extension(const std::filesystem::path& p
 std::optional<SkeletonFormat> format_of_content(std::string_view content) {
     if (is_ply(content)) return SkeletonFormat::ply;
     if (is_matlab(content)) return SkeletonFormat::mat;
+    if (is_rsml(content)) return SkeletonFormat::rsml;
     LineReader lines(content);
     while (lines.next()) {
         const std::string_view line = trimmed(lines.line());

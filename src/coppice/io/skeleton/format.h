@@ -19,13 +19,15 @@ enum class SkeletonFormat {
     ply,        ///< PLY with vertices and edges, as AdTree writes it
     gel,        ///< GEL's graph: nodes and connections without radii; read only
     obj,        ///< OBJ with line elements
-    json        ///< Coppice's own
+    json,       ///< Coppice's own
+    rsml,       ///< RSML: the root systems of RootSystemML
+    mtg         ///< MTG: OpenAlea's multi-scale tree graphs
 };
 
 template <>
 struct EnumNames<SkeletonFormat> {
-    static constexpr std::array<std::string_view, 9> names{"automatic", "swc", "cylinders", "mat", "raycloud",
-                                                           "ply",       "gel", "obj",       "json"};
+    static constexpr std::array<std::string_view, 11> names{
+        "automatic", "swc", "cylinders", "mat", "raycloud", "ply", "gel", "obj", "json", "rsml", "mtg"};
 };
 
 /// The format that the ending of a file's name stands for, in any case; none when it stands for none, or for

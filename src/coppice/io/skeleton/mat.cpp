@@ -112,8 +112,7 @@ class CylinderReader {
 
 }  // namespace
 
-std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model,
-                                   const Context& ctx) {
+MatModel parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx) {
     const MatFile file(bytes, source, ctx);
     std::vector<Table> models;
     if (const Table loose = table_of(file.variables()); is_complete(loose)) models.push_back(loose);
@@ -134,7 +133,8 @@ std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& so
     if (model < 0 || static_cast<std::size_t>(model) > count) {
         fail(fmt::format("there is no model {}; the file holds {}", model, count));
     }
-    return CylinderReader(models[model == 0 ? 0 : static_cast<std::size_t>(model) - 1], source).cylinders();
+    const Table& chosen = models[model == 0 ? 0 : static_cast<std::size_t>(model) - 1];
+    return {CylinderReader(chosen, source).cylinders(), count};
 }
 
 }  // namespace coppice

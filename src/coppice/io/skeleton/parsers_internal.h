@@ -17,7 +17,21 @@ namespace coppice {
 /// InvalidInput "source:line: ..." where the text is not of the format, and Cancelled, never recurse, and
 /// take memory in proportion to the text.
 
-std::vector<RawNode> parse_swc(std::string_view text, const std::string& source, const Context& ctx = {});
+/// Numbers of nodes, or vertices, that the file has besides.
+struct RawAttribute {
+    std::string name;            ///< see is_attribute_name()
+    std::vector<double> values;  ///< one for each, in their order
+};
+
+struct RawSkeleton {
+    std::vector<RawNode> nodes;
+    std::vector<RawAttribute> attributes;
+    std::vector<std::string> notes;  ///< see SkeletonFile::notes
+};
+
+/// The types of the nodes are an attribute where one is not 0.
+RawSkeleton parse_swc(std::string_view text, const std::string& source, const Context& ctx = {});
+inline constexpr std::string_view kSwcType = "type";
 
 /// A table with a header naming its columns, or without one in TreeQSM's order.
 std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source,
@@ -31,18 +45,19 @@ std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& so
                                     const Context& ctx = {});
 bool is_raycloud_header(std::string_view line);
 
-/// Numbers of nodes, or vertices, that the file has besides.
-struct RawAttribute {
-    std::string name;            ///< see is_attribute_name()
-    std::vector<double> values;  ///< by the ids of the nodes, or vertices
-};
+/// Sorts the nodes of a file that numbers them from 0 by an attribute `node`, each once; other files stay as
+/// they are. That attribute is taken out. O(n).
+void put_in_written_order(RawSkeleton& raw);
 
-struct RawSkeleton {
-    std::vector<RawNode> nodes;  ///< their ids are their indices
-    std::vector<RawAttribute> attributes;
-};
-
+/// Ids of the nodes are their indices.
 RawSkeleton parse_skeleton_json(std::string_view text, const std::string& source, const Context& ctx = {});
+
+/// Axes that leave their bearers at places of it, between its points too; see docs/user/formats.md. Ids of
+/// the nodes are their indices.
+RawSkeleton parse_rsml(std::string_view text, const std::string& source, const Context& ctx = {});
+
+/// Entities at several scales, by their coordinates or else by their lengths; see docs/user/formats.md.
+RawSkeleton parse_mtg(std::string_view text, const std::string& source, const Context& ctx = {});
 
 /// Vertices joined by edges, as graph formats have them.
 struct EdgeGraph {
@@ -72,9 +87,13 @@ struct Forest {
 /// that a loop is cut far from the root. Throws InvalidInput for positions that are not finite. O(n log n).
 Forest forest_of(const EdgeGraph& graph, const std::string& source);
 
+struct MatModel {
+    std::vector<RawCylinder> cylinders;
+    std::size_t models = 1;  ///< how many the file holds
+};
+
 /// Model number `model`, from 1, of a TreeQSM .mat file; 0 takes the only one. Throws InvalidInput saying how
 /// many models there are when `model` names none of them.
-std::vector<RawCylinder> parse_mat(std::string_view bytes, const std::string& source, int model,
-                                   const Context& ctx = {});
+MatModel parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx = {});
 
 }  // namespace coppice

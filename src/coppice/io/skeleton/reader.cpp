@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -29,23 +31,74 @@ SkeletonFormat detect(std::string_view text, const std::string& source) {
     if (by_extension) return *by_extension;
     throw Unsupported(fmt::format(
         "{}: this is no skeleton file that can be told from its name or first line; known are SWC, cylinder "
-        "tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines and JSON",
+        "tables, TreeQSM .mat, raycloudtools trees, edge PLY, GEL graphs, OBJ lines, RSML, MTG and JSON",
         source));
 }
 
 /// The decimal number that was meant: 0.001f is not 0.001, and positions have the digits to show it.
 double exact_scale(float scale) { return parse_number(fmt::format("{}", scale)).value_or(scale); }
 
+/// Whether types are those that SWC gives the parts of a neuron, a soma (1) with axons and dendrites (2 to
+/// 4), and no tree is as large, were these metres: trees are written with such types too.
+bool is_neuron(const RawSkeleton& raw) {
+    constexpr double kTallestTree = 130;
+    Vec3d low = raw.nodes.empty() ? Vec3d{} : raw.nodes.front().position, high = low;
+    for (const RawNode& n : raw.nodes) {
+        low = {std::min(low.x, n.position.x), std::min(low.y, n.position.y), std::min(low.z, n.position.z)};
+        high = {std::max(high.x, n.position.x), std::max(high.y, n.position.y),
+                std::max(high.z, n.position.z)};
+    }
+    const Vec3d size = high - low;
+    if (!(std::max({size.x, size.y, size.z}) > kTallestTree)) return false;
+    bool soma = false, neurites = false;
+    for (const RawAttribute& a : raw.attributes) {
+        if (a.name != kSwcType) continue;
+        for (const double type : a.values) {
+            soma = soma || type == 1;
+            neurites = neurites || (type >= 2 && type <= 4);
+        }
+    }
+    return soma && neurites;
+}
+
 /// The values of the nodes that the sources name, if all are finite.
-std::optional<std::vector<float>> values_of(const RawAttribute& attribute, const std::vector<RawNode>& nodes,
+std::optional<std::vector<float>> values_of(const RawAttribute& attribute,
                                             std::span<const std::uint32_t> sources) {
     std::vector<float> out;
     out.reserve(sources.size());
     for (const std::uint32_t i : sources) {
-        out.push_back(static_cast<float>(attribute.values[static_cast<std::size_t>(nodes[i].id)]));
+        out.push_back(static_cast<float>(attribute.values[i]));
         if (!std::isfinite(out.back())) return std::nullopt;
     }
     return out;
+}
+
+/// The first attribute of each name that every node has.
+std::vector<NodeAttribute> kept_attributes(std::span<const RawAttribute> attributes,
+                                           std::span<const std::uint32_t> sources) {
+    std::vector<NodeAttribute> kept;
+    std::set<std::string_view> names;
+    for (const RawAttribute& a : attributes) {
+        if (names.contains(a.name)) continue;
+        auto values = values_of(a, sources);
+        if (!values) continue;
+        names.insert(a.name);
+        kept.push_back({a.name, *std::move(values)});
+    }
+    return kept;
+}
+
+CylinderTotals totals_of(const std::vector<RawCylinder>& cylinders) {
+    CylinderTotals sum;
+    for (const RawCylinder& c : cylinders) {
+        const double length = distance(c.start, c.end);
+        if (!std::isfinite(length) || !std::isfinite(c.radius)) continue;
+        ++sum.cylinders;
+        sum.length += length;
+        sum.area += 2 * std::numbers::pi * c.radius * length;
+        sum.volume += std::numbers::pi * c.radius * c.radius * length;
+    }
+    return sum;
 }
 
 class Reading {
@@ -59,6 +112,9 @@ class Reading {
           scale_(exact_scale(options.scale)) {}
 
     SkeletonFile from_text(std::string_view text) {
+        units_ = options_.units;
+        if (units_ == LengthUnit::automatic && options_.scale == 1)
+            units_ = stated_unit(text).value_or(LengthUnit::automatic);
         switch (format_) {
             case SkeletonFormat::swc:
                 return finish(parse_swc(text, source_, ctx_));
@@ -73,7 +129,11 @@ class Reading {
             case SkeletonFormat::obj:
                 return finish(parse_obj_lines(text, source_, ctx_));
             case SkeletonFormat::json:
-                return finish_json(parse_skeleton_json(text, source_, ctx_));
+                return finish(parse_skeleton_json(text, source_, ctx_));
+            case SkeletonFormat::rsml:
+                return finish(parse_rsml(text, source_, ctx_));
+            case SkeletonFormat::mtg:
+                return finish(parse_mtg(text, source_, ctx_));
             case SkeletonFormat::mat:
                 return finish(parse_mat(text, source_, options_.model, ctx_));
             case SkeletonFormat::automatic:
@@ -85,39 +145,67 @@ class Reading {
   private:
     SkeletonFile finish(std::vector<RawCylinder> cylinders) {
         for (RawCylinder& c : cylinders) {
-            c.start *= scale_;
-            c.end *= scale_;
+            c.start = placed(c.start);
+            c.end = placed(c.end);
             c.radius *= scale_;
         }
         fill_radii(cylinders);
-        return file_of(repaired(cylinders));
+        SkeletonFile file = file_of(repaired(cylinders));
+        file.declared = totals_of(cylinders);
+        return file;
     }
 
-    SkeletonFile finish(std::vector<RawNode> nodes, std::span<const RawAttribute> attributes = {}) {
-        for (RawNode& n : nodes) {
-            n.position *= scale_;
-            n.radius *= scale_;
-        }
-        fill_radii(nodes);
-        RepairResult result = repaired(nodes);
-        std::vector<NodeAttribute> kept;
-        for (const RawAttribute& a : attributes) {
-            const bool is_new = std::ranges::find(kept, a.name, &NodeAttribute::name) == kept.end();
-            auto values = values_of(a, nodes, result.source);
-            if (is_new && values) kept.push_back({a.name, *std::move(values)});
-        }
-        return file_of(std::move(result), std::move(kept));
+    SkeletonFile finish(MatModel model) {
+        SkeletonFile file = finish(std::move(model.cylinders));
+        file.models = model.models;
+        return file;
     }
 
-    SkeletonFile finish_json(RawSkeleton raw) { return finish(std::move(raw.nodes), raw.attributes); }
+    SkeletonFile finish(std::vector<RawNode> nodes) { return finish(RawSkeleton{std::move(nodes), {}, {}}); }
 
-    SkeletonFile finish(const EdgeGraph& graph) {
+    SkeletonFile finish(RawSkeleton raw) {
+        notes_ = std::move(raw.notes);
+        if (format_ == SkeletonFormat::swc) take_neuron_units(raw);
+        scale(raw.nodes);
+        RepairResult result = repaired(raw.nodes);
+        auto attributes = kept_attributes(raw.attributes, result.source);
+        return file_of(std::move(result), std::move(attributes));
+    }
+
+    SkeletonFile finish(EdgeGraph graph) {
+        // Roots may be the lowest ends.
+        for (Vec3d& p : graph.position) p = placed(p);
+        for (double& radius : graph.radius) radius *= scale_;
         Forest forest = forest_of(graph, source_);
         if (forest.loops_cut > 0) {
             notes_.push_back(fmt::format("{} edges that closed loops were left out", forest.loops_cut));
         }
-        return finish(std::move(forest.nodes), graph.attributes);
+        fill_radii(forest.nodes);
+        RepairResult result = repaired(forest.nodes);
+        std::vector<std::uint32_t> vertex;  // of each node
+        for (const std::uint32_t i : result.source)
+            vertex.push_back(static_cast<std::uint32_t>(forest.nodes[i].id));
+        return file_of(std::move(result), kept_attributes(graph.attributes, vertex));
     }
+
+    /// SWC has micrometres, and trees in metres are written without types.
+    void take_neuron_units(const RawSkeleton& raw) {
+        if (units_ != LengthUnit::automatic || options_.scale != 1 || !is_neuron(raw)) return;
+        units_ = LengthUnit::um;
+        notes_.push_back(
+            "the types of its nodes are those of a neuron, and it is too large for a tree: lengths are taken "
+            "for um; set units to m where they are metres");
+    }
+
+    void scale(std::vector<RawNode>& nodes) {
+        for (RawNode& n : nodes) {
+            n.position = placed(n.position);
+            n.radius *= scale_;
+        }
+        fill_radii(nodes);
+    }
+
+    Vec3d placed(Vec3d p) const { return from_file(p * scale_, options_.up); }
 
     template <class Raw>
     void fill_radii(std::vector<Raw>& items) {
@@ -141,8 +229,14 @@ class Reading {
     }
 
     SkeletonFile file_of(RepairResult result, std::vector<NodeAttribute> attributes = {}) {
-        return {std::move(result.skeleton), result.report, std::string(name_of(format_)), std::move(notes_),
-                std::move(attributes)};
+        return {std::move(result.skeleton),
+                result.report,
+                std::string(name_of(format_)),
+                units_ == LengthUnit::automatic ? LengthUnit::m : units_,
+                std::move(notes_),
+                std::move(attributes),
+                std::nullopt,
+                1};
     }
 
     SkeletonFormat format_;
@@ -150,6 +244,7 @@ class Reading {
     const ReadSkeletonOptions& options_;
     const Context& ctx_;
     double scale_;
+    LengthUnit units_ = LengthUnit::automatic;
     std::vector<std::string> notes_;
 };
 

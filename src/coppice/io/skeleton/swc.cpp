@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,8 +55,9 @@ void make_roots_of_zero(std::vector<RawNode>& nodes) {
 
 }  // namespace
 
-std::vector<RawNode> parse_swc(std::string_view text, const std::string& source, const Context& ctx) {
+RawSkeleton parse_swc(std::string_view text, const std::string& source, const Context& ctx) {
     std::vector<RawNode> nodes;
+    RawAttribute types{std::string(kSwcType), {}};
     std::vector<std::string_view> cells;
     LineReader lines(text, ctx);
     while (lines.next()) {
@@ -72,9 +75,12 @@ std::vector<RawNode> parse_swc(std::string_view text, const std::string& source,
                          {row.number(2), row.number(3), row.number(4)},
                          row.number(5),
                          lines.number()});
+        types.values.push_back(parse_number(cells[1]).value_or(0));
     }
     make_roots_of_zero(nodes);
-    return nodes;
+    if (std::ranges::all_of(types.values, [](double type) { return type == 0; }))
+        return {std::move(nodes), {}};
+    return {std::move(nodes), {std::move(types)}};
 }
 
 }  // namespace coppice

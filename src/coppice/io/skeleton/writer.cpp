@@ -1,10 +1,9 @@
 #include "coppice/io/skeleton/writer.h"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fmt/compile.h>
@@ -12,60 +11,38 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
-#include "coppice/io/file_progress.h"
+#include "coppice/io/skeleton/encoder_internal.h"
 #include "coppice/io/skeleton/parsers_internal.h"
+#include "coppice/io/skeleton/writers_internal.h"
 
 namespace coppice {
 
 namespace {
 
-/// Text of a skeleton: numbers in world space.
-class Encoder {
-  public:
-    Encoder(const Skeleton& skeleton, const Context& ctx)
-        : skeleton_(skeleton), progress_({.stop = ctx.stop}, 0), is_local_(skeleton.origin() == Vec3d{}) {}
+/// The types of the nodes for SWC, where they are all whole numbers from 0 on; else none.
+std::span<const float> swc_types(std::span<const NodeAttribute> attributes) {
+    constexpr float kMostExact = 1 << 24;
+    const auto found = std::ranges::find(attributes, kSwcType, &NodeAttribute::name);
+    if (found == attributes.end()) return {};
+    const auto is_type = [](float t) { return t >= 0 && t <= kMostExact && t == std::trunc(t); };
+    return std::ranges::all_of(found->values, is_type) ? std::span<const float>(found->values)
+                                                       : std::span<const float>{};
+}
 
-    template <class Format, class... Args>
-    void add(const Format& format, const Args&... args) {
-        progress_.at(text_.size());
-        fmt::format_to(std::back_inserter(text_), format, args...);
-    }
+/// The unit that files state.
+std::string_view unit_name(LengthUnit units) {
+    return units == LengthUnit::automatic ? name_of(LengthUnit::m) : name_of(units);
+}
 
-    /// x, y and z of a node with `separator` between them.
-    void add_position(NodeId n, char separator) {
-        const Vec3 p = skeleton_.position(n);
-        if (is_local_) {
-            add(FMT_COMPILE("{}{}{}{}{}"), p.x, separator, p.y, separator, p.z);
-        } else {
-            const Vec3d world = skeleton_.origin() + Vec3d(p);
-            add(FMT_COMPILE("{:.15g}{}{:.15g}{}{:.15g}"), world.x, separator, world.y, separator, world.z);
-        }
-    }
-
-    template <class T>
-    void add_bytes(T value) {
-        static_assert(std::endian::native == std::endian::little, "binary PLY is written little-endian");
-        progress_.at(text_.size());
-        char bytes[sizeof(T)];
-        std::memcpy(bytes, &value, sizeof(T));
-        text_.append(bytes, bytes + sizeof(T));
-    }
-
-    bool is_local() const { return is_local_; }
-    std::string text() const { return {text_.data(), text_.size()}; }
-
-  private:
-    const Skeleton& skeleton_;
-    FileProgress progress_;
-    bool is_local_;
-    fmt::memory_buffer text_;
-};
-
-std::string encode_swc(const Skeleton& s, const Context& ctx) {
+std::string encode_swc(const Skeleton& s, LengthUnit units, std::span<const NodeAttribute> attributes,
+                       const Context& ctx) {
+    const std::span<const float> types = swc_types(attributes);
     Encoder out(s, ctx);
-    out.add(FMT_COMPILE("# SWC written by Coppice; units: metre\n# id type x y z radius parent\n"));
+    out.add(FMT_COMPILE("# SWC written by Coppice; units: {}\n# id type x y z radius parent\n"),
+            unit_name(units));
     for (const NodeId n : nodes(s)) {
-        out.add(FMT_COMPILE("{} 0 "), n.index() + 1);
+        out.add(FMT_COMPILE("{} {} "), n.index() + 1,
+                types.empty() ? 0u : static_cast<std::uint32_t>(types[n.index()]));
         out.add_position(n, ' ');
         if (s.is_root(n)) {
             out.add(FMT_COMPILE(" {} -1\n"), s.radius(n));
@@ -76,9 +53,9 @@ std::string encode_swc(const Skeleton& s, const Context& ctx) {
     return out.text();
 }
 
-std::string encode_obj(const Skeleton& s, const Context& ctx) {
+std::string encode_obj(const Skeleton& s, LengthUnit units, const Context& ctx) {
     Encoder out(s, ctx);
-    out.add(FMT_COMPILE("# {}\n"), kDirectedMark);
+    out.add(FMT_COMPILE("# {}\n# units: {}\n"), kDirectedMark, unit_name(units));
     for (const NodeId n : nodes(s)) {
         out.add(FMT_COMPILE("v "));
         out.add_position(n, ' ');
@@ -94,12 +71,13 @@ std::string encode_obj(const Skeleton& s, const Context& ctx) {
     return out.text();
 }
 
-std::string encode_json(const Skeleton& s, std::span<const NodeAttribute> attributes, const Context& ctx) {
+std::string encode_json(const Skeleton& s, LengthUnit units, std::span<const NodeAttribute> attributes,
+                        const Context& ctx) {
     Encoder out(s, ctx);
     const Vec3d origin = s.origin();
-    out.add(FMT_COMPILE("{{\n\"format\": \"coppice-skeleton\",\n\"version\": 1,\n\"origin\": [{}, {}, "
-                        "{}],\n\"parent\": ["),
-            origin.x, origin.y, origin.z);
+    out.add(FMT_COMPILE("{{\n\"format\": \"coppice-skeleton\",\n\"version\": 1,\n\"units\": \"{}\",\n"
+                        "\"origin\": [{}, {}, {}],\n\"parent\": ["),
+            unit_name(units), origin.x, origin.y, origin.z);
     const auto separator = [](NodeId n) { return n.index() == 0 ? "" : ","; };
     for (const NodeId n : nodes(s)) {
         out.add(FMT_COMPILE("{}{}"), separator(n), s.is_root(n) ? std::int64_t{-1} : s.parent(n).index());
@@ -147,11 +125,12 @@ void add_ply_vertices(Encoder& out, const Skeleton& s, bool binary,
     }
 }
 
-std::string encode_ply(const Skeleton& s, bool binary, std::span<const NodeAttribute> attributes,
-                       const Context& ctx) {
+std::string encode_ply(const Skeleton& s, const WriteSkeletonOptions& options,
+                       std::span<const NodeAttribute> attributes, const Context& ctx) {
+    const bool binary = options.binary;
     Encoder out(s, ctx);
-    out.add(FMT_COMPILE("ply\nformat {} 1.0\ncomment {}\n"), binary ? "binary_little_endian" : "ascii",
-            kDirectedMark);
+    out.add(FMT_COMPILE("ply\nformat {} 1.0\ncomment {}\ncomment units: {}\n"),
+            binary ? "binary_little_endian" : "ascii", kDirectedMark, unit_name(options.units));
     const std::string_view type = out.is_local() ? "float" : "double";
     out.add(FMT_COMPILE(
                 "element vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\nproperty float radius\n"),
@@ -222,30 +201,50 @@ std::string encode_cylinders(const Skeleton& s, const Context& ctx) {
     return out.text();
 }
 
+/// The skeleton as it lies in a file with another axis up.
+Skeleton turned(const Skeleton& s, FileUp up) {
+    std::vector<Vec3> positions;
+    positions.reserve(s.size());
+    for (const Vec3 p : s.positions()) positions.push_back(to_file(p, up));
+    return Skeleton({s.parents().begin(), s.parents().end()}, std::move(positions),
+                    {s.radii().begin(), s.radii().end()}, to_file(s.origin(), up),
+                    {s.stable_ids().begin(), s.stable_ids().end()});
+}
+
 }  // namespace
 
 std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions& options,
                             std::span<const NodeAttribute> attributes, const Context& ctx) {
+    if (options.up != FileUp::z) {
+        WriteSkeletonOptions as_it_lies = options;
+        as_it_lies.up = FileUp::z;
+        return encode_skeleton(turned(skeleton, options.up), as_it_lies, attributes, ctx);
+    }
     for (const NodeAttribute& a : attributes) COPPICE_ASSERT(a.values.size() == skeleton.size());
     switch (options.format) {
         case SkeletonFormat::swc:
-            return encode_swc(skeleton, ctx);
+            return encode_swc(skeleton, options.units, attributes, ctx);
         case SkeletonFormat::cylinders:
             return encode_cylinders(skeleton, ctx);
         case SkeletonFormat::ply:
-            return encode_ply(skeleton, options.binary, attributes, ctx);
+            return encode_ply(skeleton, options, attributes, ctx);
         case SkeletonFormat::obj:
-            return encode_obj(skeleton, ctx);
+            return encode_obj(skeleton, options.units, ctx);
         case SkeletonFormat::json:
-            return encode_json(skeleton, attributes, ctx);
+            return encode_json(skeleton, options.units, attributes, ctx);
+        case SkeletonFormat::rsml:
+            return encode_rsml(skeleton, unit_name(options.units), attributes, ctx);
+        case SkeletonFormat::mtg:
+            return encode_mtg(skeleton, unit_name(options.units), attributes, ctx);
         case SkeletonFormat::automatic:
         case SkeletonFormat::mat:
         case SkeletonFormat::raycloud:
         case SkeletonFormat::gel:
             break;
     }
-    throw Unsupported(fmt::format("skeletons are not written as {}; choose swc, cylinders, ply, obj or json",
-                                  name_of(options.format)));
+    throw Unsupported(
+        fmt::format("skeletons are not written as {}; choose swc, cylinders, ply, obj, json, rsml or mtg",
+                    name_of(options.format)));
 }
 
 void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
@@ -255,9 +254,10 @@ void write_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
     if (chosen.format == SkeletonFormat::automatic) {
         const auto format = format_of_extension(path);
         if (!format) {
-            throw Unsupported(fmt::format(
-                "{}: the ending of the name tells no skeleton format; use .swc, .csv, .ply, .obj or .json",
-                path.string()));
+            throw Unsupported(
+                fmt::format("{}: the ending of the name tells no skeleton format; use .swc, .csv, .ply, "
+                            ".obj, .json, .rsml or .mtg",
+                            path.string()));
         }
         chosen.format = *format;
     }

@@ -224,39 +224,42 @@ std::uint32_t CellSums::find(double share) const {
 }
 
 Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::uint64_t seed,
-                          const Context& ctx) {
-    constexpr std::uint32_t kSamples = 16384, kBatch = 256;
+                          const Context& ctx, std::uint32_t samples) {
+    constexpr std::uint32_t kBatch = 256;
+    samples = (samples + kBatch - 1) / kBatch * kBatch;
+    const double count = samples;
     constexpr std::uint64_t kStage = 0x726f6f6d;
     Capacity capacity;
     if (cells.size() == 0) return capacity;
     const CounterRandom random(seed, kStage);
     double hits = 0, density = 0, steepness = 0;
     std::array<Vec3, kBatch> points;
-    std::array<FieldSample, kBatch> samples;
+    std::array<FieldSample, kBatch> fields;
     // Cells in order: a batch is a run of neighbours, which fields evaluate fast.
-    for (std::uint32_t begin = 0; begin < kSamples; begin += kBatch) {
+    for (std::uint32_t begin = 0; begin < samples; begin += kBatch) {
         ctx.throw_if_cancelled();
         for (std::uint32_t k = 0; k < kBatch; ++k) {
             const std::uint64_t i = begin + k;
-            const double share = (static_cast<double>(i) + random.uniform(4 * i)) / kSamples;
+            const double share = (static_cast<double>(i) + random.uniform(4 * i)) / count;
             const Cell& cell = cells[static_cast<std::uint32_t>(share * cells.size())];
             const Vec3d in(random.uniform(4 * i + 1), random.uniform(4 * i + 2), random.uniform(4 * i + 3));
             points[k] = Vec3(cells.low(cell) + cells.edge() * in);
         }
-        region.field.sample(0, points, samples);
+        region.field.sample(0, points, fields);
         for (std::uint32_t k = 0; k < kBatch; ++k) {
-            const double d = region.contains(points[k]) ? region.density.at(samples[k].value) : 0;
+            const double d = region.contains(points[k]) ? region.density.at(fields[k].value) : 0;
             if (!(d > 0)) continue;
             ++hits;
+            capacity.met.push_back({fields[k].value, d});
             density += d;
             capacity.greatest = std::max(capacity.greatest, d);
-            const double slope = length(Vec3d(samples[k].gradient));
+            const double slope = length(Vec3d(fields[k].gradient));
             if (std::isfinite(slope)) steepness += slope;
         }
     }
     const double whole = cells.size() * cells.edge() * cells.edge() * cells.edge();
-    capacity.volume = whole * hits / kSamples;
-    if (hits > 0) capacity.mass = whole * density / capacity.greatest / kSamples;
+    capacity.volume = whole * hits / count;
+    if (hits > 0) capacity.mass = whole * density / capacity.greatest / count;
     if (steepness > 0) capacity.thickness = region.density.shell_width() * hits / steepness;
     return capacity;
 }

@@ -98,13 +98,20 @@ struct Capacity {
     double mass = 0;       ///< [m^3] integral of the density over its greatest value
     double thickness = 0;  ///< [m] of a shell; 0 where the region is no shell
     double greatest = 0;   ///< density met
+    /// A place with a density above 0, as the sample met it.
+    struct Met {
+        float value;     ///< of the field
+        double density;  ///< there
+    };
+    std::vector<Met> met;  ///< all of them
 
     /// The distance at which `count` random Poisson disks fill the region: densest random packing of balls
     /// (share 0.384), and of disks (0.547) where the shell is thinner than the distance.
     double packing_distance(double count) const;
 };
+/// Of about so many samples, whole batches of them.
 Capacity measure_capacity(const PointRegion& region, const Cells& cells, std::uint64_t seed,
-                          const Context& ctx);
+                          const Context& ctx, std::uint32_t samples = 16384);
 
 /// Throws InvalidInput, one sentence, for a region in which no density was found.
 [[noreturn]] void refuse_empty_region();

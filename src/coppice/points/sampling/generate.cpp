@@ -62,6 +62,19 @@ Survey survey_region(const PointRegion& region, const GenerateOptions& o, double
     return survey;
 }
 
+/// The law of the density, looked at more closely the more points there are.
+DensityLaw law_of(const PointRegion& region, const GenerateOptions& o, const Survey& survey,
+                  const Context& ctx) {
+    constexpr int kSamplesPerPoint = 16;
+    constexpr std::size_t kPointsOfShell = 40, kMostShells = 32;
+    const auto samples = static_cast<std::uint32_t>(std::clamp(o.count, 1024, 32768)) * kSamplesPerPoint;
+    const auto shells =
+        std::clamp<std::size_t>(static_cast<std::size_t>(o.count) / kPointsOfShell, 1, kMostShells);
+    const Capacity close =
+        measure_capacity(region, survey.cells, static_cast<std::uint64_t>(o.seed) + 1, ctx, samples);
+    return density_law(close.met.empty() ? survey.capacity : close, shells);
+}
+
 RadialKernel kernel_of(const GenerateOptions& o, float distance) {
     if (o.pattern != PointPattern::clustered) return RadialKernel::disk(distance);
     const float reach = o.cluster_reach > 0 ? o.cluster_reach : 4 * distance;
@@ -71,7 +84,7 @@ RadialKernel kernel_of(const GenerateOptions& o, float distance) {
 
 GenerateResult generate_by_lane(const PointRegion& region, const GenerateOptions& o, const Context& ctx) {
     GenerateResult result;
-    result.distance = o.distance;
+    float distance = o.distance;
     std::optional<Survey> survey;
     if (o.distance <= 0) {
         if (o.count == 0)
@@ -79,20 +92,25 @@ GenerateResult generate_by_lane(const PointRegion& region, const GenerateOptions
         survey = survey_region(region, o, kSoundShare, ctx);
         // Clusters need room to be dense in some places and empty in others.
         const double share = o.pattern == PointPattern::clustered ? o.spacing / 3 : o.spacing;
-        result.distance = static_cast<float>(share * survey->capacity.packing_distance(o.count));
+        distance = static_cast<float>(share * survey->capacity.packing_distance(o.count));
     }
-    const RadialKernel kernel = kernel_of(o, result.distance);
+    const RadialKernel kernel = kernel_of(o, distance);
     LaneOptions lane_options;
     lane_options.count = o.count;
     lane_options.resolution = o.resolution;
     lane_options.seed = o.seed;
     lane_options.max_memory = o.max_memory;
     const Context sampling = part_of(ctx, survey ? kSurveyed : 0, 1);
-    LaneResult placed =
-        survey ? sample_lane_in_cells(region, kernel, lane_options, std::move(survey->cells), sampling)
-               : sample_lane(region, kernel, lane_options, sampling);
+    LaneResult placed;
+    if (survey) {
+        const DensityLaw law = law_of(region, o, *survey, ctx);
+        placed = sample_lane_in_cells(region, kernel, lane_options, law, std::move(survey->cells), sampling);
+    } else {
+        placed = sample_lane(region, kernel, lane_options, sampling);
+    }
     result.points = std::move(placed.points);
     result.stop = placed.stop;
+    result.distance = placed.distance;
     result.tries = placed.tries;
     return result;
 }

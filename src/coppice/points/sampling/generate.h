@@ -38,7 +38,8 @@ struct GenerateOptions {
     int count = 1000;  ///< points; jittered: about; 0 = as many as keep `distance` (poisson_disk, clustered)
     float distance = 0;       ///< [m] least distance of poisson_disk and clustered; 0 = by `spacing`
     float spacing = 0.75f;    ///< least distance over the one at which `count` points leave no room for
-                              ///< another; clusters take a third of it
+                              ///< another, with the density of the place; clusters take a third of it, the
+                              ///< same everywhere
     float cluster_reach = 0;  ///< [m] how far a point draws others; 0 = 4 distances
     float cluster_gain = 4;  ///< density just outside the distance, over what it was; < 1 pushes away instead
     int resolution = 0;      ///< voxels along the longest side of the box; 0 = automatic
@@ -83,8 +84,11 @@ struct GenerateResult {
 
 /// Fills a solid, or a shell at its boundary, with points of any pattern and density. `box` should hold the
 /// field's support; nothing outside it is filled. The density of every point is above 0 exactly there, not
-/// only in its voxel. Deterministic for any number of threads; the field must be thread safe. Cost: linear in
-/// the evaluations of the field, about two for each uniform point and 16 for one of blue noise; see
+/// only in its voxel. Poisson disks without a `distance` of the caller's follow the density within some per
+/// cent in shells of the field's value: their distance goes with the cube root of the room that points have,
+/// and of no shell more are placed than its share. With a `distance`, and in clusters, places that are dense
+/// fill up, as in [Lane2002]. Deterministic for any number of threads; the field must be thread safe. Cost:
+/// linear in the evaluations of the field, about two for each uniform point and 16 for one of blue noise; see
 /// `sample_lane` for the others.
 ///
 /// Throws InvalidInput, one sentence: options out of range, a box without volume, a density of 0 all over the

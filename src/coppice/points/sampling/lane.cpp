@@ -60,7 +60,12 @@ struct Task {
     const PointRegion& region;
     const RadialKernel& kernel;
     const LaneOptions& options;
+    const DensityLaw* law = nullptr;  ///< if the kernel is only a core, and that is to follow the density
 
+    /// [m] The distance that points keep where the density is this.
+    double core(double density) const {
+        return law == nullptr ? kernel.core() : kernel.core() * std::cbrt(law->mean / density);
+    }
     std::size_t wanted() const { return static_cast<std::size_t>(options.count); }  ///< 0: as many as fit
 };
 
@@ -76,7 +81,8 @@ struct Points {
     Points(const Task& task, const PointSet& given, const Context& ctx);
 
     Buffer<Vec3> placed;
-    PointHash grid;  ///< of the placed ones
+    Buffer<double> cores;  ///< [m] of the placed ones, where they differ
+    PointHash grid;        ///< of the placed ones
     std::vector<Vec3> existing;
     std::optional<KdTree> nearest_existing;
 };
@@ -92,6 +98,8 @@ struct DrawCounts {
 struct Candidate {
     enum Verdict : std::uint8_t { too_near, off_density, accepted };
     Vec3 position;
+    float value;      ///< of the field, where that was asked
+    double density;   ///< the same
     Verdict verdict;  ///< too near to a point of an earlier round; refused by the density; neither
 };
 
@@ -118,8 +126,9 @@ Cells make_cells(const Task& task, std::optional<Cells> surveyed, const Context&
     const Voxels voxels = choose_voxels(task.region.box, task.kernel, task.options);
     const double per_voxel = Voxels::bytes_per_voxel() + sizeof(Cell) + sizeof(double) * 8 / 7.0;
     const double points = task.options.count;
+    const double per_point = sizeof(Vec3) + (task.law == nullptr ? 0 : sizeof(double));
     check_memory(
-        per_voxel * static_cast<double>(voxels.count()) + points * sizeof(Vec3) + PointHash::bytes(points),
+        per_voxel * static_cast<double>(voxels.count()) + points * per_point + PointHash::bytes(points),
         task.options.max_memory);
     const bool fits = surveyed && surveyed->level() == 0 && surveyed->voxels() == voxels;
     return fits ? std::move(*surveyed) : Cells(task.region, voxels, ctx);
@@ -147,9 +156,18 @@ Points::Points(const Task& task, const PointSet& given, const Context& ctx)
     if (task.kernel.core() > 0 && !existing.empty()) nearest_existing.emplace(existing, ctx);
 }
 
-bool is_too_near(const Task& task, const Points& points, Vec3 p) {
-    const double core = task.kernel.core();
+/// Whether a place of that core is too near to a point whose own core is `other`.
+bool is_within_cores(double squared, double core, double other) {
+    const double lesser = std::min(core, other);
+    return squared < lesser * lesser;
+}
+
+bool is_too_near(const Task& task, const Points& points, Vec3 p, double core) {
     if (!(core > 0)) return false;
+    if (task.law != nullptr) {
+        return !points.grid.visit(
+            p, core, [&](std::uint32_t n, double d2) { return !is_within_cores(d2, core, points.cores[n]); });
+    }
     return points.grid.any_nearer(p, core) ||
            (points.nearest_existing && points.nearest_existing->nearest(p).squared < core * core);
 }
@@ -160,10 +178,11 @@ bool is_covered(Vec3d to_center, double half, double radius) {
     return length_squared(far) < radius * radius;
 }
 
-/// The factor of a cell behind a point at `to_center` from its centre.
-float factor_behind(const Task& task, float factor, Vec3d to_center, double half) {
+/// The factor of a cell behind a point with a core of `core` at `to_center` from its centre.
+float factor_behind(const Task& task, const Cell& cell, double core, Vec3d to_center, double half) {
     const RadialKernel& kernel = task.kernel;
-    if (is_covered(to_center, half, kernel.core())) return 0;
+    const float factor = cell.factor;
+    if (is_covered(to_center, half, std::min(core, task.core(double{cell.bound})))) return 0;
     if (!kernel.is_soft()) return factor;
     const double d = std::max(length(to_center), kernel.core());
     if (d >= kernel.reach()) return factor;
@@ -172,9 +191,9 @@ float factor_behind(const Task& task, float factor, Vec3d to_center, double half
     return by <= 0 ? 0 : static_cast<float>(std::clamp(factor * by, kLeastFactor, limit));
 }
 
-/// Multiplies the density around a point by the kernel.
-void apply_kernel(const Task& task, Vec3 p, RemainingDensity& density) {
-    const double reach = task.kernel.reach();
+/// Multiplies the density around a point with that core by the kernel.
+void apply_kernel(const Task& task, Vec3 p, double core, RemainingDensity& density) {
+    const double reach = std::max(task.law == nullptr ? task.kernel.reach() : 0, core);
     if (!(reach > 0)) return;
     Cells& cells = density.cells;
     const Voxels& v = cells.voxels();
@@ -187,7 +206,7 @@ void apply_kernel(const Task& task, Vec3 p, RemainingDensity& density) {
     const auto change = [&](std::uint32_t i) {
         Cell& cell = cells[i];
         if (cell.factor <= 0) return;
-        const float factor = factor_behind(task, cell.factor, cells.low(cell) + to_middle - center, half);
+        const float factor = factor_behind(task, cell, core, cells.low(cell) + to_middle - center, half);
         if (factor == cell.factor) return;
         cell.factor = factor;
         density.sums.set(i, weight(cell));
@@ -207,7 +226,7 @@ void apply_kernel(const Task& task, Vec3 p, RemainingDensity& density) {
 /// Bit k for each eighth of a cell that the core of one point covers.
 unsigned covered_parts(const Task& task, const RemainingDensity& density, const Points& points,
                        const Cell& cell) {
-    const double core = task.kernel.core();
+    const double core = task.core(double{cell.bound});
     if (!(core > 0)) return 0;
     const double half = density.cells.edge() / 2, quarter = half / 2;
     const Vec3d low = density.cells.low(cell);
@@ -215,19 +234,19 @@ unsigned covered_parts(const Task& task, const RemainingDensity& density, const 
         return low + Vec3d(k & 1, k >> 1 & 1, k >> 2) * half + Vec3d(quarter, quarter, quarter);
     };
     unsigned covered = 0;
-    const auto cover = [&](Vec3 by) {
+    const auto cover = [&](Vec3 by, double radius) {
         for (unsigned k = 0; k < 8; ++k)
-            covered |= unsigned{is_covered(to_part(k) - Vec3d(by), quarter, core)} << k;
+            covered |= unsigned{is_covered(to_part(k) - Vec3d(by), quarter, radius)} << k;
     };
     // A ball covers a part only when it holds its centre.
     const double reach = core + quarter * std::sqrt(3.0);
     points.grid.visit(Vec3(low + Vec3d(half, half, half)), reach, [&](std::uint32_t n, double) {
-        cover(points.grid[n]);
+        cover(points.grid[n], task.law == nullptr ? core : std::min(core, points.cores[n]));
         return covered != 255;
     });
     if (!points.nearest_existing) return covered;
     for (unsigned k = 0; k < 8; ++k)
-        cover(points.existing[points.nearest_existing->nearest(Vec3(to_part(k))).index]);
+        cover(points.existing[points.nearest_existing->nearest(Vec3(to_part(k))).index], core);
     return covered;
 }
 
@@ -275,6 +294,15 @@ struct Sampling {
     CounterRandom random;
     DrawCounts counts;
     Round round;
+    std::vector<std::uint64_t> in_shell;  ///< points placed in each shell of a law
+    std::uint64_t held_back = 0;          ///< draws refused since the round began as their shell is ahead
+    double ahead = 0;                     ///< points by which a shell may be ahead of its share
+
+    /// Whether the shell of a point has its share of all points for now.
+    bool is_shell_ahead(std::size_t shell) const {
+        const auto all = static_cast<double>(points.placed.size() + 1);
+        return static_cast<double>(in_shell[shell]) >= task.law->shares[shell] * all + ahead;
+    }
 };
 
 /// Judges the draws of a range of a round.
@@ -289,8 +317,8 @@ void judge(const Sampling& s, IndexRange range, bool density_first, Round& round
         const std::uint64_t r = 5 * (s.counts.all + draw.index);
         const Vec3d in(s.random.uniform(r + 1), s.random.uniform(r + 2), s.random.uniform(r + 3));
         const Vec3 p(cells.low(cells[draw.cell]) + cells.edge() * in);
-        round.candidates[draw.index] = {p, Candidate::too_near};
-        if (!density_first && is_too_near(s.task, s.points, p)) continue;
+        round.candidates[draw.index] = {p, 0, 0, Candidate::too_near};
+        if (!density_first && is_too_near(s.task, s.points, p, s.task.kernel.core())) continue;
         asked[n] = static_cast<std::uint32_t>(k);
         points[n++] = p;
     }
@@ -300,8 +328,14 @@ void judge(const Sampling& s, IndexRange range, bool density_first, Round& round
     for (std::size_t i = 0; i < n; ++i) {
         const Draw draw = round.draws[asked[i]];
         const double limit = s.random.uniform(5 * (s.counts.all + draw.index) + 4) * cells[draw.cell].bound;
-        const bool accepted = region.contains(points[i]) && limit < region.density.at(samples[i].value);
-        round.candidates[draw.index].verdict = accepted ? Candidate::accepted : Candidate::off_density;
+        const double density = region.contains(points[i]) ? region.density.at(samples[i].value) : 0;
+        Candidate& candidate = round.candidates[draw.index];
+        candidate.value = samples[i].value;
+        candidate.density = density;
+        candidate.verdict = limit < density ? Candidate::accepted : Candidate::off_density;
+        if (s.task.law != nullptr && limit < density &&
+            is_too_near(s.task, s.points, points[i], s.task.core(density)))
+            candidate.verdict = Candidate::too_near;
     }
 }
 
@@ -319,17 +353,37 @@ void draw_candidates(Sampling& s, std::size_t count, const Context& ctx) {
         radix_sort(ctx, round.draws, bits, [](const Draw& d) { return d.cell; });
     }
     // Where few draws meet the density, it is the quicker test, and else the distance to other points.
-    const bool density_first = s.counts.evaluated > 4 * s.counts.accepted_by_density;
+    const bool density_first = s.task.law != nullptr || s.counts.evaluated > 4 * s.counts.accepted_by_density;
     parallel_for_ranges(ctx, count, kRoundGrain,
                         [&](IndexRange range) { judge(s, range, density_first, round); });
 }
 
-void place(Sampling& s, Vec3 p) {
+void place(Sampling& s, Vec3 p, double core) {
     s.counts.rejected_in_a_row = 0;
     ++s.counts.accepted;
     s.points.placed.push_back(p);
+    if (s.task.law != nullptr) s.points.cores.push_back(core);
     if (s.task.kernel.core() > 0) s.points.grid.insert(p);
-    apply_kernel(s.task, p, s.density);
+    apply_kernel(s.task, p, core, s.density);
+}
+
+/// Places a candidate unless points that were placed meanwhile are too near, or its shell is ahead.
+bool try_to_place(Sampling& s, const Candidate& candidate) {
+    if (candidate.verdict != Candidate::accepted) return false;
+    const double core = s.task.core(candidate.density);
+    if (s.task.law == nullptr) {
+        if (is_too_near(s.task, s.points, candidate.position, core)) return false;
+    } else {
+        const std::size_t shell = s.task.law->shell(candidate.value);
+        if (is_too_near(s.task, s.points, candidate.position, core)) return false;
+        if (s.is_shell_ahead(shell)) {
+            ++s.held_back;
+            return false;
+        }
+        ++s.in_shell[shell];
+    }
+    place(s, candidate.position, core);
+    return true;
 }
 
 /// Draws a round of points and places, one after the other, those that are not refused.
@@ -340,19 +394,23 @@ void place(Sampling& s, Vec3 p) {
 void place_round(Sampling& s, const Context& ctx) {
     const std::size_t count = round_size(s.task, s.counts, s.points.placed.size());
     draw_candidates(s, count, ctx);
+    const std::size_t before = s.points.placed.size();
+    s.held_back = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Candidate& candidate = s.round.candidates[i];
         ++s.counts.all;
         s.counts.evaluated += candidate.verdict != Candidate::too_near;
         s.counts.accepted_by_density += candidate.verdict == Candidate::accepted;
-        if (candidate.verdict != Candidate::accepted || is_too_near(s.task, s.points, candidate.position)) {
+        if (!try_to_place(s, candidate)) {
             ++s.counts.rejected;
             ++s.counts.rejected_in_a_row;
             continue;
         }
-        place(s, candidate.position);
         if (s.task.kernel.is_soft() || s.points.placed.size() == s.task.wanted()) return;
     }
+    // A shell without room must not keep all others waiting.
+    constexpr std::uint64_t kMostHeldBack = 4;  // for each point that is placed
+    if (s.held_back > kMostHeldBack * (s.points.placed.size() - before)) s.ahead *= 1.25;
 }
 
 bool subdivide(Sampling& s, const Context& ctx) {
@@ -396,8 +454,12 @@ Sampling begin_sampling(const Task& task, const PointSet& existing, std::optiona
                .random = CounterRandom(static_cast<std::uint64_t>(task.options.seed), kStage)};
     for (const Vec3 p : s.points.existing) {
         ctx.throw_if_cancelled();
-        apply_kernel(task, p, s.density);
+        apply_kernel(task, p, task.kernel.core(), s.density);
     }
+    if (task.law == nullptr) return s;
+    constexpr double kAhead = 0.01;  // of what a shell shall have
+    s.in_shell.assign(task.law->shares.size(), 0);
+    s.ahead = 1 + kAhead * static_cast<double>(task.options.count) / static_cast<double>(s.in_shell.size());
     return s;
 }
 
@@ -423,6 +485,11 @@ LaneResult sample(const Task& task, const PointSet& existing, std::optional<Cell
         place_round(s, ctx);
     }
     ctx.report(1);
+    const auto least = std::ranges::min_element(s.points.cores);
+    // Rounded down: a float must not promise more.
+    const double kept = least == s.points.cores.end() ? task.kernel.core() : *least;
+    result.distance = static_cast<float>(kept);
+    if (result.distance > kept) result.distance = std::nextafter(result.distance, 0.0f);
     result.points.positions = std::move(s.points.placed);
     result.tries = s.counts.all;
     return result;
@@ -430,9 +497,32 @@ LaneResult sample(const Task& task, const PointSet& existing, std::optional<Cell
 
 }  // namespace
 
+std::size_t DensityLaw::shell(float value) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(limits, value) - limits.begin());
+}
+
+DensityLaw density_law(const Capacity& capacity, std::size_t shells) {
+    std::vector<Capacity::Met> met = capacity.met;
+    std::ranges::sort(met, {}, &Capacity::Met::value);
+    double whole = 0;
+    for (const Capacity::Met& m : met) whole += m.density;
+    DensityLaw law{whole / static_cast<double>(met.size()), {}, {0}};
+    for (std::size_t i = 0; i < met.size(); ++i) {
+        // Equal values are in one shell.
+        const bool begins = i > 0 && met[i].value > met[i - 1].value;
+        if (begins && law.shares.back() * static_cast<double>(shells) >= 1 - 1e-9) {
+            law.limits.push_back(met[i].value);
+            law.shares.push_back(0);
+        }
+        law.shares.back() += met[i].density / whole;
+    }
+    return law;
+}
+
 LaneResult sample_lane_in_cells(const PointRegion& region, const RadialKernel& kernel,
-                                const LaneOptions& options, Cells surveyed, const Context& ctx) {
-    return sample({region, kernel, options}, {}, std::move(surveyed), ctx);
+                                const LaneOptions& options, const DensityLaw& law, Cells surveyed,
+                                const Context& ctx) {
+    return sample({region, kernel, options, kernel.is_soft() ? nullptr : &law}, {}, std::move(surveyed), ctx);
 }
 
 }  // namespace points_internal

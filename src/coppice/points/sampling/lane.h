@@ -51,6 +51,7 @@ struct LaneResult {
     PointSet points;                            ///< the new ones, in the order of placing; origin zero
     PointStop stop = PointStop::count_reached;  ///< why it ended
     std::uint64_t tries = 0;                    ///< points drawn, also those that were refused
+    float distance = 0;                         ///< [m] that every two points keep
 };
 
 /// Places points one after the other: each is drawn from the region's density times the kernels of all points

@@ -27,7 +27,7 @@ struct Slab {
 
 }  // namespace
 
-Camera::Camera(std::span<const FramePoint> points, const RenderOptions& options)
+Camera::Camera(std::span<const FramePoint> points, const RenderOptions& options, std::optional<Vec3> middle)
     : width_(static_cast<float>(options.width)), height_(static_cast<float>(options.height)) {
     const float ca = std::cos(options.azimuth), sa = std::sin(options.azimuth);
     const float ce = std::cos(options.elevation), se = std::sin(options.elevation);
@@ -48,6 +48,12 @@ Camera::Camera(std::span<const FramePoint> points, const RenderOptions& options)
     }
     const float z = std::max({across.height(free * tan_x_), along.height(free * tan_y_), nearest + 1e-3f});
     position_ = right_ * across.center() + up_ * along.center() - forward_ * z;
+    if (middle) {
+        const Vec3 off = *middle - position_;
+        position_ += right_ * dot(off, right_) + up_ * dot(off, up_);
+    }
+    tan_x_ /= options.zoom;
+    tan_y_ /= options.zoom;
 }
 
 Camera::Camera(const SketchView& view) : view_(view) {

@@ -18,8 +18,10 @@ struct FramePoint {
 /// A camera, perspective or that of a view. Pixel (0, 0) is the upper left corner of the picture.
 class Camera {
   public:
-    /// Looks in the direction of the options and steps back until all points fit. O(n).
-    Camera(std::span<const FramePoint> points, const RenderOptions& options);
+    /// Looks in the direction of the options and steps back until all points fit; then it moves across its
+    /// direction until `middle`, if there is one, stands in the middle of the picture, and zooms. O(n).
+    Camera(std::span<const FramePoint> points, const RenderOptions& options,
+           std::optional<Vec3> middle = std::nullopt);
     /// That of a view, which is given in the coordinates of the scene.
     explicit Camera(const SketchView& view);
 

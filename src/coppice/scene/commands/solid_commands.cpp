@@ -6,6 +6,7 @@
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/pipeline/quantity.h"
 #include "coppice/scene/commands/tables_internal.h"
+#include "coppice/skeleton/assemble.h"
 
 namespace coppice {
 namespace {
@@ -29,6 +30,33 @@ SceneCommand change(std::string name, std::string help, std::string example, std
         return makes_solid(name_of_solid, make(call, call.solid(name_of_solid)));
     };
     return c;
+}
+
+/// The same for a skeleton, where no solid is called so or `kind` says it.
+SceneCommand motion(SceneCommand c, std::function<Skeleton(const SceneCall&, const Skeleton&)> move) {
+    c.help += "; of a solid or a skeleton";
+    c.arguments.front().also = {ObjectKind::skeleton};
+    Argument which = choice_of_kind();
+    which.choices = {std::string(name_of(kSolid)), std::string(name_of(ObjectKind::skeleton))};
+    c.arguments.push_back(std::move(which));
+    c.run = [of_solid = std::move(c.run), move = std::move(move)](const SceneCall& call) {
+        const std::string& name = call.text("solid");
+        const bool solid = call.state().objects.contains({kSolid, name});
+        const std::string& wanted = call.text("kind");
+        const std::string_view kind =
+            wanted.empty() ? name_of(solid ? kSolid : ObjectKind::skeleton) : wanted;
+        if (call.any(name, std::string(kind))->kind() == kSolid) return of_solid(call);
+        constexpr double kBytesOfNode = 100;
+        const Skeleton& skeleton = call.skeleton(name);
+        call.reserve(kBytesOfNode * skeleton.size());
+        return makes_tree(name, move(call, skeleton));
+    };
+    return c;
+}
+
+Vec3d vector(const SceneCall& call, std::string_view argument) {
+    const auto& n = call.values(argument).front().numbers;
+    return {n.at(0), n.at(1), n.at(2)};
 }
 
 SceneCommand combination(std::string name, std::vector<std::string> aliases, std::string help,
@@ -73,30 +101,41 @@ SceneCommand scale_command() {
         positional(tuple("factors", "", "one for all axes or one for each", {1, 3}, Unit::none));
     factors.low = -1e6;
     factors.high = 1e6;
-    return change("scale", "stretches a solid along the axes; a negative factor mirrors", "scale s 50 80 50",
-                  {factors, tuple("center", "0,0,0", "what stays in place")},
-                  [](const SceneCall& c, const Solid& s) {
-                      const auto& n = c.values("factors").front().numbers;
-                      const Vec3d by = n.size() == 1 ? Vec3d(n[0], n[0], n[0]) : Vec3d(n[0], n[1], n[2]);
-                      return scaled(s, Vec3(by), c.point("center"));
-                  });
+    SceneCommand of_solid = change(
+        "scale", "stretches along the axes; a negative factor mirrors solids", "scale s 50 80 50",
+        {factors, tuple("center", "0,0,0", "what stays in place")}, [](const SceneCall& c, const Solid& s) {
+            const auto& n = c.values("factors").front().numbers;
+            const Vec3d by = n.size() == 1 ? Vec3d(n[0], n[0], n[0]) : Vec3d(n[0], n[1], n[2]);
+            return scaled(s, Vec3(by), c.point("center"));
+        });
+    return motion(std::move(of_solid), [](const SceneCall& call, const Skeleton& s) {
+        const auto& n = call.values("factors").front().numbers;
+        if (n.size() > 1)
+            throw InvalidInput("a skeleton is scaled by one factor, so that its branches stay round");
+        return scaled(s, n[0], vector(call, "center"));
+    });
 }
 
 SceneCommand translate_command() {
-    return change("translate", "moves a solid", "translate s 0 0 60",
-                  {positional(tuple("by", "", "how far along x, y and z"))},
-                  [](const SceneCall& c, const Solid& s) { return translated(s, c.point("by")); });
+    SceneCommand of_solid = change(
+        "translate", "moves", "translate s 0 0 60", {positional(tuple("by", "", "how far along x, y and z"))},
+        [](const SceneCall& c, const Solid& s) { return translated(s, c.point("by")); });
+    return motion(std::move(of_solid),
+                  [](const SceneCall& call, const Skeleton& s) { return translated(s, vector(call, "by")); });
 }
 
 SceneCommand rotate_command() {
-    return change("rotate", "turns a solid about a line, counter-clockwise seen against the axis",
-                  "rotate s 30 axis=1,0,0",
-                  {positional(number("angle", "", -6.2832e3, 6.2832e3, Unit::radian, "how far")),
-                   tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none),
-                   tuple("center", "0,0,0", "a point of the line")},
-                  [](const SceneCall& c, const Solid& s) {
-                      return rotated(s, c.point("axis"), as_float(c.number("angle")), c.point("center"));
-                  });
+    SceneCommand of_solid = change(
+        "rotate", "turns about a line, counter-clockwise seen against the axis", "rotate s 30 axis=1,0,0",
+        {positional(number("angle", "", -6.2832e3, 6.2832e3, Unit::radian, "how far")),
+         tuple("axis", "0,0,1", "direction of the line", {3}, Unit::none),
+         tuple("center", "0,0,0", "a point of the line")},
+        [](const SceneCall& c, const Solid& s) {
+            return rotated(s, c.point("axis"), as_float(c.number("angle")), c.point("center"));
+        });
+    return motion(std::move(of_solid), [](const SceneCall& call, const Skeleton& s) {
+        return rotated(s, vector(call, "axis"), call.number("angle"), vector(call, "center"));
+    });
 }
 
 SceneCommand twist_command() {

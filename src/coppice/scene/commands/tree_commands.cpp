@@ -7,10 +7,12 @@
 #include "coppice/growth/grow.h"
 #include "coppice/growth/radii.h"
 #include "coppice/growth/tidy.h"
+#include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/scene/commands/tables_internal.h"
+#include "coppice/skeleton/assemble.h"
 
 namespace coppice {
 namespace {
@@ -58,39 +60,124 @@ std::vector<Root> roots_of(const SceneCall& call, Vec3d origin) {
 
 /// About what growth takes: as many steps to each attractor as lie between it and its neighbours, and those
 /// across the whole.
-double memory_of_growth(const PointSet& points, std::span<const Root> roots, const GrowOptions& o) {
+double memory_of_growth(const PointSet& points, std::span<const Root> roots, const Skeleton* tree,
+                        const GrowOptions& o) {
     constexpr double kBytesOfAttractor = 90, kBytesOfNode = 140, kLeastSteps = 4;
     Box3 box = bounds(points);
     for (const Root& root : roots) box.extend(root.position);
     const double across = static_cast<double>(box.diagonal() / o.step);
     const double n = static_cast<double>(points.size());
     const double nodes = n * std::max(kLeastSteps, across / std::cbrt(n + 1)) + across;
-    return n * kBytesOfAttractor + std::min(nodes, static_cast<double>(o.max_nodes)) * kBytesOfNode;
+    const double old = tree ? tree->size() : 0;
+    return n * kBytesOfAttractor + (old + std::min(nodes, static_cast<double>(o.max_nodes))) * kBytesOfNode;
+}
+
+/// The points in the coordinates of another origin.
+Buffer<Vec3> moved_to(Vec3d origin, const PointSet& points) {
+    Buffer<Vec3> out = points.positions;
+    const Vec3d shift = points.origin - origin;
+    if (shift == Vec3d{}) return out;
+    for (Vec3& p : out) p = Vec3(Vec3d(p) + shift);
+    return out;
 }
 
 SceneCommand grow_command() {
     SceneCommand c = in_group("grow", "grows a tree into points",
                               "grow tree s root=0,0,-60 influence_radius=30 kill_radius=8 step=4");
-    c.arguments = {new_name("tree", "name of the new skeleton"),
-                   object("points", ObjectKind::points, "what it grows towards"),
-                   repeated(tuple("root", "0,0,0",
-                                  "x,y,z where a tree starts, or x,y,z,dx,dy,dz to say which way", {3, 6}))};
+    Argument root = repeated(
+        tuple("root", "0,0,0", "x,y,z where a tree starts, or x,y,z,dx,dy,dz to say which way", {3, 6}));
+    root.unless = "from";
+    c.arguments = {
+        new_name("tree", "name of the new skeleton"),
+        object("points", ObjectKind::points, "what it grows towards"), std::move(root),
+        object_option("from", ObjectKind::skeleton,
+                      "a skeleton that grows on: it stays as it is, and new nodes spring from its nodes")};
     add_options(c.arguments, GrowOptions{}, "grow");
     c.arguments.push_back(guard());
     add_options(c.arguments, GuardOptions{}, "guard");
     c.run = [](const SceneCall& call) {
         const PointSet& points = call.point_set(call.text("points"));
         const auto options = call.options<GrowOptions>("grow");
-        const std::vector<Root> roots = roots_of(call, points.origin);
-        call.reserve(memory_of_growth(points, roots, options));
-        const GuardOf guarded(call, points.origin);
-        const GrowInput input{points.positions, roots, guarded.get(), points.origin};
+        const Skeleton* tree = call.has("from") ? &call.skeleton(call.text("from")) : nullptr;
+        const Vec3d origin = tree ? tree->origin() : points.origin;
+        const std::vector<Root> roots = roots_of(call, origin);
+        call.reserve(memory_of_growth(points, roots, tree, options));
+        const GuardOf guarded(call, origin);
+        const Buffer<Vec3> attractors = moved_to(origin, points);
+        const GrowInput input{attractors, roots, guarded.get(), origin, tree};
         GrowResult grown = grow(input, options, call.context());
         SceneOutcome out = makes_tree(call.text("tree"), std::move(grown.skeleton));
         if (grown.stop == StopReason::node_limit || grown.stop == StopReason::iteration_limit)
             out.text = fmt::format("growth stopped early: {}\n", name_of(grown.stop));
         out.grown = call.text("tree");
         return out;
+    };
+    return c;
+}
+
+/// As many steps from each point of the curve to the next as keep to the spacing.
+Skeleton limb_along(const Curve& curve, double spacing, double radius, double tip_radius,
+                    const SceneCall& call) {
+    constexpr double kBytesOfNode = 100;
+    const double length = curve.length();
+    call.reserve(kBytesOfNode * (length / spacing + curve.piece_count()));
+    std::vector<NodeId> parents{NodeId::none()};
+    std::vector<Vec3> positions{Vec3(curve.position(curve.at_index(0)))};
+    std::vector<float> radii{static_cast<float>(radius)};
+    for (std::uint32_t piece = 0; piece < curve.piece_count(); ++piece) {
+        const double part = curve.fraction(curve.at_index(piece + 1)) - curve.fraction(curve.at_index(piece));
+        const int steps = std::max(1, static_cast<int>(std::ceil(part * length / spacing * (1 - 1e-9))));
+        for (int i = 1; i <= steps; ++i) {
+            const CurvePlace place = curve.at_index(piece + static_cast<double>(i) / steps);
+            const double along = curve.fraction(place);
+            parents.emplace_back(static_cast<std::uint32_t>(positions.size() - 1));
+            positions.emplace_back(curve.position(place));
+            radii.push_back(static_cast<float>(radius + (tip_radius - radius) * along));
+        }
+    }
+    return Skeleton(std::move(parents), std::move(positions), std::move(radii));
+}
+
+SceneCommand limb_command() {
+    SceneCommand c =
+        in_group("limb", "makes a skeleton of one axis through points, such as a stem or a bough",
+                 "limb stem 0,0,0 0,0,6 radius=0.2");
+    c.arguments = {
+        new_name("tree", "name of the new skeleton"),
+        positional(
+            repeated(tuple("points", "", "two points or more, as x,y,z; the axis passes through all"))),
+        number("radius", "0.1", 1e-6, 1e4, Unit::metre, "at the first point"),
+        number("tip_radius", "0", 0, 1e4, Unit::metre, "at the last point; 0 = a quarter of the first one's"),
+        number("spacing", "0", 0, 1e6, Unit::metre, "greatest length of a segment; 0 = 1/16 of the length")};
+    add_options(c.arguments, CurveOptions{}, "curve", {"closed"});
+    c.run = [](const SceneCall& call) {
+        constexpr double kSegments = 16;
+        const Curve curve(call.points("points"), call.options<CurveOptions>("curve"));
+        const double spacing = call.number("spacing"), tip = call.number("tip_radius"),
+                     radius = call.number("radius");
+        return makes_tree(call.text("tree"),
+                          limb_along(curve, spacing > 0 ? spacing : curve.length() / kSegments, radius,
+                                     tip > 0 ? tip : radius / 4, call));
+    };
+    return c;
+}
+
+SceneCommand join_command() {
+    SceneCommand c =
+        in_group("join", "puts skeletons together in one; edit attach makes them grow from one another",
+                 "copy tree other kind=skeleton\njoin tree other stem grove");
+    c.arguments = {object("parts", ObjectKind::skeleton, "one skeleton or more", true),
+                   new_name("result", "name of the new skeleton, the last word")};
+    c.run = [](const SceneCall& call) {
+        constexpr double kBytesOfNode = 100;
+        std::vector<const Skeleton*> parts;
+        double nodes = 0;
+        for (const ArgumentValue& part : call.values("parts")) {
+            parts.push_back(&call.skeleton(part.text));
+            nodes += parts.back()->size();
+        }
+        call.reserve(kBytesOfNode * nodes);
+        return makes_tree(call.text("result"), joined(parts));
     };
     return c;
 }
@@ -194,7 +281,8 @@ SceneCommand mesh_command() {
 }  // namespace
 
 std::vector<SceneCommand> tree_commands() {
-    return {grow_command(), radii_command(), tidy_command(), loadtree_command(), mesh_command()};
+    return {grow_command(),     limb_command(), radii_command(), tidy_command(),
+            loadtree_command(), mesh_command(), join_command()};
 }
 
 }  // namespace coppice

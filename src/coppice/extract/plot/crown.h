@@ -4,7 +4,7 @@
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/skeleton.h"
 
-namespace coppice::extract_internal {
+namespace coppice {
 
 /// [m] Above the foot, where the lowest large branch leaves the main axis of the first tree: one that is
 /// longer than a tenth of the height of the tree. The height of the tree where there is none. O(n).
@@ -14,4 +14,4 @@ double crown_base(const Skeleton& skeleton, const StemForm& form);
 /// O(n log n).
 double crown_area(const PointSet& points, double above);
 
-}  // namespace coppice::extract_internal
+}  // namespace coppice

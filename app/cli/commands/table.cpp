@@ -1,0 +1,298 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "command.h"
+#include "coppice/extract/plot/crown.h"
+#include "coppice/extract/stem/stem_form.h"
+#include "coppice/io/file.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/mesh/topology.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/points/spacing.h"
+#include "coppice/skeleton/architecture.h"
+#include "coppice/skeleton/measure.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+
+namespace coppice::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TableFlags {
+    std::vector<fs::path> files;
+    fs::path output;
+    bool no_surfaces = false;
+    fs::path diameters = "0.01,0.02,0.05,0.1,0.2,0.5";  // a list, no file
+    float sholl_step = 0;
+    ReadSkeletonOptions read;
+};
+
+/// The height of a tree, the stem at breast height, and the crown; breast height is 1.3 m, so in metres only.
+void add_forestry(Figures& row, const StemForm& form, double crown, double base) {
+    row["height"] = form.height;
+    if (form.breast.diameter > 0) row["dbh"] = form.breast.diameter;
+    row["stems"] = form.stems;
+    row["crown_area"] = crown;
+    row["crown_diameter"] = 2 * std::sqrt(crown / std::numbers::pi);
+    row["crown_base"] = base;
+}
+
+void add_crown(Figures& row, const Skeleton& s) {
+    const std::vector<StemForm> forms = stem_forms(s);
+    if (forms.size() != 1) return;  // a crown is that of a tree
+    // Below its root a root system has no height, but a depth, which its extent says.
+    if (forms.front().height < 0.5 * double{s.bounds().size().z}) return;
+    const double base = crown_base(s, forms.front());
+    PointSet points{{}, s.origin()};
+    points.positions.assign(s.positions().begin(), s.positions().end());
+    add_forestry(row, forms.front(), crown_area(points, forms.front().foot.z + base), base);
+}
+
+void add_architecture(Figures& row, const Skeleton& s, const TableFlags& flags,
+                      std::span<const double> limits) {
+    constexpr std::size_t kOrders = 4;
+    const std::vector<BranchOrder> orders = branch_orders(s);
+    std::uint64_t branches = 0;
+    std::array<BranchOrder, kOrders> listed;
+    for (std::size_t o = 0; o < orders.size(); ++o) {
+        branches += orders[o].branches;
+        listed[std::min(o, kOrders - 1)].length += orders[o].length;
+        listed[std::min(o, kOrders - 1)].volume += orders[o].volume;
+    }
+    row["branches"] = branches;
+    row["greatest_order"] = orders.size() - 1;
+    row["strahler"] = std::ranges::max(strahler_orders(s));
+    for (std::size_t o = 0; o < kOrders; ++o) {
+        const std::string name = fmt::format("order_{}{}", o, o + 1 < kOrders ? "" : "_up");
+        row["length_of_" + name] = listed[o].length;
+        row["volume_of_" + name] = listed[o].volume;
+    }
+    for (const DiameterClass& c : diameter_classes(s, limits)) {
+        const std::string name =
+            std::isinf(c.to) ? fmt::format("from_{:g}", c.from) : fmt::format("below_{:g}", c.to);
+        row["length_" + name] = c.length;
+        row["volume_" + name] = c.volume;
+    }
+    const ShollProfile profile = sholl(s, flags.sholl_step);
+    row["sholl_most"] = profile.most();
+    row["sholl_radius"] = profile.critical_radius();
+}
+
+void add_surface(Run& run, Figures& row, const Skeleton& s, const TableFlags& flags) {
+    if (flags.no_surfaces) return;
+    run.stage("surface", [&](const Context& ctx) {
+        const QuadMesh mesh = mesh_skeleton(s, {}, ctx).quads().mesh;
+        const ShapeReport report = shape(mesh, ctx);
+        row["surface_sound"] = topology(to_polygons(mesh), ctx).sound();
+        row["surface_area"] = report.area;
+        row["surface_volume"] = report.signed_volume;
+    });
+}
+
+void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags& flags,
+              std::span<const double> limits) {
+    const Skeleton& s = file.skeleton;
+    const SkeletonMeasures m = measure(s);
+    row["format"] = file.format;
+    row["units"] = std::string(name_of(file.units));
+    row["trees"] = m.trees;
+    row["nodes"] = m.nodes;
+    row["tips"] = m.tips;
+    row["forks"] = m.branch_nodes;
+    row["repairs"] = file.report.total();
+    row["width"] = double{std::max(s.bounds().size().x, s.bounds().size().y)};
+    row["height"] = double{s.bounds().size().z};
+    row["radius_min"] = m.least_radius;
+    row["radius_max"] = m.greatest_radius;
+    row["length"] = m.length;
+    row["longest_path"] = m.longest_path;
+    row["area"] = m.area;
+    row["volume"] = m.volume;
+    if (file.declared) {
+        row["cylinders"] = file.declared->cylinders;
+        row["cylinder_length"] = file.declared->length;
+        row["cylinder_area"] = file.declared->area;
+        row["cylinder_volume"] = file.declared->volume;
+    }
+    if (file.units == LengthUnit::m) add_crown(row, s);
+    add_architecture(row, s, flags, limits);
+    add_surface(run, row, s, flags);
+}
+
+void describe(Run& run, Figures& row, const PointSet& points) {
+    const Box3 box = bounds(points);
+    row["units"] = std::string(name_of(LengthUnit::m));
+    row["points"] = points.size();
+    row["width"] = double{std::max(box.size().x, box.size().y)};
+    row["height"] = double{box.size().z};
+    run.stage("measure", [&](const Context& ctx) {
+        row["spacing"] = median_spacing(points, ctx);
+        const StemForm form = stem_form(points, ctx);
+        // The lowest branch is not known before there is a skeleton.
+        add_forestry(row, form, crown_area(points, form.foot.z + kBreastHeight), 0);
+    });
+}
+
+void describe(Run& run, Figures& row, const PolygonMesh& mesh) {
+    validate(mesh);
+    Box3 box;
+    for (const std::uint32_t v : mesh.corners) box.extend(mesh.positions[v]);
+    row["units"] = std::string(name_of(LengthUnit::m));
+    row["faces"] = mesh.face_count();
+    if (!box.empty()) {
+        row["width"] = double{std::max(box.size().x, box.size().y)};
+        row["height"] = double{box.size().z};
+    }
+    run.stage("measure", [&](const Context& ctx) {
+        const ShapeReport report = shape(mesh, ctx);
+        row["surface_sound"] = topology(mesh, ctx).sound();
+        row["surface_area"] = report.area;
+        row["surface_volume"] = report.signed_volume;
+    });
+}
+
+/// The files that are named, and those within folders that are, in order of their names.
+std::vector<fs::path> files_of(const std::vector<fs::path>& named) {
+    std::vector<fs::path> out;
+    for (const fs::path& path : named) {
+        std::error_code error;
+        if (!fs::is_directory(path, error)) {
+            out.push_back(path);
+            continue;
+        }
+        std::vector<fs::path> within;
+        for (const auto& entry : fs::recursive_directory_iterator(path))
+            if (entry.is_regular_file(error)) within.push_back(entry.path());
+        std::ranges::sort(within);
+        out.insert(out.end(), within.begin(), within.end());
+    }
+    return out;
+}
+
+/// Adds the rows of a file: one for each of its models.
+void add_rows(Run& run, std::vector<Figures>& rows, const fs::path& path, const TableFlags& flags,
+              std::span<const double> limits) {
+    const FileKind kind = kind_of_input(path, flags.read.format);
+    rows.back()["kind"] = std::string(name_of(kind));
+    if (kind == FileKind::points) return describe(run, rows.back(), load_points(run, path, flags.read.up));
+    if (kind == FileKind::mesh) return describe(run, rows.back(), load_mesh(run, path, flags.read.up));
+    const Figures begun = rows.back();
+    ReadSkeletonOptions read = flags.read;
+    read.model = std::max(read.model, 1);
+    for (std::size_t models = 1;; ++read.model) {
+        const SkeletonFile file = load_skeleton(run, path, read);
+        if (flags.read.model == 0) models = file.models;
+        if (file.models > 1) rows.back()["model"] = read.model;
+        describe(run, rows.back(), file, flags, limits);
+        if (static_cast<std::size_t>(read.model) >= models) return;
+        rows.push_back(begun);
+    }
+}
+
+/// The rows of all files. What cannot be read or measured says why in its row.
+std::vector<Figures> rows_of(Run& run, const TableFlags& flags, std::span<const double> limits) {
+    std::vector<Figures> rows;
+    for (const fs::path& path : files_of(flags.files)) {
+        rows.emplace_back()["file"] = path.string();
+        try {
+            add_rows(run, rows, path, flags, limits);
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const Error& error) {
+            rows.back()["error"] = std::string(error.what());
+        }
+    }
+    return rows;
+}
+
+/// As RFC 4180 has it: in quotes where it would break the row.
+std::string cell_of(const Figure& figure) {
+    if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.7g}", *number);
+    if (const auto* yes = std::get_if<bool>(&figure.value)) return *yes ? "true" : "false";
+    if (const auto* count = std::get_if<std::uint64_t>(&figure.value)) return fmt::format("{}", *count);
+    if (const auto* count = std::get_if<std::int64_t>(&figure.value)) return fmt::format("{}", *count);
+    std::string text = std::get<std::string>(figure.value);
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+    return fmt::format("\"{}\"", text);
+}
+
+/// Columns in the order in which rows bring them, `error` last.
+std::string csv_of(const std::vector<Figures>& rows) {
+    std::vector<std::string> columns;
+    std::map<std::string, std::size_t> place;
+    const auto add_column = [&](const std::string& name) {
+        if (place.emplace(name, columns.size()).second) columns.push_back(name);
+    };
+    for (const Figures& row : rows)
+        for (const auto& [name, figure] : row.entries())
+            if (name != "error") add_column(name);
+    add_column("error");
+    std::string out = fmt::format("{}\n", fmt::join(columns, ","));
+    for (const Figures& row : rows) {
+        std::vector<std::string> cells(columns.size());
+        for (const auto& [name, figure] : row.entries()) cells[place[name]] = cell_of(figure);
+        out += fmt::format("{}\n", fmt::join(cells, ","));
+    }
+    return out;
+}
+
+ExitCode table(Run& run, const TableFlags& flags) {
+    if (flags.files.empty()) throw UsageError("name the files: coppice table FILES... -o TABLE.csv");
+    const bool json = flags.output.extension() == ".json";
+    if (!flags.output.empty() && !json && flags.output.extension() != ".csv")
+        throw UsageError(
+            fmt::format("'{}' is no name of a table; use the ending .csv or .json", flags.output.string()));
+    if (!flags.output.empty()) check_output_folder(flags.output);
+    const std::vector<double> limits = rising_numbers("--diameters", flags.diameters.string());
+    const std::vector<Figures> rows = rows_of(run, flags, limits);
+    const auto failed = static_cast<std::uint64_t>(std::ranges::count_if(
+        rows, [](const Figures& row) { return row.entries().back().first == "error"; }));
+    std::string text;
+    if (json) {
+        Figures all;
+        all["files"] = Figure::List(rows.begin(), rows.end());
+        text = figures_json(all);
+    } else {
+        text = csv_of(rows);
+    }
+    if (flags.output.empty()) {
+        fmt::print("{}", text);
+    } else {
+        write_file(flags.output, text);
+    }
+    run.counts()["rows"] = rows.size();
+    run.counts()["failed"] = failed;
+    run.finish(fmt::format("{}: {} rows, {} of them with an error",
+                           flags.output.empty() ? "table" : flags.output.string(), grouped(rows.size()),
+                           grouped(failed)));
+    return kDone;
+}
+
+}  // namespace
+
+Command table_command() {
+    const auto flags = std::make_shared<TableFlags>();
+    OptionList options;
+    options.files("files", "FILES", flags->files, "skeletons, points, meshes, and folders of them");
+    options.file("-o,--output", "TABLE", flags->output,
+                 "table to write, .csv or .json; without it CSV is printed");
+    options.flag("--no-surfaces", flags->no_surfaces, "do not make surfaces, which takes most of the time");
+    options.file("--diameters", "LIST", flags->diameters,
+                 "limits of the classes of diameter, in the units of the files, as in 0.01,0.05,0.1");
+    options.value({{"sholl_step", "between the spheres whose crossings are counted; 0 = 1 % of the reach",
+                    Unit::metre, 0, 1e9},
+                   &flags->sholl_step});
+    options.fields(flags->read, "Reading a skeleton");
+    return {"table", "Measure many files: a row for each, with lengths, volumes, forks, orders and crown",
+            options, [flags](Run& run, const GivenOptions&) { return table(run, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,54 @@
+#include "coppice/io/skeleton/rsml/units_internal.h"
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "coppice/io/skeleton/length_unit.h"
+#include "coppice/io/text_internal.h"
+
+namespace coppice::rsml {
+
+namespace {
+
+/// [m] 0 for what is no length. "dpi" is how some programs say that the resolution counts by the inch.
+double metres_of_unit(std::string_view unit) {
+    const std::string name = plain_name(unit);
+    if (name == "dm") return 0.1;
+    if (name == "dpi" || name == "ppi") return metres_of(LengthUnit::inch);
+    const auto known = length_unit_of_word(unit);
+    return known ? metres_of(*known) : 0;
+}
+
+}  // namespace
+
+double metres_per_pixel(const Document& document, std::vector<std::string>& notes) {
+    constexpr double kSmallUnit = 1e-5;  // [m]
+    const double unit = metres_of_unit(document.unit);
+    if (unit == 0) {
+        notes.push_back(fmt::format(
+            "the file counts in {} of unknown size: each was taken for a metre; set scale for another length",
+            document.unit.empty() ? "pixels" : in_quotes(document.unit)));
+        return 1;
+    }
+    const double resolution = document.resolution;
+    if (!(resolution > 0) || !std::isfinite(resolution)) return unit;
+    return resolution < 1 || unit < kSmallUnit ? unit * resolution : unit / resolution;
+}
+
+Upright::Upright(const Document& document, std::vector<std::string>& notes) {
+    if (document.software == "Coppice") return;
+    Vec3d run;
+    for (const Root& root : document.roots) {
+        if (root.parent != kNone || root.point_count == 0) continue;
+        run += document.points[root.first_point + root.point_count - 1] - document.points[root.first_point];
+    }
+    if (!document.is_flat && !(std::abs(run.y) > std::abs(run.z))) return;
+    down_ = run.y < 0 ? -1 : 1;
+    notes.push_back(
+        fmt::format("the y axis of the file, which runs {}, was turned upright", down_ > 0 ? "down" : "up"));
+}
+
+}  // namespace coppice::rsml
