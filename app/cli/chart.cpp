@@ -8,9 +8,11 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
+#include "pictures.h"
 
 namespace coppice::cli {
 namespace {
@@ -105,12 +107,16 @@ class Drawing {
         cairo_stroke(pen_.get());
     }
 
-    /// Text whose place is `align` of its width along it: 0 its beginning, 0.5 its middle, 1 its end.
-    void text(double x, double y, const std::string& words, double align, double size = kFont) {
+    double width_of(const std::string& words, double size) {
         cairo_set_font_size(pen_.get(), size);
         cairo_text_extents_t extents;
         cairo_text_extents(pen_.get(), words.c_str(), &extents);
-        cairo_move_to(pen_.get(), x - align * extents.x_advance, y);
+        return extents.x_advance;
+    }
+
+    /// Text whose place is `align` of its width along it: 0 its beginning, 0.5 its middle, 1 its end.
+    void text(double x, double y, const std::string& words, double align, double size = kFont) {
+        cairo_move_to(pen_.get(), x - align * width_of(words, size), y);
         cairo_show_text(pen_.get(), words.c_str());
     }
 
@@ -139,7 +145,7 @@ class Drawing {
         text(0.5 * (kLeft + right()), chart_.height - 14, chart_.x_label, 0.5);
         cairo_save(pen_.get());
         cairo_translate(pen_.get(), 18, 0.5 * (kTop + bottom()));
-        cairo_rotate(pen_.get(), -0.5 * M_PI);
+        cairo_rotate(pen_.get(), -0.5 * std::numbers::pi);
         text(0, 0, chart_.y_label, 0.5);
         cairo_restore(pen_.get());
     }
@@ -168,12 +174,7 @@ class Drawing {
     void draw_legend() {
         if (chart_.series.size() < 2) return;
         double widest = 0;
-        cairo_set_font_size(pen_.get(), kFont);
-        for (const ChartSeries& s : chart_.series) {
-            cairo_text_extents_t extents;
-            cairo_text_extents(pen_.get(), s.name.c_str(), &extents);
-            widest = std::max(widest, extents.x_advance);
-        }
+        for (const ChartSeries& s : chart_.series) widest = std::max(widest, width_of(s.name, kFont));
         const double left = right() - kLegendInset - widest, top = kTop + kLegendInset;
         cairo_set_source_rgba(pen_.get(), 1, 1, 1, 0.85);
         cairo_rectangle(pen_.get(), left - kLegendSwatch - 8, top - 4, widest + kLegendSwatch + 12,
@@ -199,9 +200,7 @@ bool is_svg(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool is_chart_name(const std::filesystem::path& path) {
-    return is_svg(path) || path.extension() == ".png" || path.extension() == ".PNG";
-}
+bool is_chart_name(const std::filesystem::path& path) { return is_svg(path) || is_picture_name(path); }
 
 void write_chart(const std::filesystem::path& path, const Chart& chart) {
     std::string bytes;

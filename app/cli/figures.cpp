@@ -83,6 +83,12 @@ std::string figures_text(const Figures& figures) {
     return text;
 }
 
+std::string csv_cell(std::string text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+    return fmt::format("\"{}\"", text);
+}
+
 std::string grouped(std::uint64_t number) {
     std::string text = fmt::format("{}", number);
     for (std::size_t at = text.size(); at > 3;) {

@@ -67,6 +67,9 @@ std::string figures_json(const Figures& figures);
 /// The same for people: a line per figure with the names in one column; a group of figures fills one line.
 std::string figures_text(const Figures& figures);
 
+/// A text as a cell of CSV: in quotes where it would break the row (RFC 4180).
+std::string csv_cell(std::string text);
+
 /// "1,234,567"
 std::string grouped(std::uint64_t number);
 

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "coppice/pipeline/json.h"
 #include "coppice/pipeline/quantity.h"
@@ -189,23 +188,6 @@ void OptionList::add_fields(std::span<const OptionField> fields, const std::stri
         option.field = at;
         add(std::move(option), name_of_field(names, at, field.field));
     }
-}
-
-std::vector<double> rising_numbers(std::string_view option, const std::string& text) {
-    std::vector<double> out;
-    std::istringstream words(text);
-    for (std::string word; std::getline(words, word, ',');) {
-        double number = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-        const bool rises = number > (out.empty() ? 0 : out.back()) && std::isfinite(number);
-        if (error != std::errc{} || end != word.data() + word.size() || !rises)
-            throw UsageError(
-                fmt::format("{} takes numbers above 0 that rise, with commas between them, as in "
-                            "0.01,0.05,0.1, and not '{}'",
-                            option, text));
-        out.push_back(number);
-    }
-    return out;
 }
 
 std::string flag_name(std::string_view field_name) {

@@ -78,10 +78,6 @@ class OptionList {
     std::vector<Option> options_;
 };
 
-/// "0.01,0.05" as numbers. Throws UsageError naming the option for what is none, or does not rise from above
-/// 0.
-std::vector<double> rising_numbers(std::string_view option, const std::string& text);
-
 /// wire_width -> --wire-width
 std::string flag_name(std::string_view field_name);
 

@@ -110,12 +110,6 @@ PaintedPoints painted(const PointSet& points, const std::vector<std::uint32_t>& 
     return out;
 }
 
-std::string quoted(const std::vector<std::string>& texts) {
-    std::string out = fmt::format("{}", fmt::join(texts, "; "));
-    for (std::size_t at = 0; (at = out.find('"', at)) != std::string::npos; at += 2) out.insert(at, 1, '"');
-    return fmt::format("\"{}\"", out);
-}
-
 /// What is known of a tree besides its files; the same in the table and in the report.
 Figures figures_of_tree(const PlotTree& tree) {
     Figures out;
@@ -155,7 +149,7 @@ std::string table_of(const std::vector<PlotTree>& trees, const std::string& endi
         for (const auto& [name, figure] : figures.entries()) out.append(1, ',').append(cell_of(figure));
         const Rgb color = color_of_tree(t);
         fmt::format_to(std::back_inserter(out), ",#{:02x}{:02x}{:02x},{}\n", color[0], color[1], color[2],
-                       quoted(trees[t].warnings));
+                       csv_cell(fmt::format("{}", fmt::join(trees[t].warnings, "; "))));
     }
     return out;
 }

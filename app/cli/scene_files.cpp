@@ -21,14 +21,13 @@ std::string stage_name(const std::string& line) {
     }
 }
 
-/// The lines of the scenes that can be read; running them tells of the others.
-std::vector<SceneLine> lines_of_files(std::span<const std::filesystem::path> scenes) {
+/// The lines of the scenes that have any; running them tells of the others.
+std::vector<SceneLine> lines_of(std::span<const SceneFile> scenes) {
     std::vector<SceneLine> all;
-    for (const auto& path : scenes) {
+    for (const SceneFile& scene : scenes) {
         try {
-            std::ranges::move(scene_lines(read_file(path, kLargestScene), path.string()),
-                              std::back_inserter(all));
-        } catch (const Error&) {
+            std::ranges::move(scene_lines(scene.text, scene.path.string()), std::back_inserter(all));
+        } catch (const InvalidInput&) {
             continue;
         }
     }
@@ -57,11 +56,18 @@ void add_scene_options(OptionList& options, SceneFlags& flags) {
                    &flags.seed});
 }
 
-SceneSettings scene_settings(Run& run, const SceneFlags& flags,
-                             std::span<const std::filesystem::path> scenes) {
+std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths) {
+    return run.stage("read", [&](const Context&) {
+        std::vector<SceneFile> scenes;
+        for (const auto& path : paths) scenes.push_back({path, read_file(path, kLargestScene)});
+        return scenes;
+    });
+}
+
+SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const SceneFile> scenes) {
     SceneSettings settings{.max_memory = run.max_memory(SceneSettings{}.max_memory), .seed = flags.seed};
     if (flags.set.empty()) return settings;
-    const std::vector<std::string> known = variables_of(lines_of_files(scenes));
+    const std::vector<std::string> known = variables_of(lines_of(scenes));
     for (const std::string& word : flags.set) {
         const std::size_t sign = word.find('=');
         if (sign == word.npos || sign == 0)
@@ -73,32 +79,30 @@ SceneSettings scene_settings(Run& run, const SceneFlags& flags,
     return settings;
 }
 
-void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path) {
-    const std::string text =
-        run.stage("read", [&](const Context&) { return read_file(path, kLargestScene); });
-    scene.set_folder(path.parent_path());
-    const std::vector<SceneLine> lines = scene_lines(text, path.string());
-    for (const auto step : scene_steps(lines, path.string())) {
+void run_scene(Run& run, Scene& scene, const SceneFile& file) {
+    const std::string source = file.path.string();
+    scene.set_folder(file.path.parent_path());
+    const std::vector<SceneLine> lines = scene_lines(file.text, source);
+    for (const auto step : scene_steps(lines, source)) {
         const std::string said = run.stage(stage_name(step.front().text), [&](const Context& ctx) {
             std::string all;
             for (const SceneLine& line : step)
-                all += scene.run(line.text, fmt::format("{}:{}", path.string(), line.number), ctx);
+                all += scene.run(line.text, fmt::format("{}:{}", source, line.number), ctx);
             return all;
         });
         fmt::print("{}", said);
     }
 }
 
-std::optional<std::vector<const SceneCommand*>> commands_of_files(
-    std::span<const std::filesystem::path> scenes) {
+std::optional<std::vector<const SceneCommand*>> commands_of_scenes(std::span<const SceneFile> scenes) {
     std::vector<const SceneCommand*> all;
     try {
-        for (const auto& path : scenes) {
-            const auto commands = commands_of(scene_lines(read_file(path, kLargestScene), path.string()));
+        for (const SceneFile& scene : scenes) {
+            const auto commands = commands_of(scene_lines(scene.text, scene.path.string()));
             if (!commands) return std::nullopt;
             all.insert(all.end(), commands->begin(), commands->end());
         }
-    } catch (const Error&) {
+    } catch (const InvalidInput&) {
         return std::nullopt;
     }
     return all;
@@ -113,7 +117,8 @@ Solid solid_of_scene(Run& run, const std::string& named) {
         name = named.substr(colon + 1);
     }
     Scene scene({.max_memory = run.max_memory(SceneSettings{}.max_memory), .outputs = false});
-    run_scene_file(run, scene, file);
+    const std::filesystem::path path(file);
+    run_scene(run, scene, read_scenes(run, {&path, 1}).front());
     if (name.empty()) {
         for (const auto& [kind, made] : scene.state().made) {
             if (kind == ObjectKind::solid) name = made;

@@ -24,19 +24,25 @@ struct SceneFlags {
 };
 void add_scene_options(OptionList& options, SceneFlags& flags);
 
+struct SceneFile {
+    std::filesystem::path path;
+    std::string text;
+};
+
+/// All are read before any is run, and once: a pipe gives its text but once. Throws IoError.
+std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths);
+
 /// The settings of the scenes that are to be run. Throws UsageError for what is no NAME=VALUE, or names no
 /// variable of theirs.
-SceneSettings scene_settings(Run& run, const SceneFlags& flags,
-                             std::span<const std::filesystem::path> scenes);
+SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const SceneFile> scenes);
 
 /// Runs the commands of a scene file, each as a stage of the run, and a block as one, and prints what they
 /// say. Files that it reads are looked for beside it.
-void run_scene_file(Run& run, Scene& scene, const std::filesystem::path& path);
+void run_scene(Run& run, Scene& scene, const SceneFile& file);
 
-/// The commands of scene files that are to be run, as far as is known before: none where a file or a line
-/// cannot be read, which running it tells of.
-std::optional<std::vector<const SceneCommand*>> commands_of_files(
-    std::span<const std::filesystem::path> scenes);
+/// The commands of scenes that are to be run, as far as is known before: none where a line cannot be read,
+/// which running it tells of.
+std::optional<std::vector<const SceneCommand*>> commands_of_scenes(std::span<const SceneFile> scenes);
 
 /// The solid that "FILE:NAME" names, or the one that the scene in FILE makes last; runs the scene. Throws
 /// InvalidInput where there is none.

@@ -256,18 +256,19 @@ def run(program, words, signal_name, limit=None):
             name, value = limit.split("=")
             resource.setrlimit(getattr(resource, "RLIMIT_" + name), (int(value), resource.RLIM_INFINITY))
 
-    lines = subprocess.DEVNULL
+    lines = ""
     if "<" in words:
-        lines = open(words[words.index("<") + 1], encoding="utf-8")
+        with open(words[words.index("<") + 1], encoding="utf-8") as file:
+            lines = file.read()
         words = words[:words.index("<")]
-    process = subprocess.Popen([program] + words, stdin=lines, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               preexec_fn=obey)
+    process = subprocess.Popen([program] + words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True, preexec_fn=obey)
     if signal_name:
         time.sleep(0.7)
         if process.poll() is None:
             process.send_signal(getattr(signal, signal_name))
     sent = time.monotonic()
-    out, err = process.communicate()
+    out, err = process.communicate(lines)
     if signal_name and time.monotonic() - sent > SLOWEST_END:
         err += f"it took {time.monotonic() - sent:.1f} s to end\n"
     return process.returncode, out, err

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -14,7 +13,6 @@
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/skeleton/measure.h"
 #include "errors.h"
-#include "paths.h"
 
 namespace coppice {
 namespace {
@@ -192,26 +190,6 @@ TEST(Mtg, ColumnsThatAllNodesHaveAreAttributes) {
     EXPECT_EQ(file.attribute("nbfe")[1], 8.5f);
     EXPECT_TRUE(file.attribute("age").empty());
     EXPECT_TRUE(file.attribute("xx").empty());
-}
-
-TEST(Mtg, WhatIsWrittenIsReadToTheSameBits) {
-    for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
-        const auto path = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "workloads" / name;
-        if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads beside the checkout";
-        const Skeleton s = read_skeleton(path).skeleton;
-        std::vector<float> numbers;
-        for (const NodeId n : nodes(s)) numbers.push_back(static_cast<float>(n.index() % 1000));
-        const std::vector<NodeAttribute> attributes{{"kind", numbers}};
-        const SkeletonFile back = read(encode_skeleton(s, {.format = SkeletonFormat::mtg}, attributes));
-        ASSERT_EQ(back.skeleton.size(), s.size());
-        EXPECT_TRUE(std::ranges::equal(back.skeleton.parents(), s.parents()));
-        EXPECT_TRUE(std::ranges::equal(back.skeleton.positions(), s.positions()));
-        EXPECT_TRUE(std::ranges::equal(back.skeleton.radii(), s.radii()));
-        EXPECT_TRUE(std::ranges::equal(back.attribute("kind"), numbers));
-        EXPECT_TRUE(back.attribute("node").empty());
-        EXPECT_EQ(back.report.total(), 0u);
-        EXPECT_TRUE(back.notes.empty());
-    }
 }
 
 TEST(Mtg, BranchesOnBranchesWithoutEndMakeNoTableWithoutEnd) {

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -16,7 +15,6 @@
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/skeleton/measure.h"
 #include "errors.h"
-#include "paths.h"
 
 namespace coppice {
 namespace {
@@ -172,25 +170,6 @@ TEST(Rsml, RootsOfAPlantFromOnePointAreOneTree) {
         read(file_of(kMetres, "<plant>" + two + "</plant><plant>" + two + "</plant>")).skeleton.tree_count(),
         2u);
     EXPECT_EQ(read(file_of(kMetres, two)).skeleton.tree_count(), 1u) << "straight in the scene";
-}
-
-TEST(Rsml, WhatIsWrittenIsReadToTheSameBits) {
-    for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
-        const auto path = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "workloads" / name;
-        if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads beside the checkout";
-        const Skeleton s = read_skeleton(path).skeleton;
-        std::vector<float> numbers;
-        for (const NodeId n : nodes(s)) numbers.push_back(static_cast<float>(n.index() % 1000));
-        const std::vector<NodeAttribute> attributes{{"kind", numbers}};
-        const SkeletonFile back = read(encode_skeleton(s, {.format = SkeletonFormat::rsml}, attributes));
-        ASSERT_EQ(back.skeleton.size(), s.size());
-        EXPECT_TRUE(std::ranges::equal(back.skeleton.parents(), s.parents()));
-        EXPECT_TRUE(std::ranges::equal(back.skeleton.positions(), s.positions()));
-        EXPECT_TRUE(std::ranges::equal(back.skeleton.radii(), s.radii()));
-        EXPECT_TRUE(std::ranges::equal(back.attribute("kind"), numbers));
-        EXPECT_TRUE(back.attribute("node").empty());
-        EXPECT_EQ(back.report.total(), 0u);
-    }
 }
 
 TEST(Rsml, Errors) {

@@ -1,5 +1,6 @@
 #include "coppice/io/skeleton/writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "coppice/io/skeleton/reader.h"
+#include "paths.h"
 #include "skeleton/text.h"
 
 namespace coppice {
@@ -44,6 +46,28 @@ TEST(SkeletonWriter, WhatIsReadBackHasTheSameBits) {
         expect_equal(file.skeleton, fork());
         EXPECT_EQ(file.report.total(), 0u);
         EXPECT_TRUE(file.notes.empty());
+    }
+}
+
+TEST(SkeletonWriter, WholeTreesAndTheirAttributesAreReadBackWithTheSameBits) {
+    using enum SkeletonFormat;
+    for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
+        const auto path = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "workloads" / name;
+        if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads beside the checkout";
+        const Skeleton s = read_skeleton(path).skeleton;
+        std::vector<float> numbers;
+        for (const NodeId n : nodes(s)) numbers.push_back(static_cast<float>(n.index() % 1000));
+        for (const SkeletonFormat format : {json, ply, rsml, mtg}) {
+            SCOPED_TRACE(std::string(name) + " as " + std::string(name_of(format)));
+            const std::vector<NodeAttribute> attributes{{"kind", numbers}};
+            const SkeletonFile back =
+                parse_skeleton(encode_skeleton(s, {.format = format}, attributes), "t", {.format = format});
+            expect_equal(back.skeleton, s);
+            EXPECT_TRUE(std::ranges::equal(back.attribute("kind"), numbers));
+            EXPECT_TRUE(back.attribute("node").empty());
+            EXPECT_EQ(back.report.total(), 0u);
+            EXPECT_TRUE(back.notes.empty());
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/skeleton/architecture.h"
@@ -40,9 +41,8 @@ namespace {
 struct ChartFlags {
     std::filesystem::path kind, output;
     std::vector<std::filesystem::path> files;
-    std::filesystem::path diameters = "0.01,0.02,0.05,0.1,0.2,0.5";  // a list, no file
+    ArchitectureFlags architecture;
     ChartOf of = ChartOf::length;
-    float sholl_step = 0;
     int width = 800, height = 500;
     ReadSkeletonOptions read;
 };
@@ -81,7 +81,7 @@ void add_values(ChartSeries& series, const Skeleton& s, ChartKind kind, std::spa
             for (const DiameterClass& c : diameter_classes(s, limits)) add(shown(c, flags.of));
             return;
         case ChartKind::sholl: {
-            const ShollProfile profile = sholl(s, flags.sholl_step);
+            const ShollProfile profile = sholl(s, flags.architecture.sholl_step);
             for (std::size_t k = 0; k < profile.crossings.size(); ++k)
                 series.values.emplace_back(profile.step * static_cast<double>(k + 1),
                                            static_cast<double>(profile.crossings[k]));
@@ -124,7 +124,7 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
         throw UsageError(
             fmt::format("'{}' is no name of a chart; use the ending .svg or .png", flags.output.string()));
     check_output_folder(flags.output);
-    const std::vector<double> limits = rising_numbers("--diameters", flags.diameters.string());
+    const std::vector<double> limits = flags.architecture.limits();
     Chart chart{.width = flags.width, .height = flags.height};
     std::optional<LengthUnit> unit;
     for (const auto& path : flags.files) {
@@ -166,11 +166,7 @@ Command chart_command() {
                   "skeletons, and for taper also points: a line, or bars, for each");
     options.file("-o,--output", "CHART", flags->output, "chart to write (.svg, .png)");
     options.value({{"of", "what bars say of orders and classes of diameter"}, choice_of(flags->of)});
-    options.file("--diameters", "LIST", flags->diameters,
-                 "limits of the classes of diameter, in the units of the files, as in 0.01,0.05,0.1");
-    options.value({{"sholl_step", "between the spheres whose crossings are counted; 0 = 1 % of the reach",
-                    Unit::metre, 0, 1e9},
-                   &flags->sholl_step});
+    add_architecture_options(options, flags->architecture);
     options.value({{"width", "width of the chart in pixels", Unit::none, 200, 16384}, &flags->width});
     options.value({{"height", "height of the chart in pixels", Unit::none, 150, 16384}, &flags->height});
     options.fields(flags->read, "Reading a skeleton");

@@ -26,13 +26,14 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
         return kDone;
     }
     if (flags.scenes.empty()) throw UsageError("name the scene: coppice run SCENE [-o FILE]");
-    const auto commands = commands_of_files(flags.scenes);
+    const std::vector<SceneFile> files = read_scenes(run, flags.scenes);
+    const auto commands = commands_of_scenes(files);
     for (const auto& output : flags.outputs) {
         check_output_folder(output);
         if (commands) check_scene_output(*commands, output);
     }
-    Scene scene(scene_settings(run, flags.given, flags.scenes));
-    for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
+    Scene scene(scene_settings(run, flags.given, files));
+    for (const SceneFile& file : files) run_scene(run, scene, file);
     run.stage("write", [&](const Context& ctx) {
         std::vector<ObjectPtr> objects;
         for (const auto& output : flags.outputs)
@@ -59,13 +60,14 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     if (flags.scene.empty() || flags.outputs.empty())
         throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
     for (const auto& output : flags.outputs) check_skeleton_output(output);
-    const auto commands = commands_of_files({&flags.scene, 1});
+    const std::vector<SceneFile> files = read_scenes(run, {&flags.scene, 1});
+    const auto commands = commands_of_scenes(files);
     const auto grows = [](const SceneCommand* c) { return c->name == "grow"; };
     if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
-    SceneSettings settings = scene_settings(run, flags.given, {&flags.scene, 1});
+    SceneSettings settings = scene_settings(run, flags.given, files);
     settings.outputs = false;
     Scene scene(std::move(settings));
-    run_scene_file(run, scene, flags.scene);
+    run_scene(run, scene, files.front());
     const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
     if (grown == scene.state().objects.end()) refuse_without_tree(flags.scene);
     run.stage("write", [&](const Context& ctx) {

@@ -53,8 +53,9 @@ ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
 }
 
 ExitCode shell(Run& run, const ShellFlags& flags) {
-    Scene scene(scene_settings(run, flags.given, flags.scenes));
-    for (const auto& path : flags.scenes) run_scene_file(run, scene, path);
+    const std::vector<SceneFile> files = read_scenes(run, flags.scenes);
+    Scene scene(scene_settings(run, flags.given, files));
+    for (const SceneFile& file : files) run_scene(run, scene, file);
     scene.set_folder({});
     LineEditor editor(kPrompt, [&](std::string_view line) { return completions(line, scene.state()); });
     if (editor.interactive())

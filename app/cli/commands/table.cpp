@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/plot/crown.h"
 #include "coppice/extract/stem/stem_form.h"
@@ -29,8 +30,7 @@ struct TableFlags {
     std::vector<fs::path> files;
     fs::path output;
     bool no_surfaces = false;
-    fs::path diameters = "0.01,0.02,0.05,0.1,0.2,0.5";  // a list, no file
-    float sholl_step = 0;
+    ArchitectureFlags architecture;
     ReadSkeletonOptions read;
 };
 
@@ -80,19 +80,27 @@ void add_architecture(Figures& row, const Skeleton& s, const TableFlags& flags,
         row["length_" + name] = c.length;
         row["volume_" + name] = c.volume;
     }
-    const ShollProfile profile = sholl(s, flags.sholl_step);
+    const ShollProfile profile = sholl(s, flags.architecture.sholl_step);
     row["sholl_most"] = profile.most();
     row["sholl_radius"] = profile.critical_radius();
+}
+
+void add_extent(Figures& row, const Box3& box) {
+    row["width"] = double{std::max(box.size().x, box.size().y)};
+    row["height"] = double{box.size().z};
+}
+
+void add_surface(Figures& row, const PolygonMesh& mesh, const Context& ctx) {
+    const ShapeReport report = shape(mesh, ctx);
+    row["surface_sound"] = topology(mesh, ctx).sound();
+    row["surface_area"] = report.area;
+    row["surface_volume"] = report.signed_volume;
 }
 
 void add_surface(Run& run, Figures& row, const Skeleton& s, const TableFlags& flags) {
     if (flags.no_surfaces) return;
     run.stage("surface", [&](const Context& ctx) {
-        const QuadMesh mesh = mesh_skeleton(s, {}, ctx).quads().mesh;
-        const ShapeReport report = shape(mesh, ctx);
-        row["surface_sound"] = topology(to_polygons(mesh), ctx).sound();
-        row["surface_area"] = report.area;
-        row["surface_volume"] = report.signed_volume;
+        add_surface(row, to_polygons(mesh_skeleton(s, {}, ctx).quads().mesh), ctx);
     });
 }
 
@@ -107,8 +115,7 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     row["tips"] = m.tips;
     row["forks"] = m.branch_nodes;
     row["repairs"] = file.report.total();
-    row["width"] = double{std::max(s.bounds().size().x, s.bounds().size().y)};
-    row["height"] = double{s.bounds().size().z};
+    add_extent(row, s.bounds());
     row["radius_min"] = m.least_radius;
     row["radius_max"] = m.greatest_radius;
     row["length"] = m.length;
@@ -127,11 +134,9 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
 }
 
 void describe(Run& run, Figures& row, const PointSet& points) {
-    const Box3 box = bounds(points);
     row["units"] = std::string(name_of(LengthUnit::m));
     row["points"] = points.size();
-    row["width"] = double{std::max(box.size().x, box.size().y)};
-    row["height"] = double{box.size().z};
+    add_extent(row, bounds(points));
     run.stage("measure", [&](const Context& ctx) {
         row["spacing"] = median_spacing(points, ctx);
         const StemForm form = stem_form(points, ctx);
@@ -146,16 +151,8 @@ void describe(Run& run, Figures& row, const PolygonMesh& mesh) {
     for (const std::uint32_t v : mesh.corners) box.extend(mesh.positions[v]);
     row["units"] = std::string(name_of(LengthUnit::m));
     row["faces"] = mesh.face_count();
-    if (!box.empty()) {
-        row["width"] = double{std::max(box.size().x, box.size().y)};
-        row["height"] = double{box.size().z};
-    }
-    run.stage("measure", [&](const Context& ctx) {
-        const ShapeReport report = shape(mesh, ctx);
-        row["surface_sound"] = topology(mesh, ctx).sound();
-        row["surface_area"] = report.area;
-        row["surface_volume"] = report.signed_volume;
-    });
+    if (!box.empty()) add_extent(row, box);
+    run.stage("measure", [&](const Context& ctx) { add_surface(row, mesh, ctx); });
 }
 
 /// The files that are named, and those within folders that are, in order of their names.
@@ -168,8 +165,9 @@ std::vector<fs::path> files_of(const std::vector<fs::path>& named) {
             continue;
         }
         std::vector<fs::path> within;
-        for (const auto& entry : fs::recursive_directory_iterator(path))
-            if (entry.is_regular_file(error)) within.push_back(entry.path());
+        fs::recursive_directory_iterator entry(path, fs::directory_options::skip_permission_denied, error);
+        for (; entry != fs::recursive_directory_iterator(); entry.increment(error))
+            if (entry->is_regular_file(error)) within.push_back(entry->path());
         std::ranges::sort(within);
         out.insert(out.end(), within.begin(), within.end());
     }
@@ -212,16 +210,12 @@ std::vector<Figures> rows_of(Run& run, const TableFlags& flags, std::span<const 
     return rows;
 }
 
-/// As RFC 4180 has it: in quotes where it would break the row.
 std::string cell_of(const Figure& figure) {
     if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.7g}", *number);
     if (const auto* yes = std::get_if<bool>(&figure.value)) return *yes ? "true" : "false";
     if (const auto* count = std::get_if<std::uint64_t>(&figure.value)) return fmt::format("{}", *count);
     if (const auto* count = std::get_if<std::int64_t>(&figure.value)) return fmt::format("{}", *count);
-    std::string text = std::get<std::string>(figure.value);
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
-    return fmt::format("\"{}\"", text);
+    return csv_cell(std::get<std::string>(figure.value));
 }
 
 /// Columns in the order in which rows bring them, `error` last.
@@ -251,7 +245,7 @@ ExitCode table(Run& run, const TableFlags& flags) {
         throw UsageError(
             fmt::format("'{}' is no name of a table; use the ending .csv or .json", flags.output.string()));
     if (!flags.output.empty()) check_output_folder(flags.output);
-    const std::vector<double> limits = rising_numbers("--diameters", flags.diameters.string());
+    const std::vector<double> limits = flags.architecture.limits();
     const std::vector<Figures> rows = rows_of(run, flags, limits);
     const auto failed = static_cast<std::uint64_t>(std::ranges::count_if(
         rows, [](const Figures& row) { return row.entries().back().first == "error"; }));
@@ -285,11 +279,7 @@ Command table_command() {
     options.file("-o,--output", "TABLE", flags->output,
                  "table to write, .csv or .json; without it CSV is printed");
     options.flag("--no-surfaces", flags->no_surfaces, "do not make surfaces, which takes most of the time");
-    options.file("--diameters", "LIST", flags->diameters,
-                 "limits of the classes of diameter, in the units of the files, as in 0.01,0.05,0.1");
-    options.value({{"sholl_step", "between the spheres whose crossings are counted; 0 = 1 % of the reach",
-                    Unit::metre, 0, 1e9},
-                   &flags->sholl_step});
+    add_architecture_options(options, flags->architecture);
     options.fields(flags->read, "Reading a skeleton");
     return {"table", "Measure many files: a row for each, with lengths, volumes, forks, orders and crown",
             options, [flags](Run& run, const GivenOptions&) { return table(run, *flags); }};

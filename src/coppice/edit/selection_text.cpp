@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/edit/selection.h"
 
@@ -169,11 +170,10 @@ class Parser {
     char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
     std::string_view word() const {
         std::size_t end = at_;
-        const auto is_letter = [](char c) {
-            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-                   c == '-' || c == '.';
+        const auto is_of_word = [](char c) {
+            return is_letter(c) || is_digit(c) || c == '_' || c == '-' || c == '.';
         };
-        while (end < text_.size() && is_letter(text_[end])) ++end;
+        while (end < text_.size() && is_of_word(text_[end])) ++end;
         return text_.substr(at_, end - at_);
     }
     bool take(std::string_view sign) {

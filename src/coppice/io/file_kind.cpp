@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
 #include <string>
 #include <string_view>
 
+#include "coppice/base/ascii.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/points/reader.h"
@@ -18,12 +18,7 @@ namespace {
 
 constexpr std::size_t kHeadSize = 64 * 1024;
 
-std::string ending_of(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::ranges::transform(ending, ending.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
-}
+std::string ending_of(const std::filesystem::path& path) { return to_lower(path.extension().string()); }
 
 std::string head_of(const std::filesystem::path& path) {
     std::string head(kHeadSize, '\0');

@@ -5,16 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/io/text_internal.h"
 
 namespace coppice {
 
 namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// A token whose value is out of range is tiny when its exponent is negative, or when it has none and starts
 /// with "0.".
@@ -72,8 +69,7 @@ std::string in_quotes(std::string_view token) {
 std::string plain_name(std::string_view name) {
     std::string plain;
     for (const char raw : name.substr(0, name.find_first_of("(["))) {
-        const char c = lower(raw);
-        if (is_digit(c) || (c >= 'a' && c <= 'z')) plain += c;
+        if (is_digit(raw) || is_letter(raw)) plain += to_lower(raw);
     }
     return plain;
 }

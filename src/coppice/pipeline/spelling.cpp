@@ -1,8 +1,9 @@
 #include "coppice/pipeline/spelling.h"
 
 #include <algorithm>
-#include <cctype>
 #include <vector>
+
+#include "coppice/base/ascii.h"
 
 namespace coppice {
 namespace {
@@ -11,10 +12,8 @@ constexpr std::size_t kLongestWord = 64;    // longer words are no typing errors
 constexpr std::size_t kShortestPrefix = 3;  // shorter ones begin too many words
 
 std::string folded(std::string_view word) {
-    std::string out;
-    for (const char c : word) {
-        out.push_back(c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
-    }
+    std::string out = to_lower(word);
+    std::ranges::replace(out, '_', '-');
     return out;
 }
 

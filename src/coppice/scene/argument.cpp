@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/ascii.h"
 #include "coppice/edit/selection.h"
 
 namespace coppice {
@@ -161,8 +162,8 @@ std::string takes_text(const Argument& a) {
 }
 
 bool is_object_name(std::string_view name) {
-    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-    const auto rest = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.'; };
+    const auto letter = [](char c) { return is_letter(c) || c == '_'; };
+    const auto rest = [&](char c) { return letter(c) || is_digit(c) || c == '-' || c == '.'; };
     return !name.empty() && name.size() <= kLongestName && letter(name.front()) &&
            std::ranges::all_of(name, rest);
 }

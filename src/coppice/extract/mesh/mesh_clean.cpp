@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
@@ -26,19 +27,13 @@ using extract_internal::Surface;
 constexpr double kFinestWeld = 0x1p-52;
 constexpr double kFlatShare = 0.8;  // a tube's normals share 0.5 and 0.5, those of a folded leaf 0.7 and 0.3
 
-std::string lower_case(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 /// Which groups are wood; all where no names are given.
 std::vector<char> wooden_groups(const PolygonMesh& mesh, const CleanMeshOptions& options) {
     std::vector<char> wooden(mesh.group_names.size(), options.wood.empty());
     bool any = options.wood.empty();
     for (std::size_t g = 0; g < wooden.size(); ++g) {
         for (const std::string& name : options.wood) {
-            if (lower_case(mesh.group_names[g]).find(lower_case(name)) == std::string::npos) continue;
+            if (to_lower(mesh.group_names[g]).find(to_lower(name)) == std::string::npos) continue;
             wooden[g] = 1;
             any = true;
         }

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "coppice/base/ascii.h"
+
 namespace coppice {
 namespace {
 
@@ -35,10 +37,7 @@ bool is_off_keyword(std::string_view word) {
 }  // namespace
 
 std::optional<MeshFormat> mesh_format_of_name(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
+    const std::string extension = to_lower(path.extension().string());
     constexpr std::array<std::pair<std::string_view, MeshFormat>, 6> kNames{{{".obj", MeshFormat::obj},
                                                                              {".ply", MeshFormat::ply},
                                                                              {".off", MeshFormat::off},

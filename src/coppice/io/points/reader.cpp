@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
@@ -177,10 +178,7 @@ std::optional<std::string_view> other_point_format(std::string_view bytes) {
 }
 
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
+    const std::string extension = to_lower(path.extension().string());
     if (extension == ".ply") return PointFormat::ply;
     for (const std::string_view text : {".xyz", ".txt", ".csv", ".asc"}) {
         if (extension == text) return PointFormat::xyz;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "coppice/base/ascii.h"
 #include "coppice/io/ply_header.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
@@ -27,9 +28,8 @@ bool is_rsml(std::string_view content) {
         at = content.find('<', at);
     }
     if (at == content.npos) return false;
-    std::string name(content.substr(at + 1, content.find_first_of(" \t\r\n>/", at) - at - 1));
-    std::ranges::transform(name, name.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+    const std::string name =
+        to_lower(content.substr(at + 1, content.find_first_of(" \t\r\n>/", at) - at - 1));
     return name == "rsml" || name.ends_with(":rsml");
 }
 

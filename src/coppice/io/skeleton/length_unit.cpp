@@ -5,20 +5,18 @@
 #include <string>
 #include <utility>
 
+#include "coppice/base/ascii.h"
 #include "coppice/io/text_internal.h"
 
 namespace coppice {
 
 namespace {
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_part_of_number(char c) { return (c >= '0' && c <= '9') || c == '.' || c == 'e' || c == '-'; }
+bool is_part_of_number(char c) { return is_digit(c) || c == '.' || c == 'e' || c == '-'; }
 
 /// "Micrometers" -> "micrometre"
 std::string singular(std::string_view word) {
-    std::string name(word);
-    std::ranges::transform(name, name.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
+    std::string name = to_lower(word);
     if (name.size() > 2 && name.ends_with('s')) name.pop_back();
     if (name.ends_with("meter")) name.replace(name.size() - 2, 2, "re");
     return name;

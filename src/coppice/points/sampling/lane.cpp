@@ -193,7 +193,7 @@ float factor_behind(const Task& task, const Cell& cell, double core, Vec3d to_ce
 
 /// Multiplies the density around a point with that core by the kernel.
 void apply_kernel(const Task& task, Vec3 p, double core, RemainingDensity& density) {
-    const double reach = std::max(task.law == nullptr ? task.kernel.reach() : 0, core);
+    const double reach = task.law == nullptr ? task.kernel.reach() : core;
     if (!(reach > 0)) return;
     Cells& cells = density.cells;
     const Voxels& v = cells.voxels();

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
 #include "coppice/pipeline/quantity.h"
@@ -56,8 +57,7 @@ constexpr std::array<Function, 16> kFunctions{{
 }};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool starts_name(char c) { return is_letter(c) || c == '_'; }
 
 std::string shown(std::string_view text) {
     return fmt::format("{}{}", text.substr(0, kShown), text.size() > kShown ? "..." : "");
@@ -179,7 +179,7 @@ class Evaluation {
         if (rest_.empty()) throw InvalidInput("the expression ends where a number or a name has to follow");
         const char c = rest_.front();
         if (is_digit(c) || c == '.') return number();
-        if (is_letter(c)) return named();
+        if (starts_name(c)) return named();
         if (c == '"') return quoted();
         if (takes("(")) {
             SceneValue inner = either();
@@ -286,7 +286,7 @@ class Evaluation {
     }
     std::string_view taken_name() {
         std::size_t end = 0;
-        while (end < rest_.size() && (is_letter(rest_[end]) || is_digit(rest_[end]))) ++end;
+        while (end < rest_.size() && (starts_name(rest_[end]) || is_digit(rest_[end]))) ++end;
         const std::string_view name = rest_.substr(0, end);
         rest_.remove_prefix(end);
         return name;
@@ -309,7 +309,7 @@ class Evaluation {
         skip_blanks();
         if (!rest_.starts_with(word)) return false;
         const std::string_view after = rest_.substr(word.size());
-        if (!after.empty() && (is_letter(after.front()) || is_digit(after.front()))) return false;
+        if (!after.empty() && (starts_name(after.front()) || is_digit(after.front()))) return false;
         rest_ = after;
         return true;
     }
@@ -369,8 +369,8 @@ std::string expanded(std::string_view text, SceneVariables& variables) {
 }
 
 bool is_variable_name(std::string_view name) {
-    const auto inside = [](char c) { return is_letter(c) || is_digit(c); };
-    return !name.empty() && name.size() <= kLongestName && is_letter(name.front()) &&
+    const auto inside = [](char c) { return starts_name(c) || is_digit(c); };
+    return !name.empty() && name.size() <= kLongestName && starts_name(name.front()) &&
            std::ranges::all_of(name, inside) && std::ranges::find(kReserved, name) == kReserved.end();
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/io/skeleton/mtg/document_internal.h"
 #include "coppice/io/skeleton/mtg/measures_internal.h"
@@ -70,14 +71,9 @@ double diameter_divisor(const Document& document, const std::vector<Nodes::Node>
 
 /// "NbFe (cm)" gives "nbfe".
 std::string attribute_name(const std::string& column) {
-    std::string name;
-    for (const char c : column) {
-        if (c >= 'A' && c <= 'Z') {
-            name += static_cast<char>(c - 'A' + 'a');
-        } else {
-            name += c == '-' || c == ' ' || c == '.' ? '_' : c;
-        }
-    }
+    std::string name = to_lower(column);
+    std::ranges::replace_if(
+        name, [](char c) { return c == '-' || c == ' ' || c == '.'; }, '_');
     return name;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <exception>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/io/file_progress.h"
 #include "coppice/io/text_internal.h"
@@ -75,10 +75,9 @@ constexpr std::array kPlaces{Place{Element::document, "rsml", Element::rsml},
 /// "po:Parent-Node" gives "parent_node".
 std::string simple_name(std::string_view name) {
     name.remove_prefix(name.find(':') == name.npos ? 0 : name.find(':') + 1);
-    std::string simple(name);
-    for (char& c : simple) {
-        c = c == '-' || c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    std::string simple = to_lower(name);
+    std::ranges::replace_if(
+        simple, [](char c) { return c == '-' || c == ' '; }, '_');
     return simple;
 }
 

@@ -1,0 +1,37 @@
+#include "architecture_options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+namespace coppice::cli {
+
+std::vector<double> ArchitectureFlags::limits() const {
+    std::vector<double> out;
+    std::istringstream words(diameters.string());
+    for (std::string word; std::getline(words, word, ',');) {
+        double number = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+        const bool rises = number > (out.empty() ? 0 : out.back()) && std::isfinite(number);
+        if (error != std::errc{} || end != word.data() + word.size() || !rises)
+            throw UsageError(
+                fmt::format("--diameters takes numbers above 0 that rise, with commas between them, as in "
+                            "0.01,0.05,0.1, and not '{}'",
+                            diameters.string()));
+        out.push_back(number);
+    }
+    return out;
+}
+
+void add_architecture_options(OptionList& options, ArchitectureFlags& flags) {
+    options.file("--diameters", "LIST", flags.diameters,
+                 "limits of the classes of diameter, in the units of the files, as in 0.01,0.05,0.1");
+    options.value({{"sholl_step", "between the spheres whose crossings are counted; 0 = 1 % of the reach",
+                    Unit::metre, 0, 1e9},
+                   &flags.sholl_step});
+}
+
+}  // namespace coppice::cli
