@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
@@ -74,8 +76,29 @@ TEST(SolidField, SphereByHand) {
     EXPECT_NEAR(at(sphere({}, {.radius = 1, .influence = 4}), {}).value, 0.5 / std::pow(0.9375, 3), 1e-6);
 }
 
+// The law of soft objects: 1 - 22/9 x^2 + 17/9 x^4 - 4/9 x^6 of the share x of the influence, 2 radii.
+TEST(SolidField, TheSoftLawIsOneHalfAtHalfItsInfluence) {
+    const Solid s = sphere({}, {.radius = 1, .law = FieldLaw::soft});
+    EXPECT_EQ(at(s, {}).value, 1);
+    EXPECT_NEAR(at(s, {0, 1, 0}).value, 0.5, 1e-6);
+    // x = 3/4: 1 - 1.375 + 0.59765625 - 0.0791015625; and its slope per metre, half of that by x.
+    const FieldSample far = at(s, {0, 0, 1.5f});
+    EXPECT_NEAR(far.value, 0.1435546875, 1e-6);
+    EXPECT_NEAR(far.gradient.z, 0.5 * (-44.0 / 9 * 0.75 + 68.0 / 9 * 0.421875 - 24.0 / 9 * 0.2373046875),
+                1e-5);
+    EXPECT_EQ(at(s, {2.001f, 0, 0}).value, 0);
+    EXPECT_NEAR(s.bounds().high.x, 2, 1e-4);
+    EXPECT_NEAR(s.surface_bounds().high.x, 1, 1e-4);
+    EXPECT_NEAR(s.bounds_at(far.value).high.x, 1.5, 1e-4);
+    // With its own influence of 4 radii the factor is 0.5 over the law at 1/4.
+    const double quarter = 1 - 22.0 / 9 / 16 + 17.0 / 9 / 256 - 4.0 / 9 / 4096;
+    EXPECT_NEAR(at(sphere({}, {.radius = 1, .influence = 4, .law = FieldLaw::soft}), {}).value, 0.5 / quarter,
+                1e-6);
+}
+
 TEST(SolidField, EveryPrimitiveMatchesItsFormula) {
-    const auto twins = primitive_twins();
+    auto twins = primitive_twins();
+    std::ranges::move(primitive_twins(FieldLaw::soft), std::back_inserter(twins));
     for (const Twin& twin : twins) {
         SCOPED_TRACE(twin.solid.kind());
         expect_field(twin, 4000, 2e-5);
@@ -119,6 +142,19 @@ TEST(SolidField, ClosedShapesFallFromOneToZeroAboutTheirSurface) {
     const Solid moved = scaled(s, {2, 2, 2});
     EXPECT_NEAR(at(moved, {6, 0, 0}).value, 0.5, 1e-6);
     EXPECT_NEAR(at(moved, {6, 0, 0}).gradient.x, -15.0 / 16 / 1.6, 1e-4);
+}
+
+TEST(SolidField, ClosedShapesByTheSoftLawHaveItsSkeletonAtTheDepthOfTheInfluence) {
+    const PrimitiveOptions o{.influence = 0.8f, .law = FieldLaw::soft};
+    const Solid s = solid_of(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o);
+    // So the law's own influence is 1.6, and its slope at the half -19/12 over that.
+    EXPECT_NEAR(at(s, {3, 0, 0}).value, 0.5, 1e-6);
+    EXPECT_NEAR(at(s, {3, 0, 0}).gradient.x, -19.0 / 12 / 1.6, 1e-4);
+    EXPECT_NEAR(at(s, {3.4f, 0, 0}).value, 0.1435546875, 1e-5);
+    EXPECT_EQ(at(s, {3.81f, 0, 0}).value, 0);
+    EXPECT_EQ(at(s, {1.5f, 0, 0}).value, 1);
+    EXPECT_NEAR(s.bounds_at(0.1435546875f).high.x, 3.4, 1e-4);
+    EXPECT_NEAR(s.surface_bounds().high.x, 3, 1e-4);
 }
 
 TEST(SolidField, CombinationsKeepTheLawsOfSets) {
@@ -272,6 +308,15 @@ TEST(SolidField, RangesHoldEveryValue) {
             seed % 4 == 0 ? maker.warped(maker.tree(2)) : maker.tree(static_cast<int>(seed % 5));
         expect_ranges(twin.solid, 0.02f, seed);
     }
+}
+
+TEST(SolidField, RangesOfTheSoftLawHoldEveryValue) {
+    for (const Twin& twin : primitive_twins(FieldLaw::soft)) {
+        SCOPED_TRACE(twin.solid.kind());
+        expect_ranges(twin.solid, 0.02f, 3);
+    }
+    const PrimitiveOptions o{.influence = 0.8f, .law = FieldLaw::soft};
+    expect_ranges(solid_of(std::make_shared<BallShape>(Vec3{1, 0, 0}, 2.0f), o), 0.05f, 4);
 }
 
 TEST(SolidField, RangesOfStrongWarpsHoldEveryValue) {

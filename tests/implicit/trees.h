@@ -19,9 +19,15 @@ struct Twin {
 };
 
 inline double wyvill(double distance, const PrimitiveOptions& o) {
-    const double influence = o.influence > 0 ? o.influence : o.radius / std::sqrt(1 - std::cbrt(0.5));
+    const bool soft = o.law == FieldLaw::soft;
+    const double ends = soft ? 2 : 1 / std::sqrt(1 - std::cbrt(0.5));
+    const double influence = o.influence > 0 ? o.influence : o.radius * ends;
     const auto f = [&](double d) {
-        return d < influence ? std::pow(1 - d * d / (influence * influence), 3) : 0;
+        const double x = d / influence;
+        if (x >= 1) return 0.0;
+        // The coefficients as they are printed, not the factors that the library takes.
+        if (soft) return -4.0 / 9 * std::pow(x, 6) + 17.0 / 9 * std::pow(x, 4) - 22.0 / 9 * x * x + 1;
+        return std::pow(1 - x * x, 3);
     };
     return 0.5 * f(distance) / f(o.radius);
 }
@@ -46,13 +52,14 @@ inline double outline_distance(double rho, double z, const std::vector<std::arra
 }
 
 /// One primitive of each kind, with small numbers.
-inline std::vector<Twin> primitive_twins() {
+inline std::vector<Twin> primitive_twins(FieldLaw law = FieldLaw::cube) {
     std::vector<Twin> out;
     const auto add = [&](Solid solid, PrimitiveOptions o, std::function<double(Vec3d)> away) {
         out.push_back({std::move(solid), [o, away](Vec3d p) { return wyvill(away(p), o); }});
     };
-    const PrimitiveOptions plain{.radius = 0.5f}, wide{.radius = 0.5f, .influence = 2},
-        tight{.radius = 0.4f, .influence = 0.5f};
+    const PrimitiveOptions plain{.radius = 0.5f, .law = law},
+        wide{.radius = 0.5f, .influence = 2, .law = law},
+        tight{.radius = 0.4f, .influence = 0.5f, .law = law};
     add(sphere({1, 0, 0}, plain), plain, [](Vec3d p) { return length(p - Vec3d{1, 0, 0}); });
     add(line({0, 0, -1}, {1, 0, 1}, wide), wide, [](Vec3d p) {
         return segment_distance(p, {0, 0, -1}, {1, 0, 1});

@@ -49,7 +49,7 @@ TEST(SceneReference, CompletesCommandsOptionsValuesAndNames) {
     EXPECT_EQ(completions("sph", state), (Words{"sphere"}));
     EXPECT_EQ(completions("pointset th", state), (Words{"thin"}));
     EXPECT_EQ(completions("scale cr", state), (Words{"cross", "crown"}));
-    EXPECT_EQ(completions("revolve r ", state), (Words{"axis=", "cr", "influence=", "origin="}));
+    EXPECT_EQ(completions("revolve r ", state), (Words{"axis=", "cr", "influence=", "law=", "origin="}));
     EXPECT_EQ(completions("sphere s r", state), (Words{"radius="}));
     EXPECT_EQ(completions("pointset generate crown density=in", state),
               (Words{"density=inside_boundary", "density=inverse"}));

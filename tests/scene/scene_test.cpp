@@ -199,6 +199,39 @@ TEST(Scene, SeveralRootsMakeSeveralTrees) {
               2u);
 }
 
+TEST(Scene, EverySolidTakesTheLawOfItsField) {
+    Scene scene;
+    scene.run_text(
+        "sphere s law=soft\nprofile p circle=1\npath up 0,0,-2 0,0,2\nsweep r p up influence=0.5 law=soft",
+        "x");
+    // 0.75 of the influence, of 2 radii; of the rod 0.25 m above its surface at 1 m.
+    EXPECT_NEAR(value_at(scene, "s", {1.5f, 0, 0}), 0.1435546875f, 1e-5f);
+    EXPECT_NEAR(value_at(scene, "r", {1.25f, 0, 0}), 0.1435546875f, 5e-3f);
+    for (const SceneCommand& c : scene_commands()) {
+        const bool has_field =
+            std::ranges::any_of(c.arguments, [](auto& a) { return a.name == "influence"; });
+        const bool has_law = std::ranges::any_of(c.arguments, [](auto& a) { return a.name == "law"; });
+        EXPECT_EQ(has_field, has_law) << c.name;
+    }
+    EXPECT_NE(refusal(scene, "sphere t law=sofd").find("soft"), std::string::npos);
+}
+
+TEST(Scene, AVariationalCurveIsAProfile) {
+    Scene scene;
+    scene.run_text(
+        "contour bean 1,0 0,0.8 -1,0 0,0.2\n"
+        "contour ring 2,0,1,0 0,2,0,1 -2,0,-1,0 0,-2,0,-1 1,0,-1,0 0,1,0,-1 -1,0,1,0 0,-1,0,1\n"
+        "path up 0,0,0 0,0,3\nsweep rod bean up\nsweep pipe ring up",
+        "x");
+    EXPECT_GT(value_at(scene, "rod", {0, 0.5f, 1.5f}), 0.5f);
+    EXPECT_LT(value_at(scene, "rod", {0, 0, 1.5f}), 0.5f);
+    EXPECT_NEAR(value_at(scene, "rod", {1, 0, 1.5f}), 0.5f, 0.01f);
+    EXPECT_GT(value_at(scene, "pipe", {1.5f, 0, 1.5f}), 0.5f);
+    EXPECT_LT(value_at(scene, "pipe", {0, 0, 1.5f}), 0.5f);
+    EXPECT_NE(refusal(scene, "contour c 1,0 0,1,0,1 -1,0").find("x,y,nx,ny"), std::string::npos);
+    EXPECT_NE(refusal(scene, "contour c 1,0 0,1").find("3"), std::string::npos);
+}
+
 TEST(Scene, ADensityOfOnesOwnAndACachedField) {
     Scene scene;
     scene.run_text("sphere s\npointset gen s uniform count=300 curve=0.6,1 curve=0.7,1\n", "x");

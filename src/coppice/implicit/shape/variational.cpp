@@ -2,26 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/parallel.h"
+#include "coppice/implicit/shape/smoothest_internal.h"
 #include "coppice/implicit/shape/variational_internal.h"
 #include "coppice/implicit/solid/input_internal.h"
 
 namespace coppice {
 namespace {
-
-constexpr std::size_t kMostNormals = 1000;
-constexpr double kCoincident = 1e-6;  // [size]
-constexpr int kMostHalvings = 12;
-
-struct Constraint {
-    Vec3d position;
-    double value;
-};
 
 void check_input(std::span<const Vec3> points, std::span<const Vec3> normals) {
     const std::size_t n = points.size();
@@ -38,114 +28,6 @@ void check_input(std::span<const Vec3> points, std::span<const Vec3> normals) {
             throw InvalidInput(fmt::format(
                 "variational: normal {} has no direction; give a vector that is not zero", i + 1));
     }
-}
-
-struct Neighbour {
-    std::size_t index = 0;
-    double distance = std::numeric_limits<double>::infinity();
-};
-
-Neighbour nearest(std::span<const Constraint> points, Vec3d p, std::size_t besides) {
-    Neighbour best;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (const double d = length_squared(points[i].position - p); i != besides && d < best.distance)
-            best = {i, d};
-    best.distance = std::sqrt(best.distance);
-    return best;
-}
-
-/// Points on the surface, and some beside it: so near to their own points that no other is nearer.
-std::vector<Constraint> constraints(std::vector<Constraint> points, std::span<const Vec3> normals,
-                                    double offset, const Context& ctx) {
-    const std::size_t n = points.size(), normal_count = std::min(n, kMostNormals);
-    std::vector<Neighbour> neighbour(n);
-    parallel_for(ctx, n, 64, [&](std::size_t i) { neighbour[i] = nearest(points, points[i].position, i); });
-    for (std::size_t i = 0; i < n; ++i)
-        if (neighbour[i].distance < kCoincident)
-            throw InvalidInput(fmt::format("variational: points {} and {} coincide; leave one out",
-                                           std::min(i, neighbour[i].index) + 1,
-                                           std::max(i, neighbour[i].index) + 1));
-    std::vector<Constraint> beside(normal_count);
-    parallel_for(ctx, normal_count, 64, [&](std::size_t k) {
-        const std::size_t i = k * n / normal_count;
-        const Vec3d normal = normalized(Vec3d(normals[i]));
-        double d = offset;
-        for (int halvings = 0; halvings < kMostHalvings; ++halvings, d *= 0.5)
-            if (nearest(points, points[i].position + normal * d, i).distance > d) break;
-        beside[k] = {points[i].position + normal * d, d};
-    });
-    points.insert(points.end(), beside.begin(), beside.end());
-    return points;
-}
-
-struct Solution {
-    Eigen::VectorXd weight;
-    Eigen::Vector4d polynomial;  // constant, x, y, z
-};
-
-[[noreturn]] void refuse_dense_points() {
-    throw InvalidInput(
-        "variational: the points lie too close together for a smooth surface; give fewer of them");
-}
-
-/// Solves a x = b for a symmetric, positive definite a, which becomes its Cholesky factor: by blocks, with a
-/// look at the stop token before each.
-Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b, const Context& ctx) {
-    constexpr Eigen::Index kBlock = 64;
-    const Eigen::Index n = a.rows();
-    for (Eigen::Index k = 0; k < n; k += kBlock) {
-        const Eigen::Index size = std::min(kBlock, n - k), rest = n - k - size;
-        const auto left = static_cast<float>(n - k) / static_cast<float>(n);
-        ctx.throw_if_cancelled();
-        ctx.report(1 - left * left * left);
-        auto corner = a.block(k, k, size, size), below = a.block(k + size, k, rest, size);
-        const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(corner);
-        if (factor.info() != Eigen::Success) refuse_dense_points();
-        if (rest == 0) break;
-        factor.matrixU().solveInPlace<Eigen::OnTheRight>(below);
-        a.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
-    }
-    a.triangularView<Eigen::Lower>().solveInPlace(b);
-    a.triangularView<Eigen::Lower>().adjoint().solveInPlace(b);
-    return b;
-}
-
-/// Weights have no part in the polynomials: Q of polynomials = Q R turns the system into one for the
-/// remaining n - 4 unknowns that is positive definite, and is solved in place.
-Solution solve(std::span<const Constraint> points, const Context& ctx) {
-    const auto n = static_cast<Eigen::Index>(points.size());
-    Eigen::MatrixXd a(n, n), polynomials(n, 4);
-    Eigen::VectorXd f(n);
-    parallel_for(ctx, points.size(), 16, [&](std::size_t column) {
-        const auto j = static_cast<Eigen::Index>(column);
-        const Vec3d p = points[column].position;
-        f[j] = points[column].value;
-        polynomials.row(j) << 1, p.x, p.y, p.z;
-        for (std::size_t row = 0; row < points.size(); ++row) {
-            const double r = length(points[row].position - p);
-            a(static_cast<Eigen::Index>(row), j) = r * r * r;
-        }
-    });
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(polynomials);
-    const auto r = qr.matrixQR().topRows<4>().triangularView<Eigen::Upper>();
-    const double flattest = qr.matrixQR().topRows<4>().diagonal().cwiseAbs().minCoeff();
-    if (!(flattest > 1e-6 * std::sqrt(static_cast<double>(n))))
-        throw InvalidInput(
-            "variational: all points and normals lie in one plane; give points around the solid");
-    ctx.throw_if_cancelled();
-    a.applyOnTheLeft(qr.householderQ().adjoint());
-    a.applyOnTheRight(qr.householderQ());
-    f.applyOnTheLeft(qr.householderQ().adjoint());
-    ctx.throw_if_cancelled();
-
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(n);
-    y.tail(n - 4) = solve_positive(a.bottomRightCorner(n - 4, n - 4), f.tail(n - 4), ctx);
-    Solution s;
-    s.polynomial = r.solve(f.head<4>() - a.topRightCorner(4, n - 4) * y.tail(n - 4));
-    y.applyOnTheLeft(qr.householderQ());
-    s.weight = std::move(y);
-    if (!s.weight.allFinite() || !s.polynomial.allFinite()) refuse_dense_points();
-    return s;
 }
 
 /// Signed distance to a box, and its gradient.
@@ -183,18 +65,18 @@ Variational::Variational(std::span<const Vec3> points, std::span<const Vec3> nor
     if (!(size_ > 0)) throw InvalidInput("variational: all points coincide; give points around the solid");
     box_ = box_.inflated(static_cast<float>(options.margin * size_));
 
-    std::vector<Constraint> surface;
-    for (const Vec3 p : points) surface.push_back({(Vec3d(p) - center_) / size_, 0});
-    const std::vector<Constraint> all = constraints(std::move(surface), normals, options.offset, ctx);
-    const Solution solution = solve(all, ctx);
-    for (const Constraint& c : all) {
-        x_.push_back(c.position.x);
-        y_.push_back(c.position.y);
-        z_.push_back(c.position.z);
+    std::vector<Vec3d> scaled;
+    for (const Vec3 p : points) scaled.push_back((Vec3d(p) - center_) / size_);
+    SmoothestFunction f =
+        smoothest_function(scaled, normals, options.offset, Bending::in_space, "variational", ctx);
+    for (const Vec3d c : f.centers) {
+        x_.push_back(c.x);
+        y_.push_back(c.y);
+        z_.push_back(c.z);
     }
-    weight_.assign(solution.weight.begin(), solution.weight.end());
-    constant_ = solution.polynomial[0];
-    linear_ = {solution.polynomial[1], solution.polynomial[2], solution.polynomial[3]};
+    weight_ = std::move(f.weight);
+    constant_ = f.constant;
+    linear_ = f.linear;
 }
 
 void Variational::distance(std::span<const Vec3> points, std::span<FieldSample> out) const {

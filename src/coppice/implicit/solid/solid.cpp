@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kFarthest = 1e6;  // [m]
 constexpr double kLeast = 1e-6;    // [m] of a length
-/// Wyvill's field is 0.5 at this share of the influence.
-const double kSurfaceShare = std::sqrt(1 - std::cbrt(0.5));
+
+/// The law is 0.5 at this share of the influence.
+double surface_share(FieldLaw law) { return law == FieldLaw::soft ? 0.5 : std::sqrt(1 - std::cbrt(0.5)); }
 
 void check_point(std::string_view what, Vec3 p) {
     if (is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest) return;
@@ -40,9 +41,10 @@ SolidNode primitive(std::string_view what, SolidKind kind, const PrimitiveOption
     check_fields(options, what);
     SolidNode node;
     node.kind = kind;
+    node.law = options.law;
     const double radius = options.radius;
     if (options.influence == 0) {
-        node.influence = radius / kSurfaceShare;
+        node.influence = radius / surface_share(options.law);
         return node;
     }
     node.influence = options.influence;
@@ -52,7 +54,7 @@ SolidNode primitive(std::string_view what, SolidKind kind, const PrimitiveOption
                                        what, options.radius, options.influence));
     }
     const double s = radius / node.influence;
-    node.weight = 0.5 / std::pow(1 - s * s, 3);
+    node.weight = 0.5 / law_value(options.law, s * s);
     return node;
 }
 
@@ -217,6 +219,7 @@ Solid solid_of(std::shared_ptr<const Shape> shape, const PrimitiveOptions& optio
         node.influence = options.influence > 0 ? options.influence : 0.5 * std::min({side.x, side.y, side.z});
         check_length("shape", "influence", node.influence);
         node.closed = true;
+        node.law = options.law;
     } else {
         node = primitive("shape", SolidKind::shape, options);
     }

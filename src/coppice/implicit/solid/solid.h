@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -48,21 +49,39 @@ class Solid {
     std::shared_ptr<const SolidNode> node_;
 };
 
-/// A primitive's field falls with the distance d from its skeleton as (1 - d^2 / R^2)^3 [Wyvill1986], times
-/// the factor that makes it 0.5 at d = radius; R is the influence.
+/// How a field falls with the share x = d / R of the influence R that the distance d is. Both are 1 at the
+/// skeleton and end without a kink at the influence.
+enum class FieldLaw {
+    cube,  ///< (1 - x^2)^3: twice differentiable at its end too
+    soft   ///< -4/9 x^6 + 17/9 x^4 - 22/9 x^2 + 1 [Wyvill1986]: 1/2 at half the influence
+};
+
+template <>
+struct EnumNames<FieldLaw> {
+    static constexpr std::array<std::string_view, 2> names{"cube", "soft"};
+};
+
+/// A primitive's field falls with the distance from its skeleton by the law, times the factor that makes it
+/// 0.5 at `radius`.
 struct PrimitiveOptions {
-    float radius = 1;  ///< [m] distance of the surface from the skeleton
-    float influence =
-        0;  ///< [m] distance where the field ends, 1.1 to 20 radii; 0: 2.2017 radii, the factor is 1
+    float radius = 1;     ///< [m] distance of the surface from the skeleton
+    float influence = 0;  ///< [m] distance where the field ends, 1.1 to 20 radii; 0: 2.2017 radii by the law
+                          ///< cube, 2 by soft: the factor is 1
+    FieldLaw law = FieldLaw::cube;  ///< how the field falls
 };
 
 template <class Self, class Visitor>
 requires SameOptions<Self, PrimitiveOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"radius", "distance of the surface from the skeleton", Unit::metre, 1e-5, 1e5}, o.radius);
-    visit(Field{"influence", "distance where the field ends, 1.1 to 20 radii; 0 = 2.2 radii", Unit::metre, 0,
-                1e6},
-          o.influence);
+    visit(
+        Field{"influence", "distance where the field ends, 1.1 to 20 radii; 0 = 2.2 radii, by the law soft 2",
+              Unit::metre, 0, 1e6},
+        o.influence);
+    visit(Field{"law",
+                "how the field falls with the share x of the influence: (1 - x^2)^3 or "
+                "-4/9 x^6 + 17/9 x^4 - 22/9 x^2 + 1"},
+          o.law);
 }
 
 // Primitives. The skeleton is named by its points; discs, boxes, cones, cylinders and polygons are solid
@@ -89,7 +108,8 @@ Solid polygon(std::span<const Vec3> corners, const PrimitiveOptions& options = {
 
 /// An open shape is a skeleton as those above. Of a closed one the surface is the shape itself: its field is
 /// 1 from `influence` below the surface (0: half the least side of its bounds) and falls to 0 at as much
-/// above it; `radius` has no meaning.
+/// above it: evenly to both sides by the law cube, and by soft as if the skeleton lay at that depth.
+/// `radius` has no meaning.
 Solid solid_of(std::shared_ptr<const Shape> shape, const PrimitiveOptions& options = {});
 
 // Combinations of one or more solids.

@@ -222,14 +222,32 @@ Extent extent_of(const Solid& solid, const Affine& map, double value) {
     }
 }
 
+/// Where the law soft has a value in (0, 1], as a share of the influence: not less than the true one.
+double soft_distance(double value) {
+    constexpr int kHalvings = 50;
+    double low = 0, high = 1;
+    for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        (law_value(FieldLaw::soft, middle) > value ? low : high) = middle;
+    }
+    return std::sqrt(high);
+}
+
 }  // namespace
+
+double law_value(FieldLaw law, double s) { return (1 - s) * (1 - s) * (1 - s + law_share(law) * s); }
 
 double distance_of_value(const SolidNode& primitive, double value) {
     if (value <= 0) return primitive.influence;
     if (!(value <= primitive.weight)) return -1;
     const double most = primitive.influence;
+    const bool closed = primitive.closed && primitive.kind == SolidKind::shape;
+    if (primitive.law == FieldLaw::soft) {
+        const double x = soft_distance(value / primitive.weight);
+        return most * (closed ? std::max(0.0, 2 * x - 1) : x);
+    }
     // Outside, a closed shape's field is convex: it lies below its chord.
-    if (primitive.closed && primitive.kind == SolidKind::shape) return most * std::max(0.0, 1 - 2 * value);
+    if (closed) return most * std::max(0.0, 1 - 2 * value);
     return most * std::sqrt(std::max(0.0, 1 - std::cbrt(value / primitive.weight)));
 }
 

@@ -181,6 +181,7 @@ class Compiler {
         const double scale = kind == StepKind::shape ? 1 : 1 / node.influence;
         p.rows = rows_of((map * node.map).inverse(), scale);
         p.weight = static_cast<float>(node.weight);
+        p.share = static_cast<float>(law_share(node.law));
         p.a = static_cast<float>(node.size.x * scale);
         p.b = static_cast<float>(node.size.y * scale);
         p.c = static_cast<float>(node.size.z * scale);

@@ -44,8 +44,9 @@ struct SolidNode {
     /// circle: radius. box: half sides. twist: rate. taper: height, factor. bend: height, angle. ricci:
     /// exponent.
     Vec3d size;
-    double influence = 0;       ///< [m] of the skeleton's own coordinates
-    double weight = 1;          ///< the field's value at distance 0
+    double influence = 0;  ///< [m] of the skeleton's own coordinates
+    double weight = 1;     ///< the field's value at distance 0
+    FieldLaw law = FieldLaw::cube;
     std::vector<Vec3d> points;  ///< polyline, polygon (z = 0), in the skeleton's own coordinates
     bool closed = false;        ///< polyline
     std::shared_ptr<const Shape> shape;
@@ -55,6 +56,12 @@ struct SolidNode {
 /// given value: the influence for 0, negative when the value is never reached; at least 0 for a closed shape
 /// that reaches it only inside.
 double distance_of_value(const SolidNode& primitive, double value);
+
+/// What tells the laws apart: a field is (1 - s)^2 (1 - s + share s) of the squared distance s.
+constexpr double law_share(FieldLaw law) { return law == FieldLaw::soft ? 5.0 / 9 : 0; }
+
+/// The law at the squared share s, in [0, 1], of the influence.
+double law_value(FieldLaw law, double s);
 
 /// The box of {field >= value} (of the support for 0), seen through `map`.
 Box3 box_of(const Solid& solid, const Affine& map, double value);

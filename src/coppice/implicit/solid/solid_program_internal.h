@@ -47,6 +47,7 @@ using Rows = std::array<float, 12>;
 struct PrimitiveStep {
     Rows rows;  ///< from the coordinates of the nearest warp above
     float weight;
+    float share = 0;                     ///< of the law, see law_share
     float a = 0, b = 0, c = 0;           ///< as SolidNode::size, scaled
     std::uint32_t first = 0, count = 0;  ///< of `edges`
     const Shape* shape = nullptr;

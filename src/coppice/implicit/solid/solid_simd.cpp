@@ -241,22 +241,21 @@ class Evaluator {
         }
     }
 
-    /// Wyvill's field of the squared distance, and its gradient.
+    /// The field of the squared distance, and its gradient.
     HWY_INLINE void write(const PrimitiveStep& p, const Block& at, std::size_t k, const Nearest& n,
                           float* HWY_RESTRICT out) const {
+        const Falloff law(p);
         if constexpr (W == Want::range) {
             const V reach = ball_through(p.rows, load_point(at.rows + 3 * kSolidBlock, k));
             const V d = hn::Sqrt(n.squared);
             const V nearest = hn::Max(hn::Sub(d, reach), zero()), farthest = hn::Add(d, reach);
-            store_range(falloff(p.weight, hn::Mul(farthest, farthest)),
-                        falloff(p.weight, hn::Mul(nearest, nearest)), out, k);
+            store_range(law.value(hn::Mul(farthest, farthest)), law.value(hn::Mul(nearest, nearest)), out, k);
         } else {
-            store(falloff(p.weight, n.squared), out, k);
+            store(law.value(n.squared), out, k);
             if constexpr (W == Want::sample) {
-                const V t = hn::Max(hn::Sub(splat(1.0f), n.squared), zero());
-                const V slope = hn::Mul(splat(-6 * p.weight), hn::Mul(t, t));
+                const V slope = law.slope(n.squared);
                 const Point g = back_through(p.rows, n.away);
-                const auto inside = hn::Gt(t, zero());
+                const auto inside = hn::Lt(n.squared, splat(1.0f));
                 store_point({hn::IfThenElseZero(inside, hn::Mul(slope, g.x)),
                              hn::IfThenElseZero(inside, hn::Mul(slope, g.y)),
                              hn::IfThenElseZero(inside, hn::Mul(slope, g.z))},
@@ -292,15 +291,14 @@ class Evaluator {
             const V steepness = splat(std::min(p.shape->steepness(), 1e18f));
             const V reach = hn::Mul(hn::Mul(steepness, per_influence),
                                     ball_through(p.rows, load_point(at.rows + 3 * kSolidBlock, k)));
-            store_range(shape_falloff(closed, p.weight, hn::Add(d, reach)),
-                        shape_falloff(closed, p.weight, hn::Sub(d, reach)), out, k);
+            store_range(shape_falloff(closed, p, hn::Add(d, reach)),
+                        shape_falloff(closed, p, hn::Sub(d, reach)), out, k);
         } else {
             // The field ends at the support's box even where the distance is not a true one.
             const auto inside = hn::And(contains(support, q), hn::Lt(d, splat(1.0f)));
-            store(hn::IfThenElseZero(inside, shape_falloff(closed, p.weight, d)), out, k);
+            store(hn::IfThenElseZero(inside, shape_falloff(closed, p, d)), out, k);
             if constexpr (W == Want::sample) {
-                const V slope =
-                    hn::IfThenElseZero(inside, hn::Mul(per_influence, shape_slope(closed, p.weight, d)));
+                const V slope = hn::IfThenElseZero(inside, hn::Mul(per_influence, shape_slope(closed, p, d)));
                 g = back_through(p.rows, g);
                 store_point({hn::Mul(slope, g.x), hn::Mul(slope, g.y), hn::Mul(slope, g.z)},
                             out + kSolidBlock, k);

@@ -123,29 +123,59 @@ HWY_INLINE hn::Mask<Tag> contains(const Box3& b, Point p) {
     return hn::And(x, hn::And(y, z));
 }
 
-/// weight (1 - s)^3 where the squared distance s is below 1.
-HWY_INLINE V falloff(float weight, V squared) {
-    const V t = hn::Max(hn::Sub(splat(1.0f), squared), zero());
-    return hn::Mul(hn::Mul(splat(weight), t), hn::Mul(t, t));
-}
+/// weight (1 - s)^2 (1 - s + share s) where the squared distance s is below 1: what a law of fields is.
+class Falloff {
+  public:
+    Falloff(float weight, float share) : weight_(weight), share_(share) {}
+    explicit Falloff(const PrimitiveStep& p) : Falloff(p.weight, p.share) {}
+
+    HWY_INLINE V value(V squared) const {
+        const V s = hn::Min(squared, splat(1.0f)), t = hn::Sub(splat(1.0f), s);
+        return hn::Mul(hn::Mul(splat(weight_), t), hn::Mul(t, hn::MulAdd(splat(share_), s, t)));
+    }
+    /// The derivative by the distance, over the distance.
+    HWY_INLINE V slope(V squared) const {
+        const V s = hn::Min(squared, splat(1.0f)), t = hn::Sub(splat(1.0f), s);
+        const V u = hn::MulAdd(splat(share_), hn::Sub(s, splat(1.0f / 3)), t);
+        return hn::Mul(splat(-6 * weight_), hn::Mul(t, u));
+    }
+
+  private:
+    float weight_, share_;
+};
+
+/// From the surface of a closed shape at -1 to 1, the distance from a skeleton that lies 1 below it, in units
+/// of where the law soft ends.
+HWY_INLINE V from_depth(V d) { return hn::MulAdd(splat(0.5f), d, splat(0.5f)); }
 
 /// The field of a shape at distance d, in influences. A closed one falls from 1 at -1 to 0 at 1 as
-/// 1/2 - d (15 - 10 d^2 + 3 d^4) / 16, twice differentiable everywhere.
-HWY_INLINE V shape_falloff(bool closed, float weight, V d) {
+/// 1/2 - d (15 - 10 d^2 + 3 d^4) / 16, twice differentiable everywhere, or by the law soft.
+HWY_INLINE V shape_falloff(bool closed, const PrimitiveStep& primitive, V d) {
+    const Falloff law(primitive);
     if (!closed) {
         const V outside = hn::Max(d, zero());
-        return falloff(weight, hn::Mul(outside, outside));
+        return law.value(hn::Mul(outside, outside));
     }
     d = hn::Min(hn::Max(d, splat(-1.0f)), splat(1.0f));
+    if (primitive.share > 0) {
+        const V x = from_depth(d);
+        return law.value(hn::Mul(x, x));
+    }
     const V s = hn::Mul(d, d);
     const V p = hn::MulAdd(hn::MulAdd(splat(3.0f / 16), s, splat(-10.0f / 16)), s, splat(15.0f / 16));
     return hn::NegMulAdd(d, p, splat(0.5f));
 }
 
-HWY_INLINE V shape_slope(bool closed, float weight, V d) {
+HWY_INLINE V shape_slope(bool closed, const PrimitiveStep& primitive, V d) {
+    const Falloff law(primitive);
     d = hn::Min(hn::Max(d, splat(closed ? -1.0f : 0.0f)), splat(1.0f));
-    const V t = hn::Sub(splat(1.0f), hn::Mul(d, d)), t2 = hn::Mul(t, t);
-    return closed ? hn::Mul(splat(-15.0f / 16), t2) : hn::Mul(splat(-6 * weight), hn::Mul(d, t2));
+    if (!closed) return hn::Mul(d, law.slope(hn::Mul(d, d)));
+    if (primitive.share > 0) {
+        const V x = from_depth(d);
+        return hn::Mul(hn::Mul(splat(0.5f), x), law.slope(hn::Mul(x, x)));
+    }
+    const V t = hn::Sub(splat(1.0f), hn::Mul(d, d));
+    return hn::Mul(splat(-15.0f / 16), hn::Mul(t, t));
 }
 
 // How two values become one: value(a, b), and sample(a, b) into a, with gradients. A value of 0 changes

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "coppice/implicit/shape/revolution.h"
 #include "coppice/implicit/shape/skin.h"
 #include "coppice/implicit/shape/sweep.h"
 #include "coppice/implicit/shape/variational.h"
+#include "coppice/implicit/shape/variational_curve.h"
 #include "coppice/implicit/solid/mesh_solid.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/mesh/topology.h"
@@ -28,11 +31,15 @@ SceneCommand in_group(ObjectKind makes, std::string name, std::string help, std:
     return c;
 }
 
-Argument influence() {
-    std::vector<Argument> fields;
-    add_options(fields, PrimitiveOptions{}, "primitive", {"radius"});
-    fields.front().help = "how far above and below the surface the field goes; 0 = half the least side";
-    return fields.front();
+Argument& find_argument(SceneCommand& c, std::string_view name) {
+    return *std::ranges::find(c.arguments, name, &Argument::name);
+}
+
+/// Influence and law of a closed shape.
+void add_field_options(SceneCommand& c) {
+    add_options(c.arguments, PrimitiveOptions{}, "primitive", {"radius"});
+    find_argument(c, "influence").help =
+        "how far above and below the surface the field goes; 0 = half the least side";
 }
 
 SceneOutcome makes_closed(const SceneCall& call, std::shared_ptr<const Shape> shape, double bytes) {
@@ -100,6 +107,46 @@ SceneCommand profile_command() {
     return c;
 }
 
+/// Points with normals: their own, or where none has one those of a closed line in this order.
+std::vector<OrientedPoint> contour_points(const SceneCall& call) {
+    std::vector<OrientedPoint> out;
+    std::size_t with_normal = 0;
+    for (const ArgumentValue& v : call.values("points")) {
+        const auto& n = v.numbers;
+        out.push_back({{n.at(0), n.at(1)}, {0, 0}});
+        if (n.size() < 4) continue;
+        out.back().normal = {n.at(2), n.at(3)};
+        ++with_normal;
+    }
+    if (with_normal == out.size()) return out;
+    if (with_normal > 0)
+        throw InvalidInput("either all points have normals, as x,y,nx,ny, or none of them has one, as x,y");
+    return with_normals(plane_points(call));
+}
+
+SceneCommand contour_command() {
+    SceneCommand c = in_group(ObjectKind::profile, "contour",
+                              "a variational curve: the smoothest closed line through points, as a profile",
+                              "contour bean 1,0 0,0.8 -1,0 0,0.2");
+    c.arguments = {new_name("name", "name of the new profile"),
+                   positional(repeated(tuple("points", "",
+                                             "points in their order around the area as x,y, or in any order "
+                                             "with outward normals as x,y,nx,ny",
+                                             {2, 4})))};
+    add_options(c.arguments, VariationalOptions{}, "contour");
+    find_argument(c, "margin").help = "how far around the points' box the area ends, in sizes of that box";
+    c.run = [](const SceneCall& call) {
+        const auto points = contour_points(call);
+        const double n = static_cast<double>(points.size());
+        call.reserve(64 * n * n);
+        Profile made =
+            variational_profile(points, call.options<VariationalOptions>("contour"), call.context());
+        const auto bytes = static_cast<std::uint64_t>(kBytesOfCurvePoint) * corner_count(made);
+        return makes(call.text("name"), std::move(made), bytes);
+    };
+    return c;
+}
+
 SceneCommand path_command() {
     SceneCommand c = in_group(ObjectKind::path, "path", "a curve through points in space, for sweep and skin",
                               "path spine 0,0,0 0,0,2 1,0,4");
@@ -122,7 +169,8 @@ SceneCommand revolve_command() {
     c.arguments = {new_name("name", "name of the new solid"),
                    object("profile", ObjectKind::profile, "what is turned"),
                    tuple("origin", "0,0,0", "the point of the axis where y is 0"),
-                   tuple("axis", "0,0,1", "direction of the axis", {3}, Unit::none), influence()};
+                   tuple("axis", "0,0,1", "direction of the axis", {3}, Unit::none)};
+    add_field_options(c);
     c.run = [](const SceneCall& call) {
         const Profile& profile = call.profile(call.text("profile"));
         const Axis axis{call.point("origin"), call.point("axis")};
@@ -141,7 +189,7 @@ SceneCommand sweep_command() {
                    repeated(tuple("scale", "", "FRACTION,FACTOR: size of the profile at a part of the length",
                                   {2}, Unit::none))};
     add_options(c.arguments, SweepOptions{}, "sweep");
-    c.arguments.push_back(influence());
+    add_field_options(c);
     c.run = [](const SceneCall& call) {
         std::vector<ScaleAt> scales;
         for (const ArgumentValue& v : call.values("scale"))
@@ -174,7 +222,7 @@ SceneCommand skin_command() {
     sections.high = 1;
     c.arguments.push_back(std::move(sections));
     add_options(c.arguments, SkinOptions{}, "skin");
-    c.arguments.push_back(influence());
+    add_field_options(c);
     c.run = [](const SceneCall& call) {
         std::vector<SkinSection> sections_of_skin;
         double corners = call.path(call.text("path")).piece_count();
@@ -215,7 +263,7 @@ SceneCommand variational_command() {
         new_name("name", "name of the new solid"),
         positional(repeated(tuple("points", "", "a point and its normal, as x,y,z,nx,ny,nz", {6})))};
     add_options(c.arguments, VariationalOptions{}, "variational");
-    c.arguments.push_back(influence());
+    add_field_options(c);
     c.run = [](const SceneCall& call) {
         const auto [points, normals] = oriented_points(call);
         const double n = static_cast<double>(std::min(points.size(), Variational::kMostPoints));
@@ -252,7 +300,8 @@ SceneCommand solid_command() {
     SceneCommand c =
         in_group(ObjectKind::solid, "solid", "a closed mesh as a solid", "solid rest_mesh influence=5");
     c.arguments = {object("mesh", ObjectKind::mesh, "the mesh"),
-                   positional(new_name("name", "name of the new solid", "@mesh"), false), influence()};
+                   positional(new_name("name", "name of the new solid", "@mesh"), false)};
+    add_field_options(c);
     c.run = [](const SceneCall& call) {
         constexpr double kBytesOfTriangle = 100;
         const Surface& surface = call.surface(call.text("mesh"));
@@ -270,7 +319,7 @@ SceneCommand solid_command() {
 }  // namespace
 
 std::vector<SceneCommand> curve_commands() {
-    return {profile_command(), path_command(),        revolve_command(),  sweep_command(),
+    return {profile_command(), contour_command(),     path_command(),     revolve_command(), sweep_command(),
             skin_command(),    variational_command(), loadmesh_command(), solid_command()};
 }
 

@@ -1,0 +1,155 @@
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
+#include "coppice/implicit/shape/smoothest_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kMostNormals = 1000;
+constexpr double kCoincident = 1e-6;  // [size]
+constexpr int kMostHalvings = 12;
+
+struct Constraint {
+    Vec3d position;
+    double value;
+};
+
+struct Neighbour {
+    std::size_t index = 0;
+    double distance = std::numeric_limits<double>::infinity();
+};
+
+Neighbour nearest(std::span<const Constraint> points, Vec3d p, std::size_t besides) {
+    Neighbour best;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (const double d = length_squared(points[i].position - p); i != besides && d < best.distance)
+            best = {i, d};
+    best.distance = std::sqrt(best.distance);
+    return best;
+}
+
+/// Points on the surface, and some beside it: so near to their own points that no other is nearer.
+std::vector<Constraint> constraints(std::vector<Constraint> points, std::span<const Vec3> normals,
+                                    double offset, const char* what, const Context& ctx) {
+    const std::size_t n = points.size(), normal_count = std::min(n, kMostNormals);
+    std::vector<Neighbour> neighbour(n);
+    parallel_for(ctx, n, 64, [&](std::size_t i) { neighbour[i] = nearest(points, points[i].position, i); });
+    for (std::size_t i = 0; i < n; ++i)
+        if (neighbour[i].distance < kCoincident)
+            throw InvalidInput(fmt::format("{}: points {} and {} coincide; leave one out", what,
+                                           std::min(i, neighbour[i].index) + 1,
+                                           std::max(i, neighbour[i].index) + 1));
+    std::vector<Constraint> beside(normal_count);
+    parallel_for(ctx, normal_count, 64, [&](std::size_t k) {
+        const std::size_t i = k * n / normal_count;
+        const Vec3d normal = normalized(Vec3d(normals[i]));
+        double d = offset;
+        for (int halvings = 0; halvings < kMostHalvings; ++halvings, d *= 0.5)
+            if (nearest(points, points[i].position + normal * d, i).distance > d) break;
+        beside[k] = {points[i].position + normal * d, d};
+    });
+    points.insert(points.end(), beside.begin(), beside.end());
+    return points;
+}
+
+[[noreturn]] void refuse_dense_points(const char* what) {
+    throw InvalidInput(
+        fmt::format("{}: the points lie too close together for a smooth surface; give fewer of them", what));
+}
+
+/// Solves a x = b for a symmetric, positive definite a, which becomes its Cholesky factor: by blocks, with a
+/// look at the stop token before each.
+Eigen::VectorXd solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::VectorXd b, const char* what,
+                               const Context& ctx) {
+    constexpr Eigen::Index kBlock = 64;
+    const Eigen::Index n = a.rows();
+    for (Eigen::Index k = 0; k < n; k += kBlock) {
+        const Eigen::Index size = std::min(kBlock, n - k), rest = n - k - size;
+        const auto left = static_cast<float>(n - k) / static_cast<float>(n);
+        ctx.throw_if_cancelled();
+        ctx.report(1 - left * left * left);
+        auto corner = a.block(k, k, size, size), below = a.block(k + size, k, rest, size);
+        const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(corner);
+        if (factor.info() != Eigen::Success) refuse_dense_points(what);
+        if (rest == 0) break;
+        factor.matrixU().solveInPlace<Eigen::OnTheRight>(below);
+        a.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+    }
+    a.triangularView<Eigen::Lower>().solveInPlace(b);
+    a.triangularView<Eigen::Lower>().adjoint().solveInPlace(b);
+    return b;
+}
+
+/// Weights have no part in the linear functions: Q of these = Q R turns the system into one for the
+/// remaining unknowns that is positive definite, and is solved in place.
+SmoothestFunction solve(std::span<const Constraint> points, Bending bending, const char* what,
+                        const Context& ctx) {
+    const auto n = static_cast<Eigen::Index>(points.size());
+    const Eigen::Index terms = bending == Bending::in_space ? 4 : 3;  // 1, x, y and in space z
+    Eigen::MatrixXd a(n, n), linear(n, terms);
+    Eigen::VectorXd f(n);
+    parallel_for(ctx, points.size(), 16, [&](std::size_t column) {
+        const auto j = static_cast<Eigen::Index>(column);
+        const Vec3d p = points[column].position;
+        f[j] = points[column].value;
+        const Eigen::Vector4d row(1, p.x, p.y, p.z);
+        linear.row(j) = row.head(terms);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            a(static_cast<Eigen::Index>(i), j) =
+                bending_kernel(bending, length_squared(points[i].position - p));
+        }
+    });
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(linear);
+    const auto top = qr.matrixQR().topRows(terms);
+    if (!(top.diagonal().cwiseAbs().minCoeff() > 1e-6 * std::sqrt(static_cast<double>(n)))) {
+        throw InvalidInput(bending == Bending::in_space
+                               ? fmt::format("{}: all points and normals lie in one plane; give points "
+                                             "around the solid",
+                                             what)
+                               : fmt::format("{}: all points and normals lie on one line; give points "
+                                             "around the area",
+                                             what));
+    }
+    ctx.throw_if_cancelled();
+    a.applyOnTheLeft(qr.householderQ().adjoint());
+    a.applyOnTheRight(qr.householderQ());
+    f.applyOnTheLeft(qr.householderQ().adjoint());
+    ctx.throw_if_cancelled();
+
+    const Eigen::Index rest = n - terms;
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(n);
+    y.tail(rest) = solve_positive(a.bottomRightCorner(rest, rest), f.tail(rest), what, ctx);
+    const Eigen::VectorXd constant_and_slopes = top.triangularView<Eigen::Upper>().solve(
+        f.head(terms) - a.topRightCorner(terms, rest) * y.tail(rest));
+    y.applyOnTheLeft(qr.householderQ());
+    if (!y.allFinite() || !constant_and_slopes.allFinite()) refuse_dense_points(what);
+    SmoothestFunction out;
+    for (const Constraint& c : points) out.centers.push_back(c.position);
+    out.weight.assign(y.begin(), y.end());
+    out.constant = constant_and_slopes[0];
+    for (int axis = 0; axis + 1 < terms; ++axis) out.linear[axis] = constant_and_slopes[axis + 1];
+    return out;
+}
+
+}  // namespace
+
+double bending_kernel(Bending bending, double squared) {
+    if (bending == Bending::in_space) return squared * std::sqrt(squared);
+    return squared > 0 ? 0.5 * squared * std::log(squared) : 0;
+}
+
+SmoothestFunction smoothest_function(std::span<const Vec3d> points, std::span<const Vec3> normals,
+                                     double offset, Bending bending, const char* what, const Context& ctx) {
+    std::vector<Constraint> surface;
+    for (const Vec3d p : points) surface.push_back({p, 0});
+    return solve(constraints(std::move(surface), normals, offset, what, ctx), bending, what, ctx);
+}
+
+}  // namespace coppice
