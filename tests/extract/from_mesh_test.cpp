@@ -293,7 +293,7 @@ TEST(FromMesh, PiecesWithoutAnAxisAreRefused) {
     EXPECT_THROW(extract_from_mesh(tube({0, 0, 0}, {0, 0, 2}, 0.1f), options), InvalidInput);
 }
 
-// A hub with 20,000 spokes: the square of its Laplacian would have 400 million entries.
+// A hub with 20,000 spokes: each of its collapses would look at all of them, 400 million in all.
 TEST(FromMesh, HubsAreNotContracted) {
     const PolygonMesh mesh = tube({0, 0, 0}, {0, 0, 3}, 1, {.sides = 20000, .rings = 2});
     EXPECT_NEAR(measure(extract_from_mesh(mesh).skeleton).length, 3, 0.5);

@@ -15,10 +15,11 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr int kMostIterations = 20;
-constexpr double kGrowth = 2;                      // of the contraction weight, per iteration [Au2008]
-constexpr double kFirstWeight = 1e-3;              // [root of the mean triangle area]
-constexpr double kDone = 1e-3;                     // [area at first] the surface is a line by then
+constexpr double kFirstStep = 0.25;                // [mean triangle area] of time
+constexpr double kGrowth = 2;                      // of the step, per iteration
+constexpr double kLongestStep = 1.0 / 16;          // [square of the extent]
+constexpr double kThin = 0.1;                      // [area at first] what is left around a vertex that rests
+constexpr double kRest = 1e-4;                     // [step in which a vertex came to rest]
 constexpr float kSmoothingShare = 0.9f;            // of the time
 constexpr double kLeastCot = 0.05, kMostCot = 20;  // slivers have no useful cotangents
 
@@ -59,8 +60,11 @@ Matrix laplacian(const Surface& s, const Points& at) {
     return l;
 }
 
-/// The vertices after implicit Laplacian smoothing under growing weights. Areas shrink about geometrically,
-/// so the logarithm of what is left of them tells how far it is.
+/// The vertices after implicit smoothing in growing steps, each of them for as long as it takes until the
+/// surface around it is a line. The Laplacian stays that of the surface at first [Kazhdan2012]: made anew, as
+/// in [Au2008], it degenerates with the triangles, which thin twigs do long before thick wood, and then
+/// shortens them and opens webs in forks. With positive weights every vertex moves to a mean of vertices, so
+/// nothing leaves the hull of the surface.
 Points smoothed(const Surface& s, const Context& ctx) {
     Points at(s.size(), 3);
     for (std::uint32_t v = 0; v < s.size(); ++v)
@@ -68,32 +72,31 @@ Points smoothed(const Surface& s, const Context& ctx) {
     const std::vector<double> first = one_ring_areas(s, at);
     const double whole = std::accumulate(first.begin(), first.end(), 0.0);
     if (!(whole > 0)) return at;
-    double pull = kFirstWeight * std::sqrt(whole / static_cast<double>(s.triangles.size()));
     const double least = 1e-12 * whole / static_cast<double>(s.size());
-    std::vector<double> area = first;
+    const double extent = (at.colwise().maxCoeff() - at.colwise().minCoeff()).norm();
+    const double first_step = kFirstStep * whole / static_cast<double>(s.triangles.size());
+    const double longest = kLongestStep * extent * extent;
+    const Matrix pull = -laplacian(s, at);
+    std::vector<double> rested(s.size(), 0);  // the step in which a vertex came to rest
     SparseCholesky solver;
-    float done = 0;
-    for (int k = 0; k < kMostIterations; ++k, pull *= kGrowth) {
+    for (double step = first_step; step <= std::max(first_step, longest); step *= kGrowth) {
         ctx.throw_if_cancelled();
-        const Matrix l = laplacian(s, at);
-        Matrix a = (pull * pull) * Matrix(l.transpose() * l);
+        Matrix a = pull;
         Points right = at;
         for (std::uint32_t v = 0; v < s.size(); ++v) {
-            const double hold = std::max(first[v], least) / std::max(area[v], least);  // the square of W_H
+            const double hold = std::max(first[v], least) / (rested[v] > 0 ? kRest * rested[v] : step);
             a.coeffRef(v, v) += hold;
             right.row(v) *= hold;
         }
-        ctx.throw_if_cancelled();
-        if (k == 0) solver.analyze(a);
+        if (step == first_step) solver.analyze(a);
         if (!solver.factorize(a, ctx)) break;
         const Points next = solver.solve(right);
         if (!next.allFinite()) break;
         at = next;
-        area = one_ring_areas(s, at);
-        const double left = std::accumulate(area.begin(), area.end(), 0.0);
-        if (left < kDone * whole) break;
-        done = std::max(done, static_cast<float>(std::log(left / whole) / std::log(kDone)));
-        ctx.report(done);
+        const std::vector<double> area = one_ring_areas(s, at);
+        for (std::uint32_t v = 0; v < s.size(); ++v)
+            if (rested[v] == 0 && area[v] < kThin * first[v]) rested[v] = step;
+        ctx.report(static_cast<float>(std::log2(step / first_step) / std::log2(longest / first_step)));
     }
     return at;
 }
@@ -140,15 +143,15 @@ void measure_radii(const Surface& s, const Context& ctx, Contraction& c) {
     for (double& r : c.tree.radius) r = std::max(r, least);
 }
 
-/// The square of the Laplacian joins all neighbours of a vertex with each other.
+/// Whenever a neighbour of a vertex collapses, all its neighbours are looked at.
 void check_valences(const Surface& s) {
-    constexpr double kMostEntries = 200;  // per vertex; 19 on a regular mesh
-    double entries = 0;
+    constexpr double kMostLooks = 200;  // per vertex; some 36 on a regular mesh
+    double looks = 0;
     for (std::uint32_t v = 0; v < s.size(); ++v) {
         const auto n = static_cast<double>(s.outgoing(v).size());
-        entries += n * n;
+        looks += n * n;
     }
-    if (entries > kMostEntries * s.size() + 1e6)
+    if (looks > kMostLooks * s.size() + 1e6)
         throw InvalidInput(
             "vertices of the mesh have too many neighbours to be contracted; use the method rings");
 }

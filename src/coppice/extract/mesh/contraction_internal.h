@@ -15,9 +15,11 @@ struct Contraction {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> loops;  ///< ends of edges that close a way round
 };
 
-/// Shrinks a surface to its axis [Au2008]: implicit Laplacian smoothing under growing weights, then edge
-/// collapses until no triangle is left. Cotangents are clamped, and edges of one triangle or of more than two
-/// are smoothed like any other, so that the surface need be neither closed nor manifold. Nodes lie in the
+/// Shrinks a surface to its axis, after [Au2008]: implicit Laplacian smoothing in growing steps, then edge
+/// collapses until no triangle is left. Unlike there the Laplacian is that of the surface at first
+/// [Kazhdan2012], and each vertex rests as soon as the surface around it is a line, so that thin twigs keep
+/// their length while thick wood shrinks. Cotangents are clamped, and edges of one triangle or of more than
+/// two are smoothed like any other, so that the surface need be neither closed nor manifold. Nodes lie in the
 /// middle of the vertices that became part of them; radii are the median distance of those. O(n^1.5) or so
 /// for the factorisations of surfaces, O(n log n) for the collapses.
 Contraction contract(const Surface& surface, const Context& ctx);

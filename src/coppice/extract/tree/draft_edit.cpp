@@ -277,7 +277,7 @@ std::uint32_t merge_forks(DraftTree& tree, FitSamples& samples, double factor) {
 }
 
 std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {
-    constexpr double kBeside = 1.5, kRim = 0.7, kFlat = 0.25, kMoved = 0.1, kStraight = 1.2;  // [radius]
+    constexpr double kBeside = 1.5, kRim = 0.7, kFlat = 0.15, kMoved = 0.1, kStraight = 1.2;  // [radius]
     struct End {
         std::uint32_t neighbour = kNone;
         Vec3d outward;
