@@ -44,6 +44,16 @@ Figures counts_of(const KnotReport& r) {
     return out;
 }
 
+Figures counts_of(const BendApartReport& r) {
+    Figures out;
+    out["overlaps_before"] = r.before;
+    out["overlaps_after"] = r.after;
+    out["nodes_moved"] = r.moved;
+    out["farthest"] = r.farthest;
+    out["rounds"] = r.rounds;
+    return out;
+}
+
 Figures counts_of(const RamificationObjective& f) {
     Figures out;
     out["units"] = f.units;
@@ -85,6 +95,13 @@ Figures counts_of(const BallReport& r) {
 
 std::string counted(std::uint64_t number, std::string_view thing) {
     return fmt::format("{} {}{}", grouped(number), thing, number == 1 ? "" : "s");
+}
+
+// What became of wood that overlapped that of other trees: nothing where none did.
+std::string told(const BendApartReport& r) {
+    if (r.before == 0) return {};
+    const std::string left = r.after > 0 ? fmt::format(", {} left", grouped(r.after)) : "";
+    return fmt::format("{} of two trees bent apart{}; ", counted(r.before, "overlap"), left);
 }
 
 bool had_knots(const KnotReport& r) { return r.pairs_before > 0 || r.lossy > 0 || r.folded > 0; }
@@ -180,6 +197,10 @@ void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std
 std::string count_surface(Run& run, const MeshResult& result) {
     std::string said =
         std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
+    if (result.bent_apart) {
+        run.counts()["trees_bent_apart"] = counts_of(*result.bent_apart);
+        said = told(*result.bent_apart) + said;
+    }
     if (!result.fitted) return said;
     const FitVolumeReport& fitted = *result.fitted;
     run.counts()["fitted"] = figures_of(fitted);

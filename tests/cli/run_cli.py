@@ -46,6 +46,9 @@ def make_inputs():
     write("tree.swc", TREE)
     # A branch that comes back and runs through its own stem, out again on the other side.
     write("loop.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 1 1 0 2 0.05 4\n6 1 -2 0 2 0.05 5\n")
+    # Two trees: a stem, and one that runs across it in steps.
+    write("crossed.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n3 1 -1 0.02 1 0.04 -1\n" +
+          "".join("%d 1 %g 0.02 1 0.04 %d\n" % (4 + i, -0.8 + 0.2 * i, 3 + i) for i in range(10)))
     # A trunk with two laterals, of which one forks: six branches that begin at branch nodes.
     write("twigs.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.18 1\n3 1 0 0 2 0.15 2\n4 1 0 0 3 0.1 3\n5 1 1 0 1.5 0.1 2\n"
           "6 1 1.6 0 2 0.07 5\n7 1 1.2 0.6 2 0.05 5\n8 1 -0.9 0 2.6 0.08 3\n")

@@ -156,13 +156,15 @@ TEST(Knots, ALoopThatIsFusedIsAHandle) {
     EXPECT_EQ(topology(kept.mesh).euler, 2);
 }
 
-TEST(Knots, TreesThatCrossBecomeOneBody) {
+TEST(Knots, TreesThatCrossAreGraftedOrBentApartOrBecomeOneBody) {
     const Skeleton bars = crossed_bars();
-    for (const Overlaps overlaps : {Overlaps::graft, Overlaps::fuse}) {
-        const QuadSurface made = mesh_skeleton(bars, with(overlaps)).quads();
-        EXPECT_EQ(crossings(made.mesh), 0u);
-        EXPECT_EQ(topology(made.mesh).components, 1u);
-        EXPECT_EQ(made.knots.handles, 0);
+    for (const Overlaps overlaps : {Overlaps::graft, Overlaps::apart, Overlaps::fuse}) {
+        const MeshResult made = mesh_skeleton(bars, with(overlaps));
+        EXPECT_EQ(crossings(made.quads().mesh), 0u);
+        EXPECT_EQ(topology(made.quads().mesh).components, overlaps == Overlaps::fuse ? 1u : 2u);
+        EXPECT_EQ(made.quads().knots.handles, 0);
+        EXPECT_EQ(made.quads().grafted.grafted, overlaps == Overlaps::graft ? 1u : 0u);
+        EXPECT_EQ(made.bent_apart.has_value(), overlaps == Overlaps::apart);
     }
     EXPECT_EQ(topology(mesh_skeleton(bars, with(Overlaps::keep)).quads().mesh).components, 2u);
 }

@@ -3,7 +3,6 @@
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/cage/crossings_internal.h"
-#include "coppice/skeleton/measure.h"
 #include "coppice/skeleton/segment_cone.h"
 #include "coppice/spatial/box_tree.h"
 
@@ -25,10 +24,10 @@ float greatest_radius(const Segment& s) { return std::max(s.radius_a, s.radius_b
 class Search {
   public:
     Search(const Skeleton& s, const Axes& axes, const Enclosure& enclosure)
-        : s_(s), axes_(axes), enclosure_(enclosure), root_(tree_roots(s)) {}
+        : s_(s), axes_(axes), enclosure_(enclosure) {}
 
     void add(NodeId a, NodeId b, std::vector<Crossing>& out) const {
-        if (s_.is_root(a) || s_.is_root(b) || root_[a.index()] != root_[b.index()]) return;
+        if (s_.is_root(a) || s_.is_root(b)) return;
         if (axes_.rank(a) < axes_.rank(b)) std::swap(a, b);
         const Segment own = s_.segment(a);
         const Part host{s_.segment(b)};
@@ -56,7 +55,6 @@ class Search {
     const Skeleton& s_;
     const Axes& axes_;
     const Enclosure& enclosure_;
-    std::vector<NodeId> root_;
 };
 
 }  // namespace

@@ -50,8 +50,8 @@ float nearest_parameter(const Segment& own, const Part& host);
 /// [radii of the inner one] A branch has left another one, surface and all, with this gap.
 inline constexpr float kClear = 0.8f;
 
-/// All crossings within trees, by segment, then host. O(n log n) unless most boxes of segments overlap, for
-/// which the search is limited.
+/// All crossings, of one tree or two, by segment, then host. O(n log n) unless most boxes of segments
+/// overlap, for which the search is limited.
 std::vector<Crossing> find_crossings(const Skeleton& skeleton, const Axes& axes, const Enclosure& enclosure,
                                      const Context& ctx);
 

@@ -110,17 +110,19 @@ TubeTree tube_tree(const Grafts& g, const CutSkeleton& cut) {
     for (std::uint32_t i = 0; i < count; ++i) {
         const GraftNode& n = cut.nodes[i];
         if (n.in_tree != NodeId(i)) continue;
-        if (!n.parent) {
-            tree.roots.push_back(NodeId(i));
-        } else {
-            tree.parent[i] = parent_tube(g, cut, n);
-        }
+        if (n.parent) tree.parent[i] = parent_tube(g, cut, n);
     }
     tree.children = compress_rows<NodeId>(count, [&](const auto& put) {
         for (std::uint32_t i = 0; i < count; ++i) {
             if (tree.parent[i]) put(tree.parent[i].index(), NodeId(i));
         }
     });
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const GraftNode& n = cut.nodes[i];
+        // A root of which everything springs from another tree is left to that.
+        const bool is_left = tree.children[i].empty() && !g.axes.skeleton.is_tip(n.segment);
+        if (!n.parent && !is_left) tree.roots.push_back(NodeId(i));
+    }
     return tree;
 }
 

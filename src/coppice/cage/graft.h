@@ -33,8 +33,9 @@ struct GraftResult {
 /// the branch it leaves, as if grafted there. A piece that enters another branch ends at its bark.
 ///
 /// An axis is inside another one while it is nearer than the greater of that one's radius and `depth` times
-/// the sum of both radii; depth 0 changes nothing. Only branches of one tree are grafted, so that every tree
-/// stays whole. Radii and the places of branches stay; laterals that leave their own trunk in the ordinary
+/// the sum of both radii; depth 0 changes nothing. Branches of two trees are grafted as those of one are:
+/// what comes out of another tree springs from there, and a tree whose root lies in another's wood is a
+/// branch of that. Radii and the places of branches stay; laterals that leave their own trunk in the ordinary
 /// way are not touched. O(n log n) for the search unless most boxes of segments overlap.
 GraftResult graft_branches(const Skeleton& skeleton, float depth, const Context& ctx);
 

@@ -29,6 +29,10 @@ MeshOptions checked(const MeshOptions& options) {
         throw InvalidInput("mesh: weights must be local for a surface that follows edits");
     if (options.fit != Fit::surface)
         throw InvalidInput("mesh: fit must be surface for a surface that follows edits");
+    if (options.overlaps == Overlaps::apart)
+        throw InvalidInput(
+            "mesh: overlaps must not be apart for a surface that follows edits; bend trees "
+            "apart by an edit instead, as with: apart all");
     return options.method == MeshMethod::bmesh ? on_metaballs(options) : options;
 }
 

@@ -58,7 +58,7 @@ struct Fitting {
     }
 };
 
-MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& given,
+MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
                      bool with_solid, QuadOrigin* origin, const Context& ctx) {
     check_fields(given, "mesh");
     const MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
@@ -66,6 +66,15 @@ MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, cons
     const bool fits = options.fit == Fit::volume;
     const Context meshing = fits ? part_of(ctx, 0, 0.5f) : ctx;
     Stages stages(meshing, out.stages);
+    std::optional<Skeleton> bent;
+    if (options.overlaps == Overlaps::apart && given_skeleton.tree_count() > 1) {
+        bent = stages.run("apart", 0.03f, [&] {
+            BendApartResult result = bend_apart(given_skeleton, {}, ctx);
+            out.bent_apart = result.report;
+            return std::move(result.skeleton);
+        });
+    }
+    const Skeleton& skeleton = bent ? *bent : given_skeleton;
     const PrepareResult prepared =
         stages.run("prepare", 0.05f, [&] { return prepare(skeleton, options.prepare); });
     out.prepared = prepared.report;

@@ -11,6 +11,7 @@
 #include "coppice/cage/cage.h"
 #include "coppice/cage/graft.h"
 #include "coppice/cage/part.h"
+#include "coppice/edit/bend_apart.h"
 #include "coppice/field/field_options.h"
 #include "coppice/field/kernel/ball_chain.h"
 #include "coppice/field/weights/global_weights.h"
@@ -58,13 +59,14 @@ struct EnumNames<Fit> {
 /// What becomes of branches that run through each other.
 enum class Overlaps {
     graft,  ///< what comes out of another branch springs from there, and is a branch of that
+    apart,  ///< trees are bent apart, so that each keeps its wood; within a tree as graft
     fuse,   ///< they become one body as they cross, so that the surface is that of their union
     keep,   ///< they cross, and so do their quads
 };
 
 template <>
 struct EnumNames<Overlaps> {
-    static constexpr std::array<std::string_view, 3> names{"graft", "fuse", "keep"};
+    static constexpr std::array<std::string_view, 4> names{"graft", "apart", "fuse", "keep"};
 };
 
 /// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
@@ -115,11 +117,10 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "what the surface keeps: its vertices on the field, or the volume of the skeleton's rounded "
                 "cones"},
           o.fit);
-    visit(
-        Field{"overlaps",
-              "what becomes of branches that run through each other: one springs from the other, both become "
-              "one body, or both are left as they are"},
-        o.overlaps);
+    visit(Field{"overlaps",
+                "what becomes of branches that run through each other: one springs from the other, those of "
+                "different trees are bent apart, both become one body, or both are left as they are"},
+          o.overlaps);
     visit(Field{"graft",
                 "branches whose axes come nearer than this times the sum of their radii are grafted; 0 = off",
                 Unit::none, 0, 1},
@@ -185,6 +186,7 @@ struct TetraSurface {
 struct MeshResult {
     std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< of its method
     PrepareReport prepared;                                         ///< changes to the skeleton
+    std::optional<BendApartReport> bent_apart;                      ///< where options.overlaps asked for it
     std::optional<GlobalWeights> weights;                ///< where options.field.weights asked for it
     std::optional<FitVolumeReport> fitted;               ///< where options.fit asked for the volume
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
@@ -209,7 +211,8 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// moves it onto the convolution field, and unfolds what was folded [Zhu2015]. Where quads still cross, the
 /// tubes there are replaced by quads made of the triangles that tetrahedra find, which never cross; branches
 /// that touch there become one body, and a loop of such branches is a handle of the surface. Levels 0 and
-/// open bases are not looked at.
+/// open bases are not looked at. Trees that run through each other are grafted too; with `overlaps` apart
+/// they are bent apart first (see bend_apart), and the surface is that of the bent skeleton.
 ///
 /// About 70 quads per segment at two levels. O(n log n); memory: at most 120 bytes per quad above the input.
 ///

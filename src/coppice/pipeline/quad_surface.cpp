@@ -47,7 +47,8 @@ struct Wrapped {
 };
 
 Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages) {
-    const float graft = options.overlaps == Overlaps::graft ? options.graft : 0;
+    const bool grafts = options.overlaps == Overlaps::graft || options.overlaps == Overlaps::apart;
+    const float graft = grafts ? options.graft : 0;
     GraftResult grafted = stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, ctx); });
     PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
     auto source = composed(parted.source, grafted.source);

@@ -36,6 +36,10 @@ void check(const MeshOptions& options) {
         throw InvalidInput("animate: method must be quads, whose vertices know the segments that carry them");
     if (options.field.weights != Weights::local)
         throw InvalidInput("animate: weights must be local; global ones are those of one pose");
+    if (options.overlaps == Overlaps::apart)
+        throw InvalidInput(
+            "animate: overlaps must not be apart, which poses know nothing of; bend the trees "
+            "apart first, as with: coppice edit TREES apart -o APART.json");
 }
 
 // The region of the vertices of a refined cage: that of the cage quad whose vertex each counts as.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "coppice/edit/bend_apart.h"
 #include "coppice/edit/cut.h"
 #include "coppice/edit/deform.h"
 #include "coppice/edit/join.h"
@@ -299,6 +300,8 @@ std::vector<SceneCommand> moving_commands() {
 }
 
 std::vector<SceneCommand> joining_commands() {
+    std::vector<Argument> apart{selection("nodes", "branches that may give way", "all")};
+    add_options(apart, BendApartOptions{}, "apart");
     return {
         edits(
             "draw", "draws a branch through points, from the nearest axis on",
@@ -341,6 +344,11 @@ std::vector<SceneCommand> joining_commands() {
                                  "springs from there")},
               [](const SceneCall& c, EditableTree& t) {
                   return attach(t, nodes_of(c, t), chosen<Crossings>(c, "crossings"), c.context());
+              }),
+        edits("apart", "bends trees apart where their wood overlaps; each keeps all of it", "edit apart tree",
+              std::move(apart),
+              [](const SceneCall& c, EditableTree& t) {
+                  return bend_apart(t, nodes_of(c, t), c.options<BendApartOptions>("apart"), c.context());
               }),
     };
 }
