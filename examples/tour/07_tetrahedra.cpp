@@ -1,5 +1,5 @@
-// Branches that run through each other: they may be left to cross, or become one body, of quads or of
-// triangles.
+// Branches that run through each other: they may be left to cross, one may spring from the other, or they
+// become one body, of quads or of triangles.
 
 #include <cstdio>
 
@@ -28,8 +28,13 @@ int main() {
     const coppice::MeshResult crossed = coppice::mesh_skeleton(cross, keep);
     judge("quads, kept", coppice::to_polygons(crossed.quads().mesh));
 
-    const coppice::MeshResult quads = coppice::mesh_skeleton(cross);
-    judge("quads", coppice::to_polygons(quads.quads().mesh));
+    const coppice::MeshResult grafted = coppice::mesh_skeleton(cross);
+    judge("quads, grafted", coppice::to_polygons(grafted.quads().mesh));
+
+    coppice::MeshOptions fuse;
+    fuse.overlaps = coppice::Overlaps::fuse;
+    const coppice::MeshResult fused = coppice::mesh_skeleton(cross, fuse);
+    judge("quads, fused", coppice::to_polygons(fused.quads().mesh));
 
     coppice::MeshOptions options{.method = coppice::MeshMethod::tetrahedra};
     options.tetra.edge = 0.3f;  // of the triangles, in radii
