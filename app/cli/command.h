@@ -50,6 +50,7 @@ Command render_command();
 Command scan_command();
 Command run_command();
 Command grow_command();
+Command sprout_command();
 Command edit_command();
 Command animate_command();
 Command shell_command();

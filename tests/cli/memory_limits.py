@@ -29,6 +29,7 @@ COMMANDS = (
     "scan tube.ply -o out.xyz --points 1000000",
     "run scene.coppice -o out.obj",
     "grow scene.coppice -o out.json",
+    "sprout -o out.json --seasons 30 --vigour 3",
 )
 
 

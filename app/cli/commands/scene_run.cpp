@@ -52,8 +52,8 @@ struct GrowFlags {
 };
 
 [[noreturn]] void refuse_without_tree(const std::filesystem::path& scene) {
-    throw InvalidInput(
-        fmt::format("{}: the scene grows no tree; add a line: grow TREE POINTS", scene.string()));
+    throw InvalidInput(fmt::format(
+        "{}: the scene grows no tree; add a line: grow TREE POINTS, or sprout TREE", scene.string()));
 }
 
 ExitCode grow_scene(Run& run, const GrowFlags& flags) {
@@ -62,7 +62,7 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     for (const auto& output : flags.outputs) check_skeleton_output(output);
     const std::vector<SceneFile> files = read_scenes(run, {&flags.scene, 1});
     const auto commands = commands_of_scenes(files);
-    const auto grows = [](const SceneCommand* c) { return c->name == "grow"; };
+    const auto grows = [](const SceneCommand* c) { return c->name == "grow" || c->name == "sprout"; };
     if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
     SceneSettings settings = scene_settings(run, flags.given, files);
     settings.outputs = false;

@@ -10,6 +10,7 @@
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
 #include "coppice/extract/plot/plot.h"
+#include "coppice/growth/sprout.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/measure/match/cloud_distance.h"
@@ -69,6 +70,7 @@ ExitCode schema(Run& run) {
                    {"extract_mesh", described<FromMeshOptions>()},
                    {"extract_cloud", described<CloudOptions>()},
                    {"extract_plot", described<PlotOptions>()},
+                   {"sprout", described<SproutOptions>()},
                    {"sketch", described<SketchOptions>()},
                    {"draw_sketch", described<DrawOptions>()},
                    {"compose", described<ComposeOptions>()},

@@ -6,6 +6,7 @@
 
 #include "coppice/growth/grow.h"
 #include "coppice/growth/radii.h"
+#include "coppice/growth/sprout.h"
 #include "coppice/growth/tidy.h"
 #include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/solid/solid_field.h"
@@ -109,6 +110,31 @@ SceneCommand grow_command() {
         SceneOutcome out = makes_tree(call.text("tree"), std::move(grown.skeleton));
         if (grown.stop == StopReason::node_limit || grown.stop == StopReason::iteration_limit)
             out.text = fmt::format("growth stopped early: {}\n", name_of(grown.stop));
+        out.grown = call.text("tree");
+        return out;
+    };
+    return c;
+}
+
+SceneCommand sprout_command() {
+    SceneCommand c = in_group("sprout", "grows trees by rules: buds, branching angles, light and shade",
+                              "sprout birch seasons=5 internode=8 branching_angle=50");
+    c.arguments = {
+        new_name("tree", "name of the new skeleton"),
+        repeated(tuple("root", "0,0,0",
+                       "x,y,z where a tree starts, or x,y,z,dx,dy,dz to say which way; several share "
+                       "the light",
+                       {3, 6}))};
+    add_options(c.arguments, SproutOptions{}, "sprout");
+    c.arguments.push_back(guard());
+    add_options(c.arguments, GuardOptions{}, "guard");
+    c.run = [](const SceneCall& call) {
+        const std::vector<Root> roots = roots_of(call, {});
+        const GuardOf guarded(call, {});
+        const SproutInput input{roots, guarded.get(), {}, call.memory_left()};
+        SproutResult grown = sprout(input, call.options<SproutOptions>("sprout"), call.context());
+        SceneOutcome out = makes_tree(call.text("tree"), std::move(grown.skeleton));
+        if (grown.full) out.text = fmt::format("growth stopped at max_nodes, in season {}\n", grown.seasons);
         out.grown = call.text("tree");
         return out;
     };
@@ -281,8 +307,8 @@ SceneCommand mesh_command() {
 }  // namespace
 
 std::vector<SceneCommand> tree_commands() {
-    return {grow_command(),     limb_command(), radii_command(), tidy_command(),
-            loadtree_command(), mesh_command(), join_command()};
+    return {grow_command(), sprout_command(),   limb_command(), radii_command(),
+            tidy_command(), loadtree_command(), mesh_command(), join_command()};
 }
 
 }  // namespace coppice

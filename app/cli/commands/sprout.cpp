@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "command.h"
+#include "coppice/growth/radii.h"
+#include "coppice/growth/sprout.h"
+#include "coppice/implicit/solid/solid_field.h"
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/pipeline/quantity.h"
+#include "coppice/skeleton/measure.h"
+#include "files.h"
+#include "options.h"
+#include "scene_files.h"
+#include "surfaces.h"
+
+namespace coppice::cli {
+namespace {
+
+struct SproutFlags {
+    std::vector<std::filesystem::path> outputs;
+    std::vector<std::string> roots;
+    std::filesystem::path guard, mesh_output;
+    SproutOptions sprout;
+    RadiiOptions radii;
+    GuardOptions guarded;
+    MeshOptions mesh;
+};
+
+void check_flags(const SproutFlags& flags, const GivenOptions& given) {
+    if (flags.outputs.empty() && flags.mesh_output.empty())
+        throw UsageError("name the skeleton: coppice sprout -o SKELETON");
+    for (const auto& output : flags.outputs) check_skeleton_output(output);
+    if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
+    for (const Option* o : given) {
+        if (flags.guard.empty() && o->name.starts_with("--guard-"))
+            throw UsageError(fmt::format("{} is for a solid that guards; add --guard SCENE", o->name));
+    }
+}
+
+/// "1,2,0" as a place, "1,2,0,0,0,1" with a direction too.
+Root root_of(const std::string& text) {
+    std::vector<float> n;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        const std::string word = text.substr(at, end - at);
+        const auto value = parse_finite(word);
+        if (!value) break;
+        n.push_back(static_cast<float>(*value));
+        at = end + 1;
+    }
+    const auto commas = static_cast<std::size_t>(std::ranges::count(text, ','));
+    if (n.size() != commas + 1 || (n.size() != 3 && n.size() != 6))
+        throw UsageError(fmt::format("--root takes X,Y,Z, or X,Y,Z,DX,DY,DZ, not '{}'", text));
+    Root root{{n[0], n[1], n[2]}, {}};
+    if (n.size() == 6) root.direction = {n[3], n[4], n[5]};
+    return root;
+}
+
+ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& given) {
+    check_flags(flags, given);
+    std::vector<Root> roots;
+    for (const std::string& text : flags.roots) roots.push_back(root_of(text));
+    if (roots.empty()) roots.emplace_back();
+    std::optional<SolidField> solid;
+    std::optional<Guard> guard;
+    if (!flags.guard.empty()) {
+        solid.emplace(solid_of_scene(run, flags.guard.string()));
+        guard.emplace(FieldRef(*solid), flags.guarded);
+    }
+    const double mebibytes = run.max_memory(0);
+    const SproutInput input{.roots = roots,
+                            .guard = guard ? &*guard : nullptr,
+                            .origin = {},
+                            .most_bytes = mebibytes * (1 << 20)};
+    const SproutResult grown =
+        run.stage("sprout", [&](const Context& ctx) { return sprout(input, flags.sprout, ctx); });
+    const Skeleton tree =
+        run.stage("radii", [&](const Context&) { return with_pipe_radii(grown.skeleton, flags.radii); });
+    run.stage("write", [&](const Context& ctx) {
+        for (const auto& output : flags.outputs) write_skeleton(output, tree, {}, {}, ctx);
+    });
+    const std::string surface = then_mesh(run, flags.mesh_output, tree, flags.mesh);
+    if (grown.full) run.warn(fmt::format("growth stopped at --max-nodes, in season {}", grown.seasons));
+    run.counts()["nodes"] = tree.size();
+    run.counts()["trees"] = tree.tree_count();
+    run.counts()["tips"] = measure(tree).tips;
+    run.counts()["seasons"] = grown.seasons;
+    run.counts()["shed"] = grown.shed;
+    run.counts()["barred"] = grown.barred;
+    run.finish(fmt::format("{} nodes after {} seasons, {} shed{}", grouped(tree.size()), grown.seasons,
+                           grouped(grown.shed), surface));
+    return kDone;
+}
+
+}  // namespace
+
+Command sprout_command() {
+    const auto flags = std::make_shared<SproutFlags>();
+    OptionList options;
+    options.files("-o,--output", "SKELETON", flags->outputs,
+                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.value({{"root",
+                    "X,Y,Z where a tree starts, or X,Y,Z,DX,DY,DZ to say which way; may be repeated, and "
+                    "the trees share the light; 0,0,0 unless given"},
+                   &flags->roots});
+    options.file(
+        "--guard", "SCENE", flags->guard,
+        "a scene whose last solid, or FILE:NAME, no segment may enter, or leave (--guard-side inside)");
+    options.file("--then-mesh", "MESH", flags->mesh_output, "also turn the trees into a surface");
+    options.fields(flags->sprout, "Rules");
+    options.fields(flags->radii, "Radii by the pipe model");
+    options.fields(flags->guarded, "Keeping to a solid");
+    options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
+    return {"sprout", "Grow trees by rules: buds, branching angles, light and shade, season by season",
+            options,
+            [flags](Run& run, const GivenOptions& given) { return sprout_trees(run, *flags, given); }};
+}
+
+}  // namespace coppice::cli
