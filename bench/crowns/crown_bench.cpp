@@ -124,6 +124,70 @@ void bench_boundary(Bench& bench) {
     });
 }
 
+/// Random points of the box, one after the other, of which those in the shell are kept that no other one is
+/// nearer to than `distance`: what the thesis compares its other methods with.
+template <class Field>
+PointSet rejected_points(const Field& field, const Box3& box, float distance) {
+    constexpr std::size_t kWanted = 1000;
+    constexpr std::uint64_t kMostDraws = 1'000'000'000;
+    const CounterRandom random(3, 61);
+    const DensityCurve shell = thin_shell();
+    PointSet out;
+    for (std::uint64_t draw = 0; out.size() < kWanted; ++draw) {
+        if (draw == kMostDraws) throw Error("the box of the shell has no room for so many points");
+        Vec3 p;
+        for (int axis = 0; axis < 3; ++axis)
+            p[axis] = static_cast<float>(
+                random.uniform(3 * draw + static_cast<std::uint64_t>(axis), box.low[axis], box.high[axis]));
+        float value = 0;
+        field.values(std::span(&p, 1), std::span(&value, 1));
+        if (!(shell.at(value) > 0)) continue;
+        const auto near = [&](Vec3 q) { return length(p - q) < distance; };
+        if (distance > 0 && std::ranges::any_of(out.positions, near)) continue;
+        out.positions.push_back(p);
+    }
+    return out;
+}
+
+/// Tables 6.1 and 6.2 of the thesis, where points are drawn in the whole box and refused outside the shell.
+void bench_rejection(Bench& bench) {
+    const SolidField field(crown_blob_tree());
+    const Box3 box = field.bounds_at(0.4f);
+    CrownResult row{.what = "1,000 points at the boundary, refused elsewhere in the box",
+                    .goal = {},
+                    .baseline = "94.7 s (thesis)",
+                    .unit = "points"};
+    bench.row(row, [&](Measures& stages) {
+        PointSet points;
+        stages.time("all", [&] { points = rejected_points(field, box, 0); });
+        return outcome_of(points);
+    });
+    row.what = "the same, cached";
+    row.baseline = "4.1 s (thesis)";
+    bench.row(row, [&](Measures& stages) {
+        PointSet points;
+        stages.time("all", [&] {
+            const CachedField cache(field, {.cell = 0.25f, .band = 0.11f}, bench.ctx());
+            points = rejected_points(cache, box, 0);
+        });
+        return outcome_of(points);
+    });
+    row.what = "1,000 Poisson disks at the boundary, refused elsewhere in the box";
+    row.baseline = "145.9 s (thesis)";
+    const auto disks = [&] {
+        GenerateOptions options;
+        options.count = 1000;
+        return generate(PointRegion{FieldRef(field), box, thin_shell()}, options, bench.ctx()).distance;
+    };
+    if (!bench.wants(row.what)) return;
+    const float distance = disks();
+    bench.row(row, [&](Measures& stages) {
+        PointSet points;
+        stages.time("all", [&] { points = rejected_points(field, box, distance); });
+        return outcome_of(points);
+    });
+}
+
 void bench_set(Bench& bench, const CrownResult& row, const Solid& solid, const GenerateOptions& options) {
     bench.row(row, [&](Measures& stages) {
         PointSet points;
@@ -242,6 +306,7 @@ Outcome mesh_crown(Measures& stages, const Context& ctx) {
 std::vector<CrownResult> bench_crowns(const CrownOptions& options, const Context& ctx) {
     Bench bench(options, ctx);
     bench_boundary(bench);
+    bench_rejection(bench);
     bench_sets(bench);
     bench_field(bench);
     bench_growth(bench, 12000,

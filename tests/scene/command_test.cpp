@@ -11,7 +11,8 @@ namespace coppice {
 namespace {
 
 bool is_file(const Argument& a) {
-    return a.type == ArgumentType::input_file || a.type == ArgumentType::output_file;
+    return a.type == ArgumentType::input_file || a.type == ArgumentType::output_file ||
+           a.type == ArgumentType::properties;
 }
 
 bool uses_files(const SceneCommand& c) {

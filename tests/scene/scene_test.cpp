@@ -241,7 +241,45 @@ TEST(Scene, ADensityOfOnesOwnAndACachedField) {
     }
     scene.run("pointset gen s uniform count=300 cached=true");
     EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
-    EXPECT_NE(refusal(scene, "pointset gen s density=inverse cached=true"), "no error");
+    // Densities all over the inside are remembered all over it, and curves as far as they reach.
+    scene.run("pointset gen s uniform count=300 density=inverse cached=true cell=0.05");
+    EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
+    scene.run("pointset gen s uniform count=300 cached=true cell=0.02 curve=0.2,1 curve=0.3,1");
+    EXPECT_EQ(points_of_scene(scene, "s").size(), 300u);
+    for (const Vec3 p : points_of_scene(scene, "s").positions) {
+        EXPECT_GE(value_at(scene, "s", p), 0.195f);
+        EXPECT_LE(value_at(scene, "s", p), 0.305f);
+    }
+    EXPECT_NE(refusal(scene, "pointset gen s cell=0.1").find("cached=true"), std::string::npos);
+}
+
+TEST(Scene, AKernelOfOnesOwnIsLanesMethod) {
+    Scene scene;
+    // Nothing nearer than 0.2 m, and the next ones rather within 0.3 m.
+    scene.run_text("sphere s radius=2\npointset gen s kernel=0.2,1 count=200", "x");
+    scene.run("pointset gen s distance=0.2 count=200 name=disks");
+    EXPECT_EQ(points_of_scene(scene, "s").positions, points_of_scene(scene, "disks").positions);
+    scene.run("pointset gen s kernel=0.2,30 kernel=0.3,30 kernel=0.3,1 count=200 name=pairs");
+    const auto near = [&](const std::string& name) {
+        const auto& p = points_of_scene(scene, name).positions;
+        int count = 0;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            for (std::size_t k = 0; k < i; ++k) {
+                EXPECT_GE(distance(p[i], p[k]), 0.2f);
+                if (distance(p[i], p[k]) < 0.3f) ++count;
+            }
+        }
+        return count;
+    };
+    EXPECT_GT(near("pairs"), 4 * near("disks"));
+    scene.run("pointset densify pairs s kernel=0.2,1 count=50");
+    EXPECT_EQ(points_of_scene(scene, "pairs").size(), 250u);
+    near("pairs");
+    EXPECT_NE(refusal(scene, "pointset gen s kernel=0.2,1 distance=0.3").find("distance"), std::string::npos);
+    EXPECT_NE(refusal(scene, "pointset gen s uniform kernel=0.2,1").find("uniform"), std::string::npos);
+    EXPECT_NE(refusal(scene, "pointset gen s kernel=0.2,1 kernel=0.1,1").find("knot 2"), std::string::npos);
+    EXPECT_NE(refusal(scene, "pointset densify s s kernel=0.2,1 distance=0.3").find("distance"),
+              std::string::npos);
 }
 
 const Skeleton& tree_of_scene(const Scene& scene, const std::string& name) {

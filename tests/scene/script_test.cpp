@@ -211,7 +211,9 @@ TEST(Scene, LoopsCannotFillTheMemoryWithHistory) {
     const std::string much = test::error_of([] {
         Scene().run_text("sphere abcdefghij\nrepeat 99999\nlist\ndescribe abcdefghij\nhelp\nend", "x");
     });
-    EXPECT_EQ(much, "x:5: the block says more than 16 MiB; let fewer of its turns list or describe");
+    // Which line is the last straw depends on how long help is.
+    EXPECT_TRUE(much.ends_with(": the block says more than 16 MiB; let fewer of its turns list or describe"))
+        << much;
 }
 
 TEST(SceneStatements, TheirExamplesRun) {

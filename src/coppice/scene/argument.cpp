@@ -109,6 +109,7 @@ ArgumentValue parse_argument(const Argument& a, std::string_view text) {
         case ArgumentType::word:
         case ArgumentType::input_file:
         case ArgumentType::output_file:
+        case ArgumentType::properties:
             break;
     }
     if (text.empty()) refuse(a, text);
@@ -153,6 +154,8 @@ std::string takes_text(const Argument& a) {
         case ArgumentType::input_file:
         case ArgumentType::output_file:
             return "the name of a file";
+        case ArgumentType::properties:
+            return "the name of a file of options, a line each";
         case ArgumentType::selection:
             return "nodes, such as 12, subtree(12) or tips&!order(0)";
         case ArgumentType::word:

@@ -33,6 +33,7 @@ enum class ArgumentType {
     input_file,   ///< read
     selection,    ///< nodes of a tree, as parse_selection reads them
     output_file,  ///< written
+    properties,   ///< a file of options, which stand for those that are not given
 };
 
 /// One argument of a command of scenes: all that parsing, checks, help, completion and the reference page

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
+#include "coppice/io/file.h"
 #include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/properties_internal.h"
 #include "coppice/scene/script/script.h"
 
 namespace coppice {
 namespace {
 
 constexpr double kMebibyte = 1 << 20;
+constexpr std::uint64_t kLargestProperties = 1 << 20;  // [bytes]
 
 std::vector<SceneCommand> whole_table() {
     std::vector<SceneCommand> table;
@@ -94,27 +98,29 @@ class Binder {
             if (word.key.empty()) {
                 positional_.push_back(word.text);
             } else {
-                bind_option(word);
+                bind_value(option_called(word.key), word.text);
             }
         }
         bind_positionals();
+        read_properties();
         fill_defaults();
         for (const auto& [argument, values] : typed_) call_.set(*argument, values);
     }
 
   private:
-    void bind_option(const SceneWord& word) {
-        const auto found = std::ranges::find(command_.arguments, word.key, &Argument::name);
-        if (found == command_.arguments.end()) {
-            std::vector<std::string> known;
-            for (const Argument& a : command_.arguments) known.push_back(a.name);
-            throw InvalidInput(fmt::format("{} has no option '{}'{}", command_.name, word.key,
-                                           did_you_mean(word.key, known)));
-        }
-        auto& values = typed_[&*found];
-        if (!values.empty() && !found->repeats)
-            throw InvalidInput(fmt::format("{} is given twice", word.key));
-        values.push_back(parsed(*found, word.text));
+    const Argument& option_called(const std::string& name) const {
+        const auto found = std::ranges::find(command_.arguments, name, &Argument::name);
+        if (found != command_.arguments.end()) return *found;
+        std::vector<std::string> known;
+        for (const Argument& a : command_.arguments) known.push_back(a.name);
+        throw InvalidInput(
+            fmt::format("{} has no option '{}'{}", command_.name, name, did_you_mean(name, known)));
+    }
+
+    void bind_value(const Argument& a, const std::string& text) {
+        auto& values = typed_[&a];
+        if (!values.empty() && !a.repeats) throw InvalidInput(fmt::format("{} is given twice", a.name));
+        values.push_back(parsed(a, text));
     }
 
     ArgumentValue parsed(const Argument& a, const std::string& text) const {
@@ -180,6 +186,32 @@ class Binder {
         if (count == 0) joined = positional_[first];
         typed_[&a].push_back(parsed(a, joined));
         return std::max<std::size_t>(1, count);
+    }
+
+    /// Options of a file, as if they were typed after those that are; the file itself is then forgotten, so
+    /// that a recipe does not need it.
+    void read_properties() {
+        const auto given = std::ranges::find_if(
+            typed_, [](const auto& t) { return t.first->type == ArgumentType::properties; });
+        if (given == typed_.end()) return;
+        const Argument& file = *given->first;
+        call_.set(file, given->second);
+        const std::filesystem::path path = call_.input(file.name);
+        call_.unset(file);
+        typed_.erase(given);
+        std::set<const Argument*> mine;
+        for (const Property& p : properties_of(read_file(path, kLargestProperties), path.string())) {
+            try {
+                const Argument& a = option_called(p.name);
+                if (a.type == ArgumentType::properties || a.required)
+                    throw InvalidInput(fmt::format("{} cannot stand in a file", p.name));
+                if (typed_.contains(&a) && !mine.contains(&a)) continue;
+                bind_value(a, p.value);
+                mine.insert(&a);
+            } catch (const InvalidInput& e) {
+                throw InvalidInput(fmt::format("{}:{}: {}", path.string(), p.line, e.what()));
+            }
+        }
     }
 
     bool is_given(const std::string& name) const {

@@ -108,6 +108,7 @@ class SceneCall {
     std::filesystem::path output(std::string_view name) const;
 
     void set(const Argument& argument, std::vector<ArgumentValue> values);  ///< what parsing found
+    void unset(const Argument& argument) { values_.erase(argument.name); }  ///< as if it were not given
 
   private:
     template <class T>

@@ -134,9 +134,9 @@ void add_commands(std::set<std::string>& out, const std::string& done, std::stri
 }
 
 Json json_of(const Argument& a) {
-    static constexpr std::array<std::string_view, 12> kTypes{
-        "new_name", "object",  "number", "whole",      "flag",      "choice",
-        "tuple",    "section", "word",   "input_file", "selection", "output_file"};
+    static constexpr std::array<std::string_view, 13> kTypes{
+        "new_name", "object", "number",     "whole",     "flag",        "choice",    "tuple",
+        "section",  "word",   "input_file", "selection", "output_file", "properties"};
     Json out{{"name", a.name},
              {"help", a.help},
              {"type", kTypes[static_cast<std::size_t>(a.type)]},

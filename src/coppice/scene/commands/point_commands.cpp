@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "coppice/implicit/polygonize/cached_field.h"
 #include "coppice/implicit/solid/solid_field.h"
@@ -9,9 +11,8 @@
 #include "coppice/io/points/writer.h"
 #include "coppice/points/edit_points.h"
 #include "coppice/points/quality.h"
-#include "coppice/points/sampling/generate.h"
 #include "coppice/points/sampling/near_mesh.h"
-#include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/commands/density_internal.h"
 
 namespace coppice {
 namespace {
@@ -19,6 +20,8 @@ namespace {
 using namespace table;
 
 constexpr double kMebibyte = 1 << 20;
+constexpr std::array<std::string_view, 4> kKernelShorthands{"distance", "spacing", "cluster_reach",
+                                                            "cluster_gain"};
 
 SceneCommand in_group(const std::string& name, std::string help, std::string example) {
     SceneCommand c{.name = "pointset " + name, .group = "Points", .help = std::move(help)};
@@ -53,44 +56,58 @@ int memory_left(const SceneCall& call, int asked) {
     return std::clamp(static_cast<int>(left), 1, asked);
 }
 
-Box3 box_of(const SolidField& field, const GenerateOptions& options) {
-    if (options.density == PointDensity::outside_boundary) {
-        const float value = field.level() - options.width;
-        return value > 0 ? field.bounds_at(value) : field.bounds();
+/// How far from the surface's a value may be where points lie, for a field that is remembered there only.
+float band_of(const SceneCall& call, const GenerateOptions& options, float level) {
+    constexpr float kMost = 10;
+    CacheOptions plain;
+    if (call.has("curve")) {
+        for (const auto& knot : knots_of<DensityCurve::Knot>(call, "curve"))
+            plain.band = std::max(plain.band, 1.1f * std::abs(knot.value - level));
+        return std::min(plain.band, kMost);
     }
-    return field.surface_bounds();
+    if (options.density == PointDensity::uniform) return plain.band;
+    const bool whole =
+        options.density == PointDensity::proportional || options.density == PointDensity::inverse;
+    return whole ? kMost : std::clamp(1.1f * options.width, plain.band, kMost);
 }
 
-std::vector<DensityCurve::Knot> knots_of(const SceneCall& call) {
-    std::vector<DensityCurve::Knot> knots;
-    for (const ArgumentValue& v : call.values("curve"))
-        knots.push_back({static_cast<float>(v.numbers.at(0)), static_cast<float>(v.numbers.at(1))});
-    return knots;
-}
-
-/// A field that is remembered on a grid answers for the surface and what is near it only.
-GenerateResult generate_cached(const SceneCall& call, const SolidField& field,
-                               const GenerateOptions& options) {
-    if (options.density == PointDensity::proportional || options.density == PointDensity::inverse)
-        throw InvalidInput("cached=true knows the field near the surface only; use it with other densities");
-    CacheOptions cache;
-    if (options.density != PointDensity::uniform)
-        cache.band = std::clamp(1.1f * options.width, cache.band, 10.0f);
-    const CachedField cached(field, cache, call.context());
-    return generate(FieldRef(cached), box_of(field, options), options, call.context());
+/// A field as it is, or remembered on a grid.
+GenerateResult generate_in(const SceneCall& call, const PointRegion& region, const GenerateOptions& options) {
+    if (!call.has("kernel")) return generate(region, options, call.context());
+    const bool by_lane =
+        options.pattern == PointPattern::poisson_disk || options.pattern == PointPattern::clustered;
+    if (!by_lane)
+        throw InvalidInput(
+            fmt::format("kernel= is for points that act on each other, not for {}; leave the "
+                        "pattern out",
+                        name_of(options.pattern)));
+    for (const std::string_view name : kKernelShorthands) {
+        if (call.has(name))
+            throw InvalidInput(fmt::format("kernel= says how points act on each other; leave out {}=", name));
+    }
+    LaneOptions lane;
+    lane.count = options.count;
+    lane.resolution = options.resolution;
+    lane.seed = options.seed;
+    lane.max_memory = options.max_memory;
+    LaneResult placed = sample_lane(region, kernel_of(call), lane, call.context());
+    return {std::move(placed.points), placed.stop, placed.distance, placed.tries};
 }
 
 GenerateResult generated(const SceneCall& call, const SolidField& field) {
     auto options = call.options<GenerateOptions>("generate");
     options.max_memory = memory_left(call, options.max_memory);
-    const bool cached = call.flag("cached");
-    if (!call.has("curve")) {
-        if (cached) return generate_cached(call, field, options);
-        return generate(FieldRef(field), box_of(field, options), options, call.context());
+    const DensityCurve density = density_of(call, options, field.level());
+    const Box3 box = density_box(call, options, field);
+    if (call.flag("cached")) {
+        CacheOptions cache;
+        cache.cell = static_cast<float>(call.number("cell"));
+        cache.band = band_of(call, options, field.level());
+        const CachedField cached(field, cache, call.context());
+        return generate_in(call, {FieldRef(cached), box, density}, options);
     }
-    if (cached) throw InvalidInput("cached=true does not go with a curve");
-    const PointRegion region{FieldRef(field), field.bounds(), DensityCurve(knots_of(call))};
-    return generate(region, options, call.context());
+    if (call.number("cell") > 0) throw InvalidInput("cell= is the grid's of cached=true; give both");
+    return generate_in(call, {FieldRef(field), box, density}, options);
 }
 
 SceneCommand generate_command() {
@@ -100,13 +117,24 @@ SceneCommand generate_command() {
     c.arguments = {object("solid", ObjectKind::solid, "what is filled")};
     add_options(c.arguments, GenerateOptions{}, "generate");
     make_positional(c.arguments, "pattern", false);
+    for (Argument& a : c.arguments) {
+        if (std::ranges::find(kKernelShorthands, a.name) != kKernelShorthands.end()) a.unless = "kernel";
+    }
+    Argument properties = positional(
+        file("properties", ArgumentType::properties, "a file of options for those that are not given here"),
+        false);
+    const auto pattern = std::ranges::find(c.arguments, "pattern", &Argument::name);
+    c.arguments.insert(pattern + 1, std::move(properties));
     Argument cached{.name = "cached", .help = "remembers the field on a grid, for solids of many parts"};
     cached.type = ArgumentType::flag;
     cached.initial = "false";
     c.arguments.push_back(std::move(cached));
-    c.arguments.push_back(
-        repeated(tuple("curve", "", "VALUE,DENSITY: a knot of a density of your own, instead of `density`",
-                       {2}, Unit::none)));
+    c.arguments.push_back(number("cell", "0", 0, 1e6, Unit::metre,
+                                 "side of the cells of that grid; 0 = 1/64 of the longest side"));
+    c.arguments.push_back(curve_argument());
+    c.arguments.push_back(kernel_argument(
+        "DISTANCE,FACTOR: a knot of what a point does to the density around it, 0 nearer than the first, "
+        "instead of the pattern's disks and clusters"));
     c.arguments.push_back(name_option("@solid"));
     c.run = [](const SceneCall& call) {
         const SolidField field = call.field(call.text("solid"));
@@ -158,6 +186,8 @@ SceneCommand densify_command() {
     c.arguments = {points("what is added to"), object("solid", ObjectKind::solid, "where")};
     add_options(c.arguments, LaneOptions{}, "lane", {"greatest_factor"});
     c.arguments.push_back(number("distance", "0", 0, 1e9, Unit::metre, "least distance of the new points"));
+    c.arguments.back().unless = "kernel";
+    c.arguments.push_back(kernel_argument("DISTANCE,FACTOR: a knot of a kernel, as in pointset generate"));
     c.run = [](const SceneCall& call) {
         const SolidField field = call.field(call.text("solid"));
         const PointRegion region{FieldRef(field), field.surface_bounds(),
@@ -165,7 +195,11 @@ SceneCommand densify_command() {
         auto options = call.options<LaneOptions>("lane");
         options.max_memory = memory_left(call, options.max_memory);
         const std::string& name = call.text("points");
-        const auto kernel = RadialKernel::disk(static_cast<float>(call.number("distance")));
+        if (call.has("kernel") && call.has("distance"))
+            throw InvalidInput("kernel= begins with the least distance; leave out distance=");
+        const auto kernel = call.has("kernel")
+                                ? kernel_of(call)
+                                : RadialKernel::disk(static_cast<float>(call.number("distance")));
         return makes_points(name, densified(call.point_set(name), region, kernel, options, call.context()));
     };
     return c;

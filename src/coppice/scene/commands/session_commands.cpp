@@ -45,6 +45,31 @@ SceneCommand save_command() {
     return c;
 }
 
+/// What `save pointset` writes: the points made last, unless something is called pointset.
+ObjectPtr last_points(const SceneState& state, const std::filesystem::path& path) {
+    const auto called = [](const auto& object) { return object.first.second == "pointset"; };
+    if (std::ranges::any_of(state.objects, called)) return object_for_file(state, "pointset", path);
+    for (auto made = state.made.rbegin(); made != state.made.rend(); ++made) {
+        const auto found = state.objects.find(*made);
+        if (made->first == ObjectKind::points && found != state.objects.end()) return found->second;
+    }
+    throw InvalidInput("there are no points yet; make some with: pointset generate SOLID");
+}
+
+SceneCommand save_pointset_command() {
+    SceneCommand c =
+        in_group("save pointset", "writes the points that were made last", "save pointset last.xyz");
+    c.arguments = {file("file", ArgumentType::output_file, ".xyz, .txt, .csv, .asc or .ply, the last word")};
+    c.run = [](const SceneCall& call) {
+        const std::filesystem::path path = call.output("file");
+        const ObjectPtr object = last_points(call.state(), path);
+        check_file_name(*object, path);
+        if (call.settings().outputs) save_object(*object, path, call.context());
+        return SceneOutcome{};
+    };
+    return c;
+}
+
 SceneCommand save_recipe_command() {
     SceneCommand c =
         in_group("save recipe", "writes a scene that makes the same objects again, every option spelled out",
@@ -178,8 +203,9 @@ SceneCommand help_command() {
 }  // namespace
 
 std::vector<SceneCommand> session_commands() {
-    return {save_command(),   save_recipe_command(), render_command(), list_command(), describe_command(),
-            delete_command(), undo_command(),        seed_command(),   help_command()};
+    return {save_command(),  save_pointset_command(), save_recipe_command(), render_command(),
+            slice_command(), list_command(),          describe_command(),    delete_command(),
+            undo_command(),  seed_command(),          help_command()};
 }
 
 }  // namespace coppice

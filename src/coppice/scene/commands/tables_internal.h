@@ -17,6 +17,7 @@ std::vector<SceneCommand> tree_commands();
 std::vector<SceneCommand> compose_commands();
 std::vector<SceneCommand> edit_commands();
 std::vector<SceneCommand> session_commands();
+SceneCommand slice_command();  ///< one of session_commands
 
 namespace table {
 

@@ -1,0 +1,116 @@
+#include "coppice/render/height_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "coppice/base/error.h"
+
+namespace coppice {
+namespace {
+
+using Color = std::array<double, 3>;
+
+// Lighter from step to step, so that the map reads in grey too.
+constexpr std::array<Color, 5> kSteps{
+    {{26, 28, 94}, {36, 96, 168}, {58, 158, 140}, {178, 206, 84}, {252, 240, 176}}};
+constexpr Color kNoNumber{128, 128, 128}, kDark{16, 16, 24}, kWhite{255, 255, 255};
+constexpr double kFine = 0.6, kBroad = 1.6;  // [pixels] half the width of lines
+constexpr double kFineShare = 0.55;          // how much of a fine line covers what lies below
+
+Color mixed(const Color& a, const Color& b, double t) {
+    return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
+}
+
+Color color_of(double t) {
+    if (!std::isfinite(t)) return kNoNumber;
+    const double at = std::clamp(t, 0.0, 1.0) * (kSteps.size() - 1);
+    const auto step = std::min(static_cast<std::size_t>(at), kSteps.size() - 2);
+    return mixed(kSteps[step], kSteps[step + 1], at - static_cast<double>(step));
+}
+
+void cover(Image::Pixel& pixel, const Color& color, double share) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double v = pixel[c] + share * (color[c] - pixel[c]);
+        pixel[c] = static_cast<std::uint8_t>(std::lround(v));
+    }
+}
+
+/// How much of a pixel lies within `half` of a place `distance` away, with a rim of one pixel.
+double coverage(double distance, double half) { return std::clamp(half + 0.5 - distance, 0.0, 1.0); }
+
+class Map {
+  public:
+    Map(std::span<const double> values, int width)
+        : values_(values), width_(width), height_(static_cast<int>(values.size()) / width) {}
+
+    int height() const { return height_; }
+    double at(int x, int y) const {
+        return values_[static_cast<std::size_t>(std::clamp(y, 0, height_ - 1)) *
+                           static_cast<std::size_t>(width_) +
+                       static_cast<std::size_t>(std::clamp(x, 0, width_ - 1))];
+    }
+
+    /// [pixels] from where the numbers are `level`, to first order; far where no neighbour lies beyond.
+    double distance(int x, int y, double level) const {
+        constexpr double kFar = 1e9;
+        constexpr int kReach = 2;
+        const double v = at(x, y) - level;
+        bool passed = false;
+        for (int dy = -kReach; dy <= kReach && !passed; ++dy)
+            for (int dx = -kReach; dx <= kReach && !passed; ++dx)
+                passed = (at(x + dx, y + dy) - level < 0) != (v < 0);
+        if (!passed) return kFar;
+        const double gx = slope(at(x - 1, y), at(x, y), at(x + 1, y));
+        const double gy = slope(at(x, y - 1), at(x, y), at(x, y + 1));
+        return std::abs(v) / std::max(std::hypot(gx, gy), 1e-300);
+    }
+
+  private:
+    /// The steeper side, so that steps are lines too.
+    static double slope(double before, double here, double after) {
+        return std::max(std::abs(here - before), std::abs(after - here));
+    }
+
+    std::span<const double> values_;
+    int width_, height_;
+};
+
+}  // namespace
+
+Image height_map(std::span<const double> values, int width, const HeightMapOptions& options) {
+    COPPICE_ASSERT(width > 0 && values.size() % static_cast<std::size_t>(width) == 0);
+    const Map map(values, width);
+    Image image(width, map.height());
+    const double range = options.high - options.low;
+    for (int y = 0; y < map.height(); ++y) {
+        for (int x = 0; x < width; ++x) {
+            const Color c = color_of((map.at(x, y) - options.low) / range);
+            Image::Pixel& pixel = image.at(x, y);
+            for (std::size_t i = 0; i < 3; ++i) pixel[i] = static_cast<std::uint8_t>(std::lround(c[i]));
+            pixel[3] = 255;
+            for (const double level : options.isolines)
+                cover(pixel, kDark, kFineShare * coverage(map.distance(x, y, level), kFine));
+            for (const double level : options.outlines)
+                cover(pixel, kWhite, coverage(map.distance(x, y, level), kBroad));
+        }
+    }
+    return image;
+}
+
+void draw_dot(Image& image, double x, double y, double radius) {
+    const auto clamped = [](double v, int most) { return static_cast<int>(std::clamp<double>(v, 0, most)); };
+    const int left = clamped(std::floor(x - radius - 2), image.width),
+              right = clamped(std::ceil(x + radius + 2), image.width),
+              top = clamped(std::floor(y - radius - 2), image.height),
+              bottom = clamped(std::ceil(y + radius + 2), image.height);
+    for (int py = top; py < bottom; ++py) {
+        for (int px = left; px < right; ++px) {
+            const double d = std::hypot(px + 0.5 - x, py + 0.5 - y);
+            cover(image.at(px, py), kDark, coverage(d, radius + 1));
+            cover(image.at(px, py), kWhite, coverage(d, radius));
+        }
+    }
+}
+
+}  // namespace coppice

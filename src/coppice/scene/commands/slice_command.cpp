@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/parallel.h"
+#include "coppice/io/file.h"
+#include "coppice/points/sampling/remaining_density.h"
+#include "coppice/render/height_map.h"
+#include "coppice/render/png.h"
+#include "coppice/scene/commands/density_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace table;
+
+constexpr double kMargin = 0.04;       // of the box, on each side
+constexpr double kMostIsolines = 200;  // more would leave nothing between them
+constexpr double kBytesOfPixel = 64;
+
+/// A rectangle in space as a picture: pixels are squares.
+class Plane {
+  public:
+    Plane(const SceneCall& call, const Box3& box) : normal_(direction(call.point("normal"))) {
+        at_ = call.has("at") ? Vec3d(call.point("at")) : Vec3d(box.center());
+        // Up as far as can be; from above north is up.
+        const Vec3d up{0, 0, 1}, tilted = up - normal_ * dot(up, normal_);
+        up_ = length(tilted) > 1e-6 ? tilted / length(tilted) : Vec3d{0, 1, 0};
+        right_ = cross(up_, normal_);
+        fit(box, call.number("extent"), call.number("pixels"));
+    }
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    double pixel() const { return pixel_; }  ///< [m]
+    Vec3d normal() const { return normal_; }
+    Vec3d at() const { return at_; }
+
+    Vec3 place(int x, int y) const {
+        return Vec3(at_ + right_ * ((x + 0.5 - 0.5 * width_) * pixel_) +
+                    up_ * ((0.5 * height_ - y - 0.5) * pixel_));
+    }
+    /// [pixels] from the left and the top, and [m] off the plane.
+    Vec3d seen(Vec3d p) const {
+        const Vec3d d = p - at_;
+        return {0.5 * width_ + dot(d, right_) / pixel_, 0.5 * height_ - dot(d, up_) / pixel_,
+                dot(d, normal_)};
+    }
+
+  private:
+    static Vec3d direction(Vec3 v) {
+        const double l = length(Vec3d(v));
+        if (!(l > 1e-12)) throw InvalidInput("normal= must not be 0,0,0");
+        return Vec3d(v) / l;
+    }
+
+    void fit(const Box3& box, double extent, double pixels) {
+        double half_width = 0, half_height = 0;
+        for (int i = 0; i < 8; ++i) {
+            const Vec3d corner{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                               i & 4 ? box.high.z : box.low.z};
+            half_width = std::max(half_width, std::abs(dot(corner - at_, right_)));
+            half_height = std::max(half_height, std::abs(dot(corner - at_, up_)));
+        }
+        const double longest = 2 * std::max(half_width, half_height);
+        if (!(longest > 0)) throw InvalidInput("there is nothing to slice: the field is 0 everywhere");
+        pixel_ = (extent > 0 ? extent : longest * (1 + 2 * kMargin)) / pixels;
+        const auto count = [&](double half) {
+            return std::max(1, static_cast<int>(std::lround(pixels * 2 * half / longest)));
+        };
+        width_ = count(half_width);
+        height_ = count(half_height);
+    }
+
+    Vec3d at_, normal_, right_, up_;
+    double pixel_ = 1;
+    int width_ = 1, height_ = 1;
+};
+
+std::vector<Vec3> places_of(const Plane& plane) {
+    std::vector<Vec3> out;
+    for (int y = 0; y < plane.height(); ++y)
+        for (int x = 0; x < plane.width(); ++x) out.push_back(plane.place(x, y));
+    return out;
+}
+
+std::vector<double> field_values(const SolidField& field, std::span<const Vec3> places, const Context& ctx) {
+    constexpr std::size_t kGrain = 1024;
+    std::vector<float> values(places.size());
+    parallel_for_ranges(ctx, places.size(), kGrain, [&](IndexRange r) {
+        if (ctx.stop.stop_requested()) return;
+        field.values(places.subspan(r.begin, r.size()), std::span(values).subspan(r.begin, r.size()));
+    });
+    ctx.throw_if_cancelled();
+    return {values.begin(), values.end()};
+}
+
+/// Those that were asked for, or every so much.
+std::vector<double> isolines_of(const SceneCall& call, double low, double high, bool of_field) {
+    std::vector<double> out;
+    for (const ArgumentValue& v : call.values("isoline")) out.push_back(v.numbers.at(0));
+    double every = call.number("every");
+    if (every <= 0 && out.empty() && of_field) every = 0.1;
+    if (every <= 0) return out;
+    if ((high - low) / every > kMostIsolines)
+        throw InvalidInput(
+            fmt::format("every={} would draw {:.0f} isolines, of {:.0f} at most; take a greater "
+                        "step",
+                        every, (high - low) / every, kMostIsolines));
+    for (double k = std::floor(low / every) + 1; k * every < high; ++k) out.push_back(k * every);
+    return out;
+}
+
+/// The numbers of a slice, and what is known of them.
+struct Slice {
+    std::vector<double> values;
+    bool of_field = true;
+    double level = 0;  ///< of the surface
+};
+
+HeightMapOptions map_of(const SceneCall& call, const Slice& slice) {
+    const auto [least, greatest] = std::ranges::minmax(slice.values);
+    HeightMapOptions out;
+    out.low = call.number("low");
+    out.high = call.has("high") ? call.number("high") : std::max(greatest, out.low + 1e-6);
+    if (!(out.high > out.low)) throw InvalidInput("high= must be above low=");
+    if (!call.has("high") && out.low > greatest)
+        throw InvalidInput(fmt::format(
+            "low={} is above all values in the picture, the greatest of which is {:.4g}", out.low, greatest));
+    out.isolines = isolines_of(call, least, greatest, slice.of_field);
+    if (slice.of_field) out.outlines = {slice.level};
+    return out;
+}
+
+void draw_points(Image& image, const PointSet& points, const Plane& plane, double reach) {
+    const double radius = std::max(1.5, 0.005 * std::max(image.width, image.height));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3d p = plane.seen(points.world(i));
+        if (std::abs(p.z) <= reach) draw_dot(image, p.x, p.y, radius);
+    }
+}
+
+Slice slice_of(const SceneCall& call, const SolidField& field, const PointRegion& region,
+               std::span<const Vec3> places) {
+    if (call.text("of") == "field") return {field_values(field, places, call.context()), true, field.level()};
+    const PointSet none;
+    const bool acted = call.has("points") && call.has("kernel");
+    return {remaining_density(region, acted ? kernel_of(call) : RadialKernel(),
+                              acted ? call.point_set(call.text("points")) : none, places,
+                              LaneOptions{}.greatest_factor, call.context()),
+            false, 0};
+}
+
+void check(const SceneCall& call) {
+    const bool of_field = call.text("of") == "field", dots = call.number("dots") > 0;
+    if (of_field && (call.has("kernel") || call.has("curve")))
+        throw InvalidInput("kernel= and curve= are of densities; add of=density");
+    if (call.has("kernel") && !call.has("points"))
+        throw InvalidInput("kernel= says what points do to the density; add points=");
+    if (call.has("points") && !call.has("kernel") && !dots)
+        throw InvalidInput(
+            "points= shows nothing by itself; add kernel= for what they leave of a density, or dots= to draw "
+            "them");
+    if (dots && !call.has("points")) throw InvalidInput("dots= draws points; add points=");
+}
+
+SceneOutcome run_slice(const SceneCall& call) {
+    const std::filesystem::path path = call.output("file");
+    if (path.extension() != ".png")
+        throw InvalidInput(fmt::format("'{}' is no name of a picture; use .png", path.string()));
+    check(call);
+    call.reserve(kBytesOfPixel * call.number("pixels") * call.number("pixels"));
+    const auto options = call.options<GenerateOptions>("generate");
+    const SolidField field = call.field(call.text("solid"));
+    const bool of_field = call.text("of") == "field";
+    const PointRegion region{FieldRef(field), density_box(call, options, field),
+                             density_of(call, options, field.level())};
+    const Plane plane(call, of_field ? field.bounds() : region.box);
+    if (!call.settings().outputs) return {};
+    const Slice slice = slice_of(call, field, region, places_of(plane));
+    const HeightMapOptions colors = map_of(call, slice);
+    Image image = height_map(slice.values, plane.width(), colors);
+    if (call.number("dots") > 0)
+        draw_points(image, call.point_set(call.text("points")), plane, call.number("dots"));
+    write_file(path, encode_png(image));
+    const auto [least, greatest] = std::ranges::minmax(slice.values);
+    SceneOutcome out;
+    out.text = fmt::format(
+        "{} {:.4g} to {:.4g}, drawn from {:.4g} to {:.4g}; {} isolines; a pixel is {:.4g} m\n",
+        call.text("of"), least, greatest, colors.low, colors.high, colors.isolines.size(), plane.pixel());
+    return out;
+}
+
+std::vector<Argument> look_arguments() {
+    Argument dots = number("dots", "0", 0, 1e6, Unit::metre,
+                           "draws the points no farther than this from the plane; 0 = none");
+    Argument pixels = number("pixels", "512", 16, 8192, Unit::none, "of the longer side");
+    pixels.type = ArgumentType::whole;
+    return {object_option("points", ObjectKind::points, "points that have been placed"),
+            kernel_argument("DISTANCE,FACTOR: a knot of what these points do to a density, as in pointset "
+                            "generate"),
+            std::move(dots),
+            tuple("normal", "0,-1,0", "direction across the plane, towards whoever looks", {3}, Unit::none),
+            tuple("at", "", "a point of the plane, the middle of the picture; else that of the solid"),
+            number("extent", "0", 0, 1e6, Unit::metre, "length of the longer side; 0 = all there is"),
+            std::move(pixels),
+            repeated(number("isoline", "", 0, 0, Unit::none, "a value along which a line is drawn")),
+            number("every", "0", 0, 1e6, Unit::none,
+                   "step from isoline to isoline; 0 = 0.1 for a field without isoline=, else none"),
+            number("low", "0", -1e9, 1e9, Unit::none, "value that is drawn in dark blue"),
+            number("high", "", -1e9, 1e9, Unit::none,
+                   "value that is drawn in pale yellow; else the greatest in the picture")};
+}
+
+}  // namespace
+
+SceneCommand slice_command() {
+    SceneCommand c{.name = "slice", .group = "Looking, saving and taking back"};
+    c.help = "draws the values of a field, or a density of points, in a plane as a PNG picture";
+    c.example = "slice s field.png pixels=64";
+    c.records = false;
+    Argument of{.name = "of", .help = "what is drawn: the solid's field, or a density by it"};
+    of.type = ArgumentType::choice;
+    of.choices = {"field", "density"};
+    of.initial = "field";
+    c.arguments = {object("solid", ObjectKind::solid, "what is cut"),
+                   file("file", ArgumentType::output_file, "the picture (.png), the last word"),
+                   std::move(of)};
+    add_options(c.arguments, GenerateOptions{}, "generate",
+                {"pattern", "count", "distance", "spacing", "cluster_reach", "cluster_gain", "resolution",
+                 "seed", "max_memory"});
+    c.arguments.push_back(curve_argument());
+    std::ranges::move(look_arguments(), std::back_inserter(c.arguments));
+    c.run = run_slice;
+    return c;
+}
+
+}  // namespace coppice
