@@ -19,6 +19,7 @@ Figures counts_of(const GraftReport& r) {
     out["grafted"] = r.grafted;
     out["cut"] = r.cut;
     out["buried"] = r.buried;
+    out["trees_joined"] = r.joined;
     return out;
 }
 

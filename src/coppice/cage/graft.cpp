@@ -192,8 +192,14 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
     Skeleton tubes(std::move(parent), std::move(position), std::move(radius), origin);
     std::vector<NodeId> segment;
     for (const GraftNode& n : cut.nodes) segment.push_back(n.segment);
-    return {skeleton_of(cut, origin),      std::move(tubes), std::move(segment), std::move(source),
-            tubes_of_segments(g, cut, id), g.plan.report};
+    GraftReport report = g.plan.report;
+    report.joined = g.axes.skeleton.tree_count() - tubes.tree_count();
+    return {skeleton_of(cut, origin),
+            std::move(tubes),
+            std::move(segment),
+            std::move(source),
+            tubes_of_segments(g, cut, id),
+            report};
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ struct GraftReport {
     std::uint32_t grafted = 0;  ///< pieces of branches that spring from where they leave another branch
     std::uint32_t cut = 0;      ///< pieces that end where they enter another branch
     std::uint32_t buried = 0;   ///< nodes inside other branches
+    std::uint32_t joined = 0;   ///< trees that begin inside others, and are branches of those
 };
 
 /// A skeleton, and the tree of tubes that shall wrap it.
