@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <stop_token>
+
+#include "coppice/base/error.h"
 
 namespace coppice {
 namespace {
@@ -44,6 +47,15 @@ TEST(HeightMap, LinesLieWhereTheNumbersPass) {
     // A step without anything between is a line too.
     const std::vector<double> step{0, 0, 0, 1, 1, 1};
     EXPECT_NE(height_map(step, 6, {.isolines = {0.5}}).at(3, 0), height_map(step, 6, {}).at(3, 0));
+}
+
+TEST(HeightMap, ThreadsDoNotChangeBitsAndAStopEndsIt) {
+    const HeightMapOptions options{.low = 0, .high = 49, .isolines = {3.3, 20.4}, .outlines = {30}};
+    EXPECT_EQ(height_map(ramp(50, 40), 50, options, {.threads = 1}),
+              height_map(ramp(50, 40), 50, options, {.threads = 7}));
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_THROW(height_map(ramp(50, 40), 50, options, {.stop = source.get_token()}), Cancelled);
 }
 
 TEST(HeightMap, DotsAreWhiteWithARimAndMayStickOut) {

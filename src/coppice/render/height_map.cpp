@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coppice/base/error.h"
+#include "coppice/base/parallel.h"
 
 namespace coppice {
 namespace {
@@ -51,16 +52,26 @@ class Map {
                        static_cast<std::size_t>(std::clamp(x, 0, width_ - 1))];
     }
 
-    /// [pixels] from where the numbers are `level`, to first order; far where no neighbour lies beyond.
-    double distance(int x, int y, double level) const {
-        constexpr double kFar = 1e9;
+    /// The numbers of the pixels about one, from the least to the greatest.
+    struct Range {
+        double low, high;
+        bool passes(double level) const { return low < level && level <= high; }
+    };
+    Range around(int x, int y) const {
         constexpr int kReach = 2;
+        Range range{at(x, y), at(x, y)};
+        for (int dy = -kReach; dy <= kReach; ++dy) {
+            for (int dx = -kReach; dx <= kReach; ++dx) {
+                range.low = std::min(range.low, at(x + dx, y + dy));
+                range.high = std::max(range.high, at(x + dx, y + dy));
+            }
+        }
+        return range;
+    }
+
+    /// [pixels] from where the numbers are `level`, to first order; some pixel about this one lies beyond.
+    double distance(int x, int y, double level) const {
         const double v = at(x, y) - level;
-        bool passed = false;
-        for (int dy = -kReach; dy <= kReach && !passed; ++dy)
-            for (int dx = -kReach; dx <= kReach && !passed; ++dx)
-                passed = (at(x + dx, y + dy) - level < 0) != (v < 0);
-        if (!passed) return kFar;
         const double gx = slope(at(x - 1, y), at(x, y), at(x + 1, y));
         const double gy = slope(at(x, y - 1), at(x, y), at(x, y + 1));
         return std::abs(v) / std::max(std::hypot(gx, gy), 1e-300);
@@ -78,23 +89,36 @@ class Map {
 
 }  // namespace
 
-Image height_map(std::span<const double> values, int width, const HeightMapOptions& options) {
+namespace {
+
+void paint(const Map& map, int x, int y, const HeightMapOptions& options, Image::Pixel& pixel) {
+    const Color c = color_of((map.at(x, y) - options.low) / (options.high - options.low));
+    for (std::size_t i = 0; i < 3; ++i) pixel[i] = static_cast<std::uint8_t>(std::lround(c[i]));
+    pixel[3] = 255;
+    const Map::Range around = map.around(x, y);
+    for (const double level : options.isolines) {
+        if (around.passes(level))
+            cover(pixel, kDark, kFineShare * coverage(map.distance(x, y, level), kFine));
+    }
+    for (const double level : options.outlines) {
+        if (around.passes(level)) cover(pixel, kWhite, coverage(map.distance(x, y, level), kBroad));
+    }
+}
+
+}  // namespace
+
+Image height_map(std::span<const double> values, int width, const HeightMapOptions& options,
+                 const Context& ctx) {
     COPPICE_ASSERT(width > 0 && values.size() % static_cast<std::size_t>(width) == 0);
+    constexpr std::size_t kRows = 8;
     const Map map(values, width);
     Image image(width, map.height());
-    const double range = options.high - options.low;
-    for (int y = 0; y < map.height(); ++y) {
-        for (int x = 0; x < width; ++x) {
-            const Color c = color_of((map.at(x, y) - options.low) / range);
-            Image::Pixel& pixel = image.at(x, y);
-            for (std::size_t i = 0; i < 3; ++i) pixel[i] = static_cast<std::uint8_t>(std::lround(c[i]));
-            pixel[3] = 255;
-            for (const double level : options.isolines)
-                cover(pixel, kDark, kFineShare * coverage(map.distance(x, y, level), kFine));
-            for (const double level : options.outlines)
-                cover(pixel, kWhite, coverage(map.distance(x, y, level), kBroad));
-        }
-    }
+    parallel_for(ctx, static_cast<std::size_t>(map.height()), kRows, [&](std::size_t row) {
+        if (ctx.stop.stop_requested()) return;
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < width; ++x) paint(map, x, y, options, image.at(x, y));
+    });
+    ctx.throw_if_cancelled();
     return image;
 }
 

@@ -17,9 +17,10 @@ struct HeightMapOptions {
 };
 
 /// Draws a table of numbers as a map: dark blue, blue, green, yellow, pale yellow, with lines of equal number
-/// between pixels. What is not a number is grey. `values` are rows of `width` from the top. O(pixels times
-/// lines).
-Image height_map(std::span<const double> values, int width, const HeightMapOptions& options);
+/// between pixels. What is not a number is grey. `values` are rows of `width` from the top. O(pixels), and
+/// lines where they pass. Throws Cancelled.
+Image height_map(std::span<const double> values, int width, const HeightMapOptions& options,
+                 const Context& ctx = {});
 
 /// Draws a filled white dot with a dark rim, its centre at x, y [pixels] from the upper left corner.
 void draw_dot(Image& image, double x, double y, double radius);

@@ -180,7 +180,7 @@ SceneOutcome run_slice(const SceneCall& call) {
     if (!call.settings().outputs) return {};
     const Slice slice = slice_of(call, field, region, places_of(plane));
     const HeightMapOptions colors = map_of(call, slice);
-    Image image = height_map(slice.values, plane.width(), colors);
+    Image image = height_map(slice.values, plane.width(), colors, call.context());
     if (call.number("dots") > 0)
         draw_points(image, call.point_set(call.text("points")), plane, call.number("dots"));
     write_file(path, encode_png(image));
