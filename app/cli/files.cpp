@@ -73,6 +73,13 @@ void check_points_output(const std::filesystem::path& path) {
     check_output_folder(path);
 }
 
+void check_painted_output(const std::filesystem::path& path) {
+    if (path.extension() != ".ply")
+        throw UsageError(
+            fmt::format("points keep their colours in PLY alone; '{}' needs the ending .ply", path.string()));
+    check_output_folder(path);
+}
+
 std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& confidence, bool cloud) {
     std::vector<NodeAttribute> out{{"samples", {}}, {"residual", {}}};
     if (cloud) out.insert(out.end(), {{"radius_low", {}}, {"radius_high", {}}, {"evidence", {}}});

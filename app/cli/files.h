@@ -32,6 +32,8 @@ void check_mesh_output(const std::filesystem::path& path);
 void check_skeleton_output(const std::filesystem::path& path);
 /// The same for points.
 void check_points_output(const std::filesystem::path& path);
+/// The same for points that have colours, which PLY alone keeps.
+void check_painted_output(const std::filesystem::path& path);
 
 /// Reads as a stage of the run; fills its counts and repairs, and warns of points that are odd. `up` is the
 /// axis of the file that points up; GLB says so itself. Throws UsageError for a file of another kind, with

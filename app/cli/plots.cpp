@@ -87,25 +87,13 @@ std::string name_of_tree(std::size_t tree, const std::string& ending) {
     return fmt::format("tree_{:03}{}", tree + 1, ending);
 }
 
-/// A colour for each tree: neighbours in the list are far apart in hue.
-Rgb color_of_tree(std::size_t tree) {
-    const double hue = 6 * std::fmod(0.13 + 0.618034 * static_cast<double>(tree), 1.0);
-    const double light = tree % 3 == 0 ? 0.95 : tree % 3 == 1 ? 0.75 : 0.6;
-    const auto part = [&](double shift) {
-        const double t = std::fmod(hue + shift, 6.0);
-        const double full = std::clamp(std::min(t, 4 - t), 0.0, 1.0);
-        return static_cast<std::uint8_t>(std::lround(255 * light * (0.2 + 0.8 * full)));
-    };
-    return {part(2), part(0), part(4)};
-}
-
 PaintedPoints painted(const PointSet& points, const std::vector<std::uint32_t>& tree_of) {
     PaintedPoints out{points, {}, {}};
     out.colors.reserve(points.size());
     for (const std::uint32_t tree : tree_of) {
         out.colors.push_back(tree == kPointOfGround   ? kGroundColor
                              : tree == kPointOfNoTree ? kNoTreeColor
-                                                      : color_of_tree(tree));
+                                                      : numbered_color(tree));
     }
     return out;
 }
@@ -147,7 +135,7 @@ std::string table_of(const std::vector<PlotTree>& trees, const std::string& endi
         }
         out += fmt::format("{},{}", t + 1, trees[t].result ? name_of_tree(t, ending) : "");
         for (const auto& [name, figure] : figures.entries()) out.append(1, ',').append(cell_of(figure));
-        const Rgb color = color_of_tree(t);
+        const Rgb color = numbered_color(t);
         fmt::format_to(std::back_inserter(out), ",#{:02x}{:02x}{:02x},{}\n", color[0], color[1], color[2],
                        csv_cell(fmt::format("{}", fmt::join(trees[t].warnings, "; "))));
     }
@@ -271,10 +259,7 @@ void check_plot_files(const PlotFiles& files) {
     }
     if (!files.leaf_points.empty()) check_points_output(files.leaf_points);
     if (files.tree_points.empty()) return;
-    if (files.tree_points.extension() != ".ply")
-        throw UsageError(fmt::format("points keep their colours in PLY alone; '{}' needs the ending .ply",
-                                     files.tree_points.string()));
-    check_output_folder(files.tree_points);
+    check_painted_output(files.tree_points);
 }
 
 void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files,

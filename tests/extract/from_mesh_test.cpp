@@ -8,6 +8,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
+#include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/measure.h"
 #include "extract/mesh_support.h"
 
@@ -116,6 +117,36 @@ TEST_P(BothMethods, AForkIsFoundWhereItIs) {
     EXPECT_LT(farthest(truth, r.skeleton), 0.05);
     EXPECT_LT(farthest(r.skeleton, truth), 0.03 + tip);
     EXPECT_LT(distance(r.skeleton.position(NodeId(0)), Vec3()), 0.05);
+}
+
+TEST_P(BothMethods, EveryVertexIsMappedToTheNodeThatItIsAbout) {
+    const FromMeshResult r = extract_from_mesh(surface_of(fork(), 0.05f), options());
+    ASSERT_EQ(r.nodes.size(), r.vertices.size());
+    ASSERT_EQ(r.vertices.size(), r.report.samples);
+    for (std::size_t v = 0; v < r.nodes.size(); ++v) {
+        const NodeId n(r.nodes[v]);
+        ASSERT_LT(n.index(), r.skeleton.size());
+        const NodeId p = r.skeleton.is_root(n) ? n : r.skeleton.parent(n);
+        const Vec3d at = r.vertices.world(v) - r.skeleton.origin(), from(r.skeleton.position(p)),
+                    along = Vec3d(r.skeleton.position(n)) - from;
+        EXPECT_LT(distance(at, from + along * closest_parameter(at, from, along)), 0.3) << v;
+    }
+}
+
+// A wedge: its vertices lie at two distances from the axis, so that their mean is not their median.
+TEST(FromMesh, ThicknessIsTheMedianOrTheMean) {
+    PolygonMesh wedge = tube({0, 0, 0}, {0, 0, 4}, 0.2f, {.sides = 12, .rings = 40});
+    for (Vec3& p : wedge.positions)
+        if (p.x > 0.15f) p.x *= 2;
+    FromMeshOptions options{.method = MeshSkeletonMethod::contraction, .fit = false};
+    const auto middle = [&](Thickness thickness) {
+        options.thickness = thickness;
+        const Skeleton s = extract_from_mesh(wedge, options).skeleton;
+        double sum = 0;
+        for (const NodeId n : nodes(s)) sum += double{s.radius(n)} / s.size();
+        return sum;
+    };
+    EXPECT_LT(middle(Thickness::mean), 0.98 * middle(Thickness::median));
 }
 
 // Six arms from one place: five forks of two or fewer with more children, six ends.

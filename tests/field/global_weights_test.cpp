@@ -104,6 +104,26 @@ TEST(GlobalWeights, TwoSegmentsInOnePlaceShareTheirWeight) {
     EXPECT_LT(w.global.rms, 0.05);
 }
 
+TEST(GlobalWeights, AveragingTakesTheMeanOfAllThatMeet) {
+    // A stem with a fork of a thick and a thin branch, the thin one of two segments; and a tree beside it.
+    const Skeleton s({NodeId{}, NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId{}, NodeId(5)},
+                     {{0, 0, 0}, {0, 0, 9}, {5, 0, 14}, {-3, 0, 12}, {-7, 0, 13}, {90, 0, 0}, {90, 0, 5}},
+                     {2, 2, 1.5f, 0.5f, 0.3f, 1, 1});
+    FieldOptions options = global();
+    const std::vector<float> w = global_weights(s, options).factors;
+    options.weight_averaging = 1;
+    const std::vector<float> once = global_weights(s, options).factors;
+    EXPECT_NEAR(once[1], (w[1] + w[2] + w[3]) / 3, 1e-6);
+    EXPECT_NEAR(once[2], (w[1] + w[2] + w[3]) / 3, 1e-6);
+    EXPECT_NEAR(once[3], (w[1] + w[2] + w[3] + w[4]) / 4, 1e-6);
+    EXPECT_NEAR(once[4], (w[3] + w[4]) / 2, 1e-6);
+    EXPECT_EQ(once[6], w[6]) << "it has no neighbours";
+    EXPECT_GT(std::abs(w[3] - w[1]), 0.01f) << "there was something to average";
+    options.weight_averaging = 100;
+    const std::vector<float> many = global_weights(s, options).factors;
+    EXPECT_NEAR(many[4], many[1], 1e-3);
+}
+
 TEST(GlobalWeights, FitNoWorseThanLocalOnesOnTheWholeZoo) {
     for (const auto& [name, s] : skeleton_zoo()) {
         for (const Kernel k : {Kernel::quartic, Kernel::cauchy, Kernel::scalis}) {

@@ -79,6 +79,25 @@ TEST(Project, ATubeGetsItsRadius) {
     }
 }
 
+// The plain step needs a gradient, and some more steps than one on the value's root; it overshoots where the
+// field is flat.
+TEST(Project, ThePlainNewtonStepLeadsThereFromNearby) {
+    for (const float start : {0.7f, 0.9f, 1.3f}) {
+        SCOPED_TRACE(start);
+        Scene scene(tube_cage(6, 8, start, 1, false), on_axis);
+        const ProjectReport report = scene.project(cylinder_field(), with(ProjectionMethod::newton));
+        EXPECT_EQ(report.not_converged, 0u);
+        for (const Vec3& p : scene.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 3e-4f);
+        EXPECT_GT(report.mean_evaluations(), 2.5);
+        EXPECT_LE(report.mean_evaluations(), 7);
+    }
+    Scene outside(tube_cage(6, 8, 3.0f, 1, false), on_axis);
+    const Buffer<Vec3> before = outside.positions;
+    const ProjectReport report = outside.project(cylinder_field(), with(ProjectionMethod::newton));
+    EXPECT_EQ(report.not_converged, report.vertices);
+    EXPECT_EQ(outside.positions, before);
+}
+
 TEST(Project, RaysKeepTheirDirection) {
     Scene scene(shaken(tube_cage(6, 4, 1, 1, false), 0.1f), on_axis);
     const Buffer<Vec3> before = scene.positions;

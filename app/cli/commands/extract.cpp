@@ -12,6 +12,7 @@
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/points/wood_classes.h"
+#include "coppice/render/colors.h"
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
@@ -29,7 +30,7 @@ constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 
 struct ExtractFlags {
     std::vector<std::string> wood_classes;
-    std::filesystem::path input, output, mesh_output, leaf_output, tree_points;
+    std::filesystem::path input, output, mesh_output, leaf_output, tree_points, mapping;
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     PlotOptions from_plot;
@@ -50,6 +51,7 @@ void check_flags(ExtractFlags& flags) {
     check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
     if (!flags.leaf_output.empty()) check_points_output(flags.leaf_output);
+    if (!flags.mapping.empty()) check_painted_output(flags.mapping);
     flags.from_cloud.root = flags.from_mesh.root;
 }
 
@@ -90,6 +92,14 @@ auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& 
     });
 }
 
+/// The vertices of a mesh, those of each node in a colour of its own.
+void write_mapping(const std::filesystem::path& path, const FromMeshResult& result, const Context& ctx) {
+    PaintedPoints painted{result.vertices, {}, {}};
+    for (const std::uint32_t node : result.nodes) painted.colors.push_back(numbered_color(node));
+    write_painted_points(path, painted, "the vertices of each node of the skeleton in a colour of its own",
+                         ctx);
+}
+
 ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PolygonMesh mesh = load_mesh(run, flags.input, flags.up);
     FromMeshResult result = extract_stage(
@@ -97,6 +107,8 @@ ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summar
     for (const auto& [name, seconds] : result.stages)
         run.add_stage(fmt::format("extract: {}", name), seconds);
     run.repairs() = figures_of(result.repairs);
+    if (!flags.mapping.empty())
+        run.stage("write mapping", [&](const Context& ctx) { write_mapping(flags.mapping, result, ctx); });
     summary = fmt::format(", {} loops cut", grouped(result.report.loops));
     return result;
 }
@@ -267,6 +279,9 @@ Command extract_command() {
     options.value({{"up", "axis of the file that points up; y as in games and in OBJ files of Blender"},
                    choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
+    options.file("--mapping", "PLY", flags->mapping,
+                 "also write the vertices, those of each node of the skeleton in a colour of its own",
+                 kMeshGroup);
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.value({{"wood_classes",
                     "LAS classes of points that may be wood, as 4,5,20-22; auto leaves out ground, noise, "

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command.h"
+#include "coppice/base/sort.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh/solid_writer.h"
 #include "coppice/io/mesh/writer.h"
@@ -24,6 +25,7 @@ struct MeshFlags {
     RestoreOptions restore;
     ReadSkeletonOptions read;
     MeshWriteOptions write;
+    bool constraint_edges = false;
 };
 
 bool makes_quads(MeshMethod method) {
@@ -49,6 +51,8 @@ void check_flags(const MeshFlags& flags) {
     if (!flags.constraints.empty() && flags.mesh.field.weights != Weights::global) {
         throw UsageError("--constraints are for global weights; add --weights global");
     }
+    if (flags.constraint_edges && flags.constraints.empty())
+        throw UsageError("--constraint-edges are those of --constraints MESH; add it");
     if (!flags.original.empty() && !makes_quads(flags.mesh.method)) {
         throw UsageError("--restore needs --method quads");
     }
@@ -115,12 +119,36 @@ std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& origina
                        grouped(result.report.pulled_back));
 }
 
+/// The vertices of a mesh, and where it is asked for the middles of its edges, by their ends.
+PointSet points_of_mesh(const PolygonMesh& mesh, bool edges) {
+    PointSet out{mesh.positions, mesh.origin};
+    if (!edges) return out;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+        const auto face = mesh.face(f);
+        for (std::size_t k = 0; k < face.size(); ++k)
+            ends.push_back(std::minmax({face[k], face[(k + 1) % face.size()]}));
+    }
+    sort_unique(ends);
+    for (const auto& [a, b] : ends) out.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5f);
+    return out;
+}
+
+PointSet load_constraints(Run& run, const MeshFlags& flags) {
+    if (flags.constraints.empty()) return {};
+    if (kind_of_input(flags.constraints) == FileKind::mesh)
+        return points_of_mesh(load_mesh(run, flags.constraints, flags.read.up), flags.constraint_edges);
+    if (flags.constraint_edges)
+        throw UsageError(
+            fmt::format("--constraint-edges needs a mesh; '{}' has no edges", flags.constraints.string()));
+    return load_points(run, flags.constraints, flags.read.up);
+}
+
 ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     check_flags(flags);
     check_given(given, flags.mesh);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
-    PointSet constraints;
-    if (!flags.constraints.empty()) constraints = load_points(run, flags.constraints, flags.read.up);
+    const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
     MeshResult result = run.stage("mesh", [&](const Context& ctx) {
@@ -168,7 +196,10 @@ Command mesh_command() {
     options.file("--volume", "FILE", flags->volume,
                  "also write the tetrahedra inside, for finite elements (.vtu, .msh)");
     options.file("--constraints", "POINTS", flags->constraints,
-                 "points of the surface that global weights are fitted to (.xyz, .ply)");
+                 "points that global weights are fitted to, or a mesh, whose vertices they are (.xyz, .ply, "
+                 ".obj)");
+    options.flag("--constraint-edges", flags->constraint_edges,
+                 "also fit global weights to the middles of the edges of that mesh");
     options.file("--restore", "MESH", flags->original,
                  "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)");
     options.file("--offsets", "FILE", flags->offsets,

@@ -50,6 +50,7 @@ struct FieldOptions {
                ///< above theirs; greater leaves a wider gap; 0 = off: they blend where they are connected
     Weights weights = Weights::local;  ///< global takes blend for 1
     int constraint_density = 12;       ///< points per segment, on average, that global weights are fitted to
+    int weight_averaging = 0;  ///< times that global weights become the mean of theirs and adjacent ones
 };
 
 template <class Self, class Visitor>
@@ -88,6 +89,11 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"constraint_density", "points per segment, on average, that global weights are fitted to",
                 Unit::none, 4, 256},
           o.constraint_density);
+    visit(Field{"weight_averaging",
+                "times that global weights, once fitted, become the mean of their own and of those of "
+                "adjacent segments",
+                Unit::none, 0, 100},
+          o.weight_averaging);
 }
 
 }  // namespace coppice

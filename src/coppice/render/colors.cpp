@@ -41,6 +41,17 @@ Vec3 to_linear(Rgb color) {
     return {light(color[0]), light(color[1]), light(color[2])};
 }
 
+Rgb numbered_color(std::size_t number) {
+    const double hue = 6 * std::fmod(0.13 + 0.618034 * static_cast<double>(number), 1.0);
+    const double light = number % 3 == 0 ? 0.95 : number % 3 == 1 ? 0.75 : 0.6;
+    const auto part = [&](double shift) {
+        const double t = std::fmod(hue + shift, 6.0);
+        const double full = std::clamp(std::min(t, 4 - t), 0.0, 1.0);
+        return static_cast<std::uint8_t>(std::lround(255 * light * (0.2 + 0.8 * full)));
+    };
+    return {part(2), part(0), part(4)};
+}
+
 float usual_range(std::span<const float> distances) {
     std::vector<float> sizes;
     sizes.reserve(distances.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@ float to_srgb(float linear);
 Rgb to_srgb(Vec3 linear);
 /// Back again.
 Vec3 to_linear(Rgb color);
+
+/// A colour for each of many things: those of neighbouring numbers are far apart in hue.
+Rgb numbered_color(std::size_t number);
 
 /// The size [m] that 98 % of the distances keep below, so that few far away do not pale the others when it is
 /// drawn in full colour; above 0. What is not finite does not count. O(n).

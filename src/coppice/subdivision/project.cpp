@@ -53,17 +53,20 @@ class GradientWalk {
         }
         const float slope_squared = length_squared(here.gradient);
         const Vec3 from_anchor = point_ - anchor_;
+        const bool plain = o.method == ProjectionMethod::newton;
         if (!(slope_squared > 0)) {
+            if (plain) return Outcome::failed;
             if (length(from_anchor) < kShortest * reach_) return Outcome::no_surface;
             point_ += from_anchor * (here.ratio >= 1 ? kShrink : -kShrink);
             return Outcome::running;
         }
-        Vec3 step = newton_step(here, slope_squared, o.damping);
+        Vec3 step = plain ? here.gradient * (-o.damping * (here.ratio - 1) / slope_squared)
+                          : newton_step(here, slope_squared, o.damping);
         const float size = length(step);
         if (!std::isfinite(size)) return Outcome::failed;
         float longest = kLongestStep * reach_;
         if (dot(step, from_anchor) < 0) longest = std::min(longest, (1 - kNearest) * length(from_anchor));
-        if (size > longest) step *= longest / size;
+        if (!plain && size > longest) step *= longest / size;
         point_ += step;
         if (length(point_ - anchor_) > o.max_stretch * reach_) return Outcome::failed;
         const float left = (1 - o.damping) * size + size * size / reach_;
@@ -301,7 +304,7 @@ void project_faces(Batch& batch, const Task& task, const Surface& surface, Index
 
 ProjectReport project_faces(const Task& task, const Surface& surface, IndexRange faces) {
     ProjectReport report;
-    if (task.options.method == ProjectionMethod::gradient) {
+    if (task.options.method != ProjectionMethod::rays) {
         const auto batch = std::make_unique<GradientBatch>(task, report);
         project_faces(*batch, task, surface, faces, [&](std::uint32_t region) { batch->move(region); });
         return report;

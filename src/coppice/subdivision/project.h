@@ -17,11 +17,11 @@
 namespace coppice {
 
 /// How vertices reach the surface; see project().
-enum class ProjectionMethod { rays, gradient, none };
+enum class ProjectionMethod { rays, gradient, newton, none };
 
 template <>
 struct EnumNames<ProjectionMethod> {
-    static constexpr std::array<std::string_view, 3> names = {"rays", "gradient", "none"};
+    static constexpr std::array<std::string_view, 4> names = {"rays", "gradient", "newton", "none"};
 };
 
 /// How refined vertices are moved onto the field's surface.
@@ -39,9 +39,12 @@ struct ProjectOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, ProjectOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"method",
-                "how refined vertices reach the surface: along rays from the skeleton or along the gradient"},
-          o.method);
+    visit(
+        Field{
+            "method",
+            "how refined vertices reach the surface: along rays from the skeleton, along the gradient, or by "
+            "the plain Newton step of Zhu et al. 2015"},
+        o.method);
     visit(Field{"tolerance", "error of the projection as a fraction of the local radius", Unit::radius, 1e-6,
                 0.1},
           o.tolerance);
@@ -86,7 +89,8 @@ struct ProjectionTarget {
 /// distance from the anchor, where the compact quartic kernel is a straight line, within a bracket: two or
 /// three evaluations as a rule. gradient: damped steps along the gradient on the same transformed field
 /// [Zhu2015, section 4.3; the sign of its eq. 5 is reversed], none longer than half the first distance to
-/// the anchor, and none that leaves less than a quarter of the present one. A vertex whose ray meets no
+/// the anchor, and none that leaves less than a quarter of the present one. newton: that equation as it
+/// stands, on the plain value and with steps of any length, for comparison. A vertex whose ray meets no
 /// surface, because its anchor lies outside or the ray never leaves the solid, follows the gradient from
 /// where it was; it stays there when that leads nowhere either. Neither moves a vertex that coincides with
 /// its anchor, nor ever writes a number that is not finite when positions and anchors are.

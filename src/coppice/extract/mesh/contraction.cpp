@@ -118,8 +118,8 @@ void center_nodes(const Surface& s, Contraction& c) {
     for (std::uint32_t n = 0; n < c.tree.size(); ++n) c.tree.position[n] = sum[n] / weight[n];
 }
 
-/// The median distance of those vertices from the segments that meet in the node.
-void measure_radii(const Surface& s, const Context& ctx, Contraction& c) {
+/// The distances of those vertices from the segments that meet in the node: their median, or their mean.
+void measure_radii(const Surface& s, Thickness thickness, const Context& ctx, Contraction& c) {
     const DraftTree& t = c.tree;
     const DraftLinks links(t);
     std::vector<std::vector<double>> distances(t.size());
@@ -136,8 +136,12 @@ void measure_radii(const Surface& s, const Context& ctx, Contraction& c) {
         for (const std::uint32_t m : links.children(n)) look(m);
         distances[n].push_back(best);
     }
-    parallel_for(ctx, t.size(), 256,
-                 [&](std::size_t n) { c.tree.radius[n] = median_in_place(distances[n]); });
+    parallel_for(ctx, t.size(), 256, [&](std::size_t n) {
+        c.tree.radius[n] = thickness == Thickness::median
+                               ? median_in_place(distances[n])
+                               : std::accumulate(distances[n].begin(), distances[n].end(), 0.0) /
+                                     static_cast<double>(distances[n].size());
+    });
     double least = 0;
     for (const double r : c.tree.radius) least = std::max(least, 1e-4 * r);
     for (double& r : c.tree.radius) r = std::max(r, least);
@@ -158,14 +162,14 @@ void check_valences(const Surface& s) {
 
 }  // namespace
 
-Contraction contract(const Surface& s, const Context& ctx) {
+Contraction contract(const Surface& s, Thickness thickness, const Context& ctx) {
     check_valences(s);
     const Points thin = smoothed(s, part_of(ctx, 0, kSmoothingShare));
     std::vector<Vec3d> at(s.size());
     for (std::uint32_t v = 0; v < s.size(); ++v) at[v] = point(thin, v);
     Contraction out = collapse_to_graph(s, at, part_of(ctx, kSmoothingShare, 1));
     center_nodes(s, out);
-    measure_radii(s, ctx, out);
+    measure_radii(s, thickness, ctx, out);
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/extract/mesh/from_mesh.h"
 #include "coppice/extract/mesh/surface_internal.h"
 #include "coppice/extract/tree/draft_tree.h"
 
@@ -20,8 +21,8 @@ struct Contraction {
 /// [Kazhdan2012], and each vertex rests as soon as the surface around it is a line, so that thin twigs keep
 /// their length while thick wood shrinks. Cotangents are clamped, and edges of one triangle or of more than
 /// two are smoothed like any other, so that the surface need be neither closed nor manifold. Nodes lie in the
-/// middle of the vertices that became part of them; radii are the median distance of those. O(n^1.5) or so
-/// for the factorisations of surfaces, O(n log n) for the collapses.
-Contraction contract(const Surface& surface, const Context& ctx);
+/// middle of the vertices that became part of them; radii are the median or mean distance of those. O(n^1.5)
+/// or so for the factorisations of surfaces, O(n log n) for the collapses.
+Contraction contract(const Surface& surface, Thickness thickness, const Context& ctx);
 
 }  // namespace coppice::extract_internal

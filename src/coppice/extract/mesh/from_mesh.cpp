@@ -143,7 +143,7 @@ std::size_t draft_from_rings(Draft& draft, const FromMeshOptions& options, const
 
 /// The same by contraction.
 std::size_t draft_from_contraction(Draft& draft, const FromMeshOptions& options, const Context& ctx) {
-    Contraction contracted = contract(draft.surface, ctx);
+    Contraction contracted = contract(draft.surface, options.thickness, ctx);
     draft.tree = std::move(contracted.tree);
     draft.samples.node = std::move(contracted.node);
     renumber(draft.samples, cut_loops(draft.tree, contracted.loops, options.keep_loops));
@@ -180,7 +180,7 @@ std::uint32_t join_and_root(Draft& draft, const FromMeshOptions& options, const 
 FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions& options,
                                  const Context& ctx) {
     check_fields(options, "extract");
-    FromMeshResult out{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}};
+    FromMeshResult out{{Skeleton({NodeId()}, {Vec3()}, {1.0f}), {}, {}}, {}, {}, {}, {}};
     Draft draft;
     DraftTree& tree = draft.tree;
     FitSamples& samples = draft.samples;
@@ -216,6 +216,9 @@ FromMeshResult extract_from_mesh(const PolygonMesh& mesh, const FromMeshOptions&
         out.skeleton = to_skeleton(tree, draft.origin);
         out.confidence = rate_nodes(tree, samples, out.report.residual, stage);
         out.report.trees = out.skeleton.tree_count();
+        assign_rest(draft.surface, samples.node);
+        out.vertices = {std::move(draft.surface.positions), draft.origin};
+        out.nodes = std::move(samples.node);
     });
     return out;
 }

@@ -9,6 +9,7 @@
 #include "coppice/base/fields.h"
 #include "coppice/extract/extract_result.h"
 #include "coppice/extract/mesh/mesh_clean.h"
+#include "coppice/points/point_set.h"
 
 namespace coppice {
 
@@ -23,6 +24,17 @@ struct EnumNames<MeshSkeletonMethod> {
     static constexpr std::array<std::string_view, 2> names{"rings", "contraction"};
 };
 
+/// What the thickness of a contracted node is, of the distances of the vertices that became part of it.
+enum class Thickness {
+    median,  ///< does not heed the few that lie far off, at forks
+    mean     ///< as [Zhu2015 3.1] has it
+};
+
+template <>
+struct EnumNames<Thickness> {
+    static constexpr std::array<std::string_view, 2> names{"median", "mean"};
+};
+
 /// The axis of the mesh that points up.
 enum class UpAxis { x, y, z };
 
@@ -34,7 +46,8 @@ struct EnumNames<UpAxis> {
 /// How a skeleton is read off a mesh.
 struct FromMeshOptions {
     MeshSkeletonMethod method = MeshSkeletonMethod::rings;  ///< rings are faster
-    bool fit = true;     ///< fit the segments to the vertices by least squares
+    Thickness thickness = Thickness::median;  ///< of contraction, which the fit then goes on from
+    bool fit = true;                          ///< fit the segments to the vertices by least squares
     float prune = 0.3f;  ///< [radius of the fork] ends that rise less above their fork go; in [0, 10]
     float join = 1.2f;   ///< [radius] pieces whose end is nearer to another's axis are attached; 0 = none
     float tolerance = 0.02f;    ///< [radius] how far the surface may move by leaving out nodes; in [0, 1]
@@ -48,6 +61,10 @@ template <class Self, class Visitor>
 requires SameOptions<Self, FromMeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"method", "how the skeleton is read off a mesh"}, o.method);
+    visit(Field{"thickness",
+                "contraction: the radius of a node, from the distances of the vertices that became part of "
+                "it; the fit goes on from there"},
+          o.thickness);
     visit(Field{"fit", "fit the segments to the vertices by least squares"}, o.fit);
     visit(Field{"prune", "ends that rise less above their fork go", Unit::radius, 0, 10}, o.prune);
     visit(Field{"join", "pieces whose end is nearer to another's axis are attached to it; 0 = none",
@@ -69,7 +86,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// A skeleton, and what had to be repaired in the mesh.
 struct FromMeshResult : ExtractResult {
-    MeshRepairs repairs;                                      ///< of the mesh
+    MeshRepairs repairs;               ///< of the mesh
+    PointSet vertices;                 ///< of the mesh once cleaned, in the frame of the input
+    std::vector<std::uint32_t> nodes;  ///< per vertex: the node that it is mapped to [Zhu2015, figure 1 (b)]
     std::vector<std::pair<std::string_view, double>> stages;  ///< name, seconds
 };
 
@@ -79,7 +98,7 @@ struct FromMeshResult : ExtractResult {
 /// every piece, and follows them down from each farthest place: rings 0.4 radii apart, up to where the
 /// surface belongs to another branch. Each branch begins where its axis meets the one it leaves.
 /// `contraction` shrinks the surface to its axis by implicit smoothing and collapses edges until no triangles
-/// are left; the radius is the median distance of the vertices that became a node [Zhu2015 3.1].
+/// are left; the radius is that of the vertices that became a node (`thickness`).
 ///
 /// Then, with either: ways round are cut where they are thinnest, stubs pruned, ends moved to where the
 /// surface ends, less their radius (flat ends: to the face), and all segments fitted to the vertices by least

@@ -121,6 +121,27 @@ std::vector<double> right_side(const SparseRows& f, std::span<const std::uint8_t
     return b;
 }
 
+/// The weights, each the mean of its own and of those of the segments that share a node with it.
+std::vector<double> averaged(const Skeleton& s, const std::vector<double>& x) {
+    // Of the segments that meet in a node: the one that leads to it, and those that go on from it.
+    std::vector<double> sum(s.size(), 0);
+    std::vector<std::uint32_t> count(s.size(), 0);
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        for (const NodeId end : {n, s.parent(n)}) {
+            sum[end.index()] += x[n.index()];
+            ++count[end.index()];
+        }
+    }
+    std::vector<double> out = x;
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) continue;
+        const std::size_t i = n.index(), p = s.parent(n).index();
+        out[i] = (sum[i] + sum[p] - x[i]) / (count[i] + count[p] - 1);
+    }
+    return out;
+}
+
 }  // namespace
 
 GlobalWeights global_weights(const Skeleton& skeleton, const FieldOptions& options,
@@ -153,12 +174,13 @@ GlobalWeights global_weights(const Skeleton& skeleton, const FieldOptions& optio
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (seen[i]) {
             x[i] = solved.x[i];
-            out.factors[i] = static_cast<float>(x[i]);
             out.zero += x[i] == 0;
         } else {
             out.unseen += field.segments()[i].weight > 0;
         }
     }
+    for (int k = 0; k < options.weight_averaging; ++k) x = averaged(skeleton, x);
+    std::ranges::copy(x, out.factors.begin());
     out.global = residual(f, x, ctx);
     return out;
 }

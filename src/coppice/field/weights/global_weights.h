@@ -52,6 +52,10 @@ struct GlobalWeights {
 /// ConvolutionField sums there. A segment whose values at all constraints together are below 0.01 of the
 /// level is unseen. options.blend is taken for 1, options.contact for 0.
 ///
+/// options.weight_averaging smooths what was fitted, as [Zhu2015, figure 12 (g)] does: each weight, in units
+/// of the local one, becomes the mean of its own and of those of the segments that share a node with it. O(n)
+/// each time.
+///
 /// It fits mean residuals: near forks, where the sum is too great, branches become thinner than they should
 /// be, and others thicker in turn (docs/user/comparison.md has figures). It is here for comparison.
 ///
