@@ -136,10 +136,20 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     return fmt::format("{}; {} quads{}", how, grouped(surface.mesh.quads.size()), told(surface.knots));
 }
 
+Figures counts_of(const PolyhedronReport& r) {
+    Figures out;
+    out["sections"] = r.sections;
+    out["auxiliary_points"] = r.auxiliary;
+    out["sections_added"] = r.added;
+    return out;
+}
+
 std::string count(Figures& counts, const TetraSurface& surface) {
     counts["vertices"] = surface.mesh.positions.size();
     counts["triangles"] = surface.mesh.triangles.size();
     counts["tetrahedra"] = surface.march.tetra;
+    counts["coarse_tetrahedra"] = surface.coarse;
+    if (surface.polyhedron) counts["polyhedron"] = counts_of(*surface.polyhedron);
     counts["samples"] = surface.march.vertices;
     counts["crossed_tetrahedra"] = surface.march.crossed;
     counts["snapped_vertices"] = surface.march.snapped;

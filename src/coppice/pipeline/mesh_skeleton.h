@@ -26,6 +26,7 @@
 #include "coppice/subdivision/untangle.h"
 #include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/march/march.h"
+#include "coppice/tetra/polyhedron/polyhedron.h"
 #include "coppice/tubes/cylinders.h"
 
 namespace coppice {
@@ -69,18 +70,40 @@ struct EnumNames<Overlaps> {
     static constexpr std::array<std::string_view, 4> names{"graft", "apart", "fuse", "keep"};
 };
 
+/// What tetrahedra the method `tetrahedra` begins with.
+enum class TetraBase {
+    octree,     ///< those of a lattice, as fine as the local radius asks for
+    polyhedron  ///< those of a polyhedron about the branches, a handful for each segment [Zhu2013]
+};
+
+template <>
+struct EnumNames<TetraBase> {
+    static constexpr std::array<std::string_view, 2> names{"octree", "polyhedron"};
+};
+
 /// How large the triangles of the method `tetrahedra` are, and how exactly they lie.
 struct TetraOptions {
-    float edge = 0.5f;  ///< [radii] length of the triangles' edges, about
-    /// More levels are faster for short edges, but grade less finely.
+    TetraBase base = TetraBase::octree;  ///< what is cut into eight
+    float edge = 0.5f;                   ///< [radii] length of the triangles' edges, about
+    /// More levels are faster for short edges, but grade less finely. A polyhedron, whose tetrahedra are as
+    /// wide as its sections, is cut as often as `edge` asks for, whatever the levels: see polyhedron_levels.
     MarchOptions march{.levels = 1};
 };
+
+/// Times that tetrahedra of a polyhedron three radii wide are cut, to come nearest to `edge`: three times at
+/// the default edge, as printed.
+int polyhedron_levels(const TetraOptions& options);
 
 template <class Self, class Visitor>
 requires SameOptions<Self, TetraOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(Field{"tetra_base",
+                "what is cut into tetrahedra: an octree about the branches, or a polyhedron around them, a "
+                "handful for each segment, cut in eight as often as edge asks for"},
+          o.base);
     visit(Field{"edge", "length of the triangles' edges, about", Unit::radius, 0.05, 4}, o.edge);
-    visit(Field{"tetra_levels", "times the tetrahedra are cut into eight", Unit::none, 0, 4}, o.march.levels);
+    visit(Field{"tetra_levels", "times the tetrahedra of an octree are cut into eight", Unit::none, 0, 4},
+          o.march.levels);
     visit_accuracy_fields(o.march, visit);
 }
 
@@ -176,10 +199,12 @@ struct QuadSurface {
 
 /// What MeshMethod::tetrahedra makes.
 struct TetraSurface {
-    TriMesh mesh;             ///< of at least one face
-    SolidMesh solid;          ///< the tetrahedra inside; empty but from mesh_solid
-    MarchReport march;        ///< of the tetrahedra
-    std::uint32_t grown = 0;  ///< times the lattice of tetrahedra was enlarged to enclose the surface
+    TriMesh mesh;                                ///< of at least one face
+    SolidMesh solid;                             ///< the tetrahedra inside; empty but from mesh_solid
+    MarchReport march;                           ///< of the tetrahedra
+    std::uint32_t coarse = 0;                    ///< tetrahedra before they are cut into eight
+    std::uint32_t grown = 0;                     ///< times more tetrahedra were taken to enclose the surface
+    std::optional<PolyhedronReport> polyhedron;  ///< where tetra.base asked for one
 };
 
 /// A surface, and what every stage did.

@@ -14,21 +14,8 @@ constexpr std::size_t kGrain = 1024;
 // Most cells are about half as wide as they may be, and edges a little shorter than the cells are wide.
 constexpr float kCellOverEdge = 2.8f;
 
-std::vector<Segment> segments_of(const Skeleton& skeleton) {
-    std::vector<Segment> segments;
-    for (const NodeId n : nodes(skeleton)) {
-        const float r = skeleton.radius(n);
-        if (!skeleton.is_root(n)) {
-            segments.push_back(skeleton.segment(n));
-        } else if (skeleton.is_tip(n)) {
-            segments.push_back({skeleton.position(n), skeleton.position(n), r, r});
-        }
-    }
-    return segments;
-}
-
 /// Takes from the axes a radius, or a third of the segment, where a tree ends flat: there the surface passes
-/// through the node. Segments are those of segments_of().
+/// through the node. Segments are those of segment_axes().
 void shorten_flat_ends(std::vector<Segment>& axes, const Skeleton& skeleton, const ControlOptions& ends) {
     std::size_t i = 0;
     for (const NodeId n : nodes(skeleton)) {
@@ -71,71 +58,114 @@ std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
     return boxes;
 }
 
-TetraSurface surface_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
-                                   const MeshOptions& options, bool with_solid,
-                                   std::optional<GlobalWeights>& weights, const Context& ctx,
-                                   Stages& stages) {
-    TetraSurface out;
-    check_fields(options.tetra, "tetra");
-    if (options.control.base == BaseShape::open) {
-        throw InvalidInput("mesh: tetrahedra make closed surfaces only; choose base flat or round");
-    }
+/// All that a surface is made of but the tetrahedra.
+struct Task {
+    const Skeleton& prepared;
+    const PointSet& constraints;
+    const MeshOptions& options;
+    bool with_solid;
+    std::optional<GlobalWeights>& weights;
+    const Context& ctx;
+    Stages& stages;
+};
+
+Lattice make_lattice(const Task& task, std::span<const Segment> axes) {
+    const TetraOptions& tetra = task.options.tetra;
     // Vertices of the hull stay where they are, so the surface should keep away from it; tetrahedra that are
     // cut reach far enough by themselves.
-    const float shell = options.tetra.march.levels == 0 ? 0.3f : 0.2f;
+    const float shell = tetra.march.levels == 0 ? 0.3f : 0.2f;
     const LatticeOptions sizes{
-        .cell = kCellOverEdge * options.tetra.edge * static_cast<float>(1 << options.tetra.march.levels),
-        .inside = with_solid ? 0 : 1 - shell,
+        .cell = kCellOverEdge * tetra.edge * static_cast<float>(1 << tetra.march.levels),
+        .inside = task.with_solid ? 0 : 1 - shell,
         .outside = 1 + shell};
-    std::vector<Segment> axes = segments_of(prepared);
-    Lattice lattice = stages.run("lattice", 0.2f, [&] { return Lattice(axes, sizes, ctx); });
-    shorten_flat_ends(axes, prepared, options.control);
-    ConvolutionField field = stages.run(
-        "weights", 0.25f, [&] { return surface_field(prepared, options, constraints, weights, ctx); });
+    return task.stages.run("lattice", 0.2f, [&] { return Lattice(axes, sizes, task.ctx); });
+}
+
+Polyhedron make_polyhedron(const Task& task, std::span<const Segment> axes) {
+    return task.stages.run("polyhedron", 0.2f, [&] { return Polyhedron(task.prepared, axes, {}, task.ctx); });
+}
+
+/// Marches in the tetrahedra of `base`, a Lattice or a Polyhedron, which grows until the surface is enclosed.
+template <class Base>
+TetraSurface surface_in(Base& base, std::vector<Segment> axes, const MarchOptions& how, const Task& task) {
+    const Context& ctx = task.ctx;
+    TetraSurface out;
+    shorten_flat_ends(axes, task.prepared, task.options.control);
+    ConvolutionField field = task.stages.run("weights", 0.25f, [&] {
+        return surface_field(task.prepared, task.options, task.constraints, task.weights, ctx);
+    });
     for (bool again = true; again;) {
-        const TetraMesh& mesh = lattice.mesh();
-        const std::vector<Box3> boxes = stages.run("regions", 0.4f, [&] {
+        const TetraMesh& mesh = base.mesh();
+        const std::vector<Box3> boxes = task.stages.run("regions", 0.4f, [&] {
             auto found = region_boxes(mesh, ctx);
             field.set_regions(found, ctx);
             return found;
         });
-        const CutField cut(FieldRef(field), prepared, options.control, boxes, ctx);
-        MarchResult marched = stages.run("march", 0.95f, [&] {
-            const InsideAxes inside{axes, lattice.passing()};
-            return with_solid ? march_solid(mesh, FieldRef(cut), inside, options.tetra.march, ctx)
-                              : march(mesh, FieldRef(cut), inside, options.tetra.march, ctx);
+        const CutField cut(FieldRef(field), task.prepared, task.options.control, boxes, ctx);
+        MarchResult marched = task.stages.run("march", 0.95f, [&] {
+            const InsideAxes inside{axes, base.passing()};
+            return task.with_solid ? march_solid(mesh, FieldRef(cut), inside, how, ctx)
+                                   : march(mesh, FieldRef(cut), inside, how, ctx);
         });
         out.march = marched.report;
+        out.coarse = static_cast<std::uint32_t>(mesh.tetra.size());
         out.mesh = std::move(marched.mesh);
         out.solid = std::move(marched.solid);
         again = !marched.open.empty();
         if (again) {
             ++out.grown;
-            if (!lattice.grow(marched.open, ctx)) throw Error("mesh: the surface leaves the lattice");
+            if (!base.grow(marched.open, ctx)) throw Error("mesh: the surface leaves the tetrahedra");
         }
     }
-    if (out.march.inside == 0 && is_cut_away(prepared, options.control)) {
+    return out;
+}
+
+TetraSurface surface_by_tetrahedra(const Task& task) {
+    const MeshOptions& options = task.options;
+    check_fields(options.tetra, "tetra");
+    if (options.control.base == BaseShape::open) {
+        throw InvalidInput("mesh: tetrahedra make closed surfaces only; choose base flat or round");
+    }
+    const std::vector<Segment> axes = segment_axes(task.prepared);
+    TetraSurface out;
+    if (options.tetra.base == TetraBase::polyhedron) {
+        MarchOptions how = options.tetra.march;
+        how.levels = polyhedron_levels(options.tetra);
+        Polyhedron polyhedron = make_polyhedron(task, axes);
+        out = surface_in(polyhedron, axes, how, task);
+        out.polyhedron = polyhedron.report();
+    } else {
+        Lattice lattice = make_lattice(task, axes);
+        out = surface_in(lattice, axes, options.tetra.march, task);
+    }
+    if (out.march.inside == 0 && is_cut_away(task.prepared, options.control)) {
         throw InvalidInput(
             "mesh: nothing is left of the surface, which is thinner than the tetrahedra everywhere; choose "
             "base round where a trunk is wider than long, a smaller edge, or method quads");
     }
-    out.mesh.origin = out.solid.origin = prepared.origin();
-    ctx.report(1);
+    out.mesh.origin = out.solid.origin = task.prepared.origin();
+    task.ctx.report(1);
     return out;
 }
 
 }  // namespace
 
+int polyhedron_levels(const TetraOptions& options) {
+    constexpr int kMost = 5;
+    const double times = PolyhedronOptions{}.section / double{options.edge};
+    return std::clamp(static_cast<int>(std::lround(std::log2(times))), 0, kMost);
+}
+
 TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
                                 const MeshOptions& options, std::optional<GlobalWeights>& weights,
                                 const Context& ctx, Stages& stages) {
-    return surface_by_tetrahedra(prepared, constraints, options, false, weights, ctx, stages);
+    return surface_by_tetrahedra({prepared, constraints, options, false, weights, ctx, stages});
 }
 
 TetraSurface solid_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,
                                  const MeshOptions& options, std::optional<GlobalWeights>& weights,
                                  const Context& ctx, Stages& stages) {
-    return surface_by_tetrahedra(prepared, constraints, options, true, weights, ctx, stages);
+    return surface_by_tetrahedra({prepared, constraints, options, true, weights, ctx, stages});
 }
 
 }  // namespace coppice

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace coppice::tetra_internal {
+
+// Signs of determinants of whole numbers, without error: coordinates are below 2^25 in size, so differences
+// are below 2^26.
+
+/// A place on the grid.
+using GridPlace = std::array<std::int32_t, 3>;
+
+__extension__ typedef __int128 Int128;
+
+template <class T>
+T determinant(const std::array<T, 3>& a, const std::array<T, 3>& b, const std::array<T, 3>& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/// The same of the sizes of its terms: what rounding may add is in proportion to it.
+inline double size_of_terms(const std::array<double, 3>& a, const std::array<double, 3>& b,
+                            const std::array<double, 3>& c) {
+    const auto f = [](double x) { return std::abs(x); };
+    return f(a[0]) * (f(b[1] * c[2]) + f(b[2] * c[1])) + f(a[1]) * (f(b[2] * c[0]) + f(b[0] * c[2])) +
+           f(a[2]) * (f(b[0] * c[1]) + f(b[1] * c[0]));
+}
+
+template <class T>
+std::array<T, 3> difference(const GridPlace& p, const GridPlace& from) {
+    return {T(p[0]) - T(from[0]), T(p[1]) - T(from[1]), T(p[2]) - T(from[2])};
+}
+
+template <class T>
+int sign_of(T x) {
+    return x > 0 ? 1 : x < 0 ? -1 : 0;
+}
+
+/// Of the volume of a tetrahedron: of dot(cross(b - a, c - a), d - a).
+inline int orientation(const GridPlace& a, const GridPlace& b, const GridPlace& c, const GridPlace& d) {
+    const auto x = difference<double>(b, a), y = difference<double>(c, a), z = difference<double>(d, a);
+    const double volume = determinant(x, y, z);
+    if (std::abs(volume) > 1e-15 * size_of_terms(x, y, z)) return sign_of(volume);
+    return sign_of(determinant(difference<Int128>(b, a), difference<Int128>(c, a), difference<Int128>(d, a)));
+}
+
+/// A place whose ball has the square of a radius for its weight, which may be negative.
+struct WeightedPlace {
+    GridPlace at{};
+    std::int64_t weight = 0;  ///< below 2^51 in size
+};
+
+/// Whether p lies deeper than on the sphere that is orthogonal to the balls of four, which have a positive
+/// volume: where all weights are alike, within the sphere through the four.
+inline bool conflicts(const std::array<const WeightedPlace*, 4>& corners, const WeightedPlace& p) {
+    std::array<std::array<double, 3>, 4> d;
+    std::array<double, 4> lift{};
+    for (std::size_t i = 0; i < 4; ++i) {
+        d[i] = difference<double>(corners[i]->at, p.at);
+        lift[i] = d[i][0] * d[i][0] + d[i][1] * d[i][1] + d[i][2] * d[i][2] +
+                  static_cast<double>(p.weight - corners[i]->weight);
+    }
+    constexpr std::array<std::array<std::uint8_t, 3>, 4> kOthers{
+        {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
+    double sum = 0, size = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto& [j, k, l] = kOthers[i];
+        const double sign = i % 2 == 0 ? -1 : 1;
+        sum += sign * lift[i] * determinant(d[j], d[k], d[l]);
+        size += std::abs(lift[i]) * size_of_terms(d[j], d[k], d[l]);
+    }
+    if (std::abs(sum) > 3e-15 * size) return sum < 0;
+    // Lifts are up to 2^54 and determinants up to 2^81: their products are taken in two parts.
+    constexpr int kLow = 28;
+    Int128 high = 0, low = 0;
+    std::array<std::array<Int128, 3>, 4> e;
+    for (std::size_t i = 0; i < 4; ++i) e[i] = difference<Int128>(corners[i]->at, p.at);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto& [j, k, l] = kOthers[i];
+        const Int128 square =
+            e[i][0] * e[i][0] + e[i][1] * e[i][1] + e[i][2] * e[i][2] + p.weight - corners[i]->weight;
+        const Int128 minor = determinant(e[j], e[k], e[l]) * (i % 2 == 0 ? -1 : 1);
+        const Int128 upper = square >> kLow;
+        high += upper * minor;
+        low += (square - (upper << kLow)) * minor;
+    }
+    high += low >> kLow;
+    return high < 0;
+}
+
+}  // namespace coppice::tetra_internal

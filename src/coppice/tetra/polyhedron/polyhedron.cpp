@@ -1,0 +1,321 @@
+#include "coppice/tetra/polyhedron/polyhedron.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
+#include "coppice/tetra/lattice/cone_internal.h"
+#include "coppice/tetra/polyhedron/near_internal.h"
+#include "coppice/tetra/polyhedron/sections_internal.h"
+
+namespace coppice {
+namespace {
+
+using namespace tetra_internal;
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::size_t kGrain = 256;
+constexpr double kLeastRadius = 16;  ///< [grid] of a segment
+constexpr int kGridBits = 24;        ///< of a coordinate: so places are floats
+/// Rounds in which squares are put in at most. What is then too wide still, stays so.
+constexpr int kMostRounds = 6;
+constexpr double kMostWidth = 4.5;   ///< [radii] from an axis a corner of a tetrahedron by the bark may lie,
+constexpr double kNearCorner = 2.6;  ///< [radii] if none lies this near
+constexpr double kAxis = 1e-3;       ///< [radii] that an axis is thick, so that rounding loses none
+
+/// The box of all balls and of corners about them, and as much again on every side.
+struct Frame {
+    std::array<double, 3> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double unit = 1;
+
+    explicit Frame(std::span<const Segment> axes, const PolyhedronOptions& options) {
+        double thinnest = HUGE_VAL;
+        std::size_t which = 0;
+        for (std::size_t i = 0; i < axes.size(); ++i) {
+            const double reach = 2 * options.section;
+            extend(Vec3d(axes[i].a), reach * axes[i].radius_a);
+            extend(Vec3d(axes[i].b), reach * axes[i].radius_b);
+            const double r = std::min(axes[i].radius_a, axes[i].radius_b);
+            if (r < thinnest) which = i;
+            thinnest = std::min(thinnest, r);
+        }
+        double size = 0, farthest = 0;
+        for (std::size_t k = 0; k < 3; ++k) size = std::max(size, high[k] - low[k]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] -= size;
+            high[k] += size;
+            farthest = std::max({farthest, -low[k], high[k]});
+        }
+        // Units below the least positive float, and boxes beyond the greatest, are refused alike.
+        unit = std::exp2(std::ceil(std::log2(farthest)) - kGridBits);
+        if (!(thinnest >= kLeastRadius * unit) || unit < 0x1p-120 || farthest > 0x1p120) {
+            throw InvalidInput(fmt::format(
+                "polyhedron: segment {} has a radius of {:.3g} m, too thin for coordinates of {:.3g} m; make "
+                "it thicker, or move the skeleton to the origin",
+                which, thinnest, farthest));
+        }
+    }
+
+  private:
+    void extend(Vec3d p, double reach) {
+        for (int k = 0; k < 3; ++k) {
+            const auto i = static_cast<std::size_t>(k);
+            low[i] = std::min(low[i], p[k] - reach);
+            high[i] = std::max(high[i], p[k] + reach);
+        }
+    }
+};
+
+Filling empty_box(const Frame& frame) {
+    GridPlace low{}, high{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = static_cast<std::int32_t>(std::floor(frame.low[k] / frame.unit));
+        high[k] = static_cast<std::int32_t>(std::ceil(frame.high[k] / frame.unit));
+    }
+    return {RegularTriangulation(low, high), frame.unit};
+}
+
+void insert(Filling& filling, std::span<const SectionCorner> corners, const Context& ctx) {
+    std::vector<WeightedPlace> points;
+    const GridPlace low = filling.cells.vertex(0).at, high = filling.cells.vertex(7).at;
+    for (const SectionCorner& c : corners) {
+        WeightedPlace p{filling.place(c.at),
+                        static_cast<std::int64_t>(c.weight / (filling.unit * filling.unit))};
+        for (std::size_t k = 0; k < 3; ++k) p.at[k] = std::clamp(p.at[k], low[k] + 1, high[k] - 1);
+        points.push_back(p);
+    }
+    filling.cells.insert(points, ctx);
+}
+
+/// The rows the other way: for each cell the cones near it, ascending.
+CompressedRows<std::uint32_t> turned_round(const CompressedRows<std::uint32_t>& rows, std::size_t items) {
+    return compress_rows<std::uint32_t>(items, [&](const auto& put) {
+        for (std::uint32_t i = 0; i < rows.size(); ++i) {
+            for (const std::uint32_t item : rows[i]) put(item, i);
+        }
+    });
+}
+
+/// Where tetrahedra are too wide for the branch whose bark they hold.
+class WideCells {
+  public:
+    WideCells(const Filling& filling, std::span<const RoundCone> cones,
+              const CompressedRows<std::uint32_t>& cells, const CompressedRows<std::uint32_t>& cones_of)
+        : filling_(filling), cones_(cones), cells_(cells), cones_of_(cones_of) {}
+
+    /// Parameters of a cone at which squares should be.
+    std::vector<double> find(std::uint32_t cone) const {
+        std::vector<double> out;
+        const RoundCone& c = cones_[cone];
+        const double l = length(c.axis);
+        const Vec3d along = normalized(c.axis), side = perpendicular(along), across = cross(along, side);
+        double least = 0;
+        for (double s = 0; s <= l;) {
+            const double t = l > 0 ? s / l : 0, r = c.radius(t);
+            const Vec3d center = c.point(t);
+            const Vec3d ways[4] = {side, across, -side, -across};
+            const bool wide = std::ranges::any_of(
+                ways, [&](Vec3d way) { return is_wide(cone, center, center + way * r, along, r); });
+            if (wide && s >= least) {
+                out.push_back(t);
+                least = s + 1.5 * r;
+            }
+            s += std::max(2 * r, 1e-3 * l);
+        }
+        return out;
+    }
+
+  private:
+    bool is_wide(std::uint32_t cone, Vec3d center, Vec3d bark, Vec3d along, double r) const {
+        const std::uint32_t cell = filling_.cells.locate(filling_.place(bark), cells_[cone].front());
+        double widest = 0;
+        for (const Vec3d p : filling_.corners(cell)) {
+            const Vec3d w = p - center;
+            if (length(w) < kNearCorner * r) return false;
+            widest = std::max(widest, length(w - along * dot(w, along)));
+        }
+        return widest > kMostWidth * r && std::ranges::none_of(cones_of_[cell], [&](std::uint32_t other) {
+                   return other != cone && cones_[other].foot(bark).relative_squared() < 0.9;
+               });
+    }
+
+    const Filling& filling_;
+    std::span<const RoundCone> cones_;
+    const CompressedRows<std::uint32_t>& cells_;
+    const CompressedRows<std::uint32_t>& cones_of_;
+};
+
+}  // namespace
+
+std::vector<Segment> segment_axes(const Skeleton& skeleton) {
+    std::vector<Segment> out;
+    for (const NodeId n : nodes(skeleton)) {
+        const float r = skeleton.radius(n);
+        if (!skeleton.is_root(n)) {
+            out.push_back(skeleton.segment(n));
+        } else if (skeleton.is_tip(n)) {
+            out.push_back({skeleton.position(n), skeleton.position(n), r, r});
+        }
+    }
+    return out;
+}
+
+struct Polyhedron::State {
+    Filling filling;
+    std::vector<RoundCone> cones;
+    CompressedRows<std::uint32_t> cones_of;  ///< per cell: near it, ascending
+    std::vector<std::uint32_t> owner;        ///< per cell in use: the axis of whose region it is
+    TetraMesh mesh;
+    std::vector<std::uint32_t> cell;  ///< per tetrahedron of the mesh
+    CompressedRows<std::uint32_t> passing;
+    PolyhedronReport report;
+
+    CompressedRows<std::uint32_t> find_near(double times, const Context& ctx);
+    void add_squares(const Sections& sections, const Skeleton& skeleton, const PolyhedronOptions& options,
+                     const Context& ctx);
+    void choose(const Context& ctx);
+    std::uint32_t nearest_axis(std::uint32_t cell) const;
+    void gather(const Context& ctx);
+};
+
+CompressedRows<std::uint32_t> Polyhedron::State::find_near(double times, const Context& ctx) {
+    auto near = cells_near(filling, cones, times, ctx);
+    cones_of = turned_round(near, filling.cells.cells().size());
+    return near;
+}
+
+void Polyhedron::State::add_squares(const Sections& sections, const Skeleton& skeleton,
+                                    const PolyhedronOptions& options, const Context& ctx) {
+    std::vector<Vec3d> side;
+    for (const NodeId n : nodes(skeleton)) {
+        if (!skeleton.is_root(n) || skeleton.is_tip(n)) side.push_back(sections.side[n.index()]);
+    }
+    for (int round = 0; round < kMostRounds; ++round) {
+        const auto near = find_near(options.outside, ctx);
+        const WideCells wide(filling, cones, near, cones_of);
+        std::vector<std::vector<double>> found(cones.size());
+        parallel_for(ctx, cones.size(), kGrain,
+                     [&](std::size_t i) { found[i] = wide.find(static_cast<std::uint32_t>(i)); });
+        std::vector<SectionCorner> corners;
+        for (std::size_t i = 0; i < cones.size(); ++i) {
+            const Vec3d normal = normalized(cones[i].axis);
+            const Vec3d across = side[i] - normal * dot(normal, side[i]);
+            for (const double t : found[i]) {
+                add_corners(corners,
+                            {cones[i].point(t), normal, normalized(across, perpendicular(normal)),
+                             cones[i].radius(t), round % 2 == 0},
+                            options);
+                ++report.added;
+            }
+        }
+        if (corners.empty()) return;
+        insert(filling, corners, ctx);
+    }
+    find_near(options.outside, ctx);
+}
+
+std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
+    if (cones_of[c].empty()) return kNone;
+    const auto p = filling.corners(c);
+    const Vec3d middle = 0.25 * (p[0] + p[1] + p[2] + p[3]);
+    std::uint32_t out = kNone;
+    double least = HUGE_VAL;
+    for (const std::uint32_t cone : cones_of[c]) {
+        const double square = cones[cone].foot(middle).relative_squared();
+        if (square < least) {
+            least = square;
+            out = cone;
+        }
+    }
+    return out;
+}
+
+/// Takes the cells that a cone is near.
+void Polyhedron::State::choose(const Context& ctx) {
+    owner.assign(filling.cells.cells().size(), kNone);
+    parallel_for(ctx, owner.size(), kGrain,
+                 [&](std::size_t c) { owner[c] = nearest_axis(static_cast<std::uint32_t>(c)); });
+}
+
+void Polyhedron::State::gather(const Context& ctx) {
+    const auto by_axis = group_by(owner, cones.size());
+    mesh = {};
+    cell.assign(by_axis.items.begin(), by_axis.items.end());
+    mesh.tetra.resize(cell.size());
+    std::vector<std::uint32_t> number(filling.cells.vertex_count(), kNone);
+    for (std::size_t t = 0; t < cell.size(); ++t) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t v = filling.cells.cells()[cell[t]].vertex[i];
+            if (number[v] == kNone) {
+                number[v] = static_cast<std::uint32_t>(mesh.positions.size());
+                mesh.positions.push_back(Vec3(filling.at(v)));
+            }
+            mesh.tetra[t][i] = number[v];
+        }
+    }
+    std::vector<std::uint32_t> axis_of;
+    for (std::uint32_t axis = 0; axis < by_axis.size(); ++axis) {
+        if (by_axis[axis].empty()) continue;
+        mesh.first.push_back(mesh.first.back() + static_cast<std::uint32_t>(by_axis[axis].size()));
+        axis_of.push_back(axis);
+    }
+    std::vector<std::vector<std::uint32_t>> rows(axis_of.size());
+    parallel_for(ctx, rows.size(), kGrain, [&](std::size_t r) {
+        for (const std::uint32_t c : by_axis[axis_of[r]]) {
+            for (const std::uint32_t cone : cones_of[c]) {
+                if (!parted(cones[cone], kAxis, filling.corners(c))) rows[r].push_back(cone);
+            }
+        }
+        sort_unique(rows[r]);
+    });
+    passing = compress_rows<std::uint32_t>(rows.size(), [&](const auto& put) {
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            for (const std::uint32_t axis : rows[r]) put(r, axis);
+        }
+    });
+    report.tetra = static_cast<std::uint32_t>(mesh.tetra.size());
+}
+
+Polyhedron::Polyhedron(const Skeleton& skeleton, std::span<const Segment> axes,
+                       const PolyhedronOptions& options, const Context& ctx) {
+    check_fields(options, "polyhedron");
+    std::vector<RoundCone> cones;
+    for (const Segment& s : axes) cones.push_back(growing_cone(s, {}));
+    Sections sections = find_sections(skeleton, options);
+    Filling filling = empty_box(Frame(axes, options));
+    insert(filling, sections.corners, ctx);
+    state_ = std::make_unique<State>(
+        State{std::move(filling), std::move(cones), {}, {}, {}, {}, {}, sections.report});
+    state_->add_squares(sections, skeleton, options, ctx);
+    state_->choose(ctx);
+    state_->gather(ctx);
+}
+
+Polyhedron::~Polyhedron() = default;
+Polyhedron::Polyhedron(Polyhedron&&) noexcept = default;
+Polyhedron& Polyhedron::operator=(Polyhedron&&) noexcept = default;
+
+const TetraMesh& Polyhedron::mesh() const { return state_->mesh; }
+const PolyhedronReport& Polyhedron::report() const { return state_->report; }
+const CompressedRows<std::uint32_t>& Polyhedron::passing() const { return state_->passing; }
+
+bool Polyhedron::grow(std::span<const TetraFace> faces, const Context& ctx) {
+    State& s = *state_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+    for (const TetraFace& f : faces) {
+        const std::uint32_t own = s.cell[f.tetra], next = s.filling.cells.cells()[own].next[f.opposite];
+        if (next != RegularTriangulation::kNoCell && s.owner[next] == kNone)
+            found.emplace_back(next, s.owner[own]);
+    }
+    for (const auto& [cell, axis] : found) s.owner[cell] = std::min(s.owner[cell], axis);
+    if (!found.empty()) s.gather(ctx);
+    return !found.empty();
+}
+
+}  // namespace coppice
