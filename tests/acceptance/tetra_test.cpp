@@ -26,6 +26,13 @@ MeshOptions tetrahedra(int levels = 1) {
     return options;
 }
 
+MeshOptions polyhedron(float edge) {
+    MeshOptions options = tetrahedra();
+    options.tetra.base = TetraBase::polyhedron;
+    options.tetra.edge = edge;
+    return options;
+}
+
 SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = tetrahedra()) {
     return check_surface(to_polygons(mesh_skeleton(skeleton, options).tetrahedra().mesh), &skeleton);
 }
@@ -46,6 +53,47 @@ TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolid) {
             expect_solid(judge(skeleton, tetrahedra(levels)));
         }
     }
+}
+
+TEST(AcceptanceTetra, EverySkeletonInTheZooGivesASolidInItsPolyhedron) {
+    for (const float edge : {3.0f, 1.5f, 0.75f}) {
+        for (const auto& [name, skeleton] : skeleton_zoo()) {
+            SCOPED_TRACE(name + ", edge " + std::to_string(edge));
+            const SurfaceReport r = judge(skeleton, polyhedron(edge));
+            expect_solid(r);
+            EXPECT_LE(r.topology.components, skeleton.tree_count());
+        }
+    }
+}
+
+TEST(AcceptanceTetra, APolyhedronHasCountsOfTheOrderOfThosePrinted) {
+    // Rhus of [Zhu2013]: 2,064 tetrahedra, cut three times, and 362,740 triangles; its segments are not told.
+    const TetraSurface surface = mesh_skeleton(random_tree(288, 1), polyhedron(0.5f)).tetrahedra();
+    ASSERT_TRUE(surface.polyhedron);
+    EXPECT_EQ(surface.march.tetra, 512u * surface.coarse);
+    EXPECT_GT(surface.coarse, 2064u / 2);
+    EXPECT_LT(surface.coarse, 2064u * 3);
+    EXPECT_GT(surface.mesh.triangles.size(), 362'740u / 3);
+    EXPECT_LT(surface.mesh.triangles.size(), 362'740u * 3);
+}
+
+TEST(AcceptanceTetra, APolyhedronHoldsATreeAsFaithfullyAsItsTetrahedraAreWide) {
+    const SurfaceReport r = judge(random_tree(288, 1), polyhedron(0.5f));
+    expect_solid(r);
+    EXPECT_EQ(r.topology.components, 1u);
+    EXPECT_EQ(r.coverage->missing, 0u);
+    EXPECT_EQ(r.coverage->pinched, 0u);
+    EXPECT_LE(r.radius->regular.mean_abs, 0.01);
+}
+
+TEST(AcceptanceTetra, APolyhedronIsCutAsOftenAsTheEdgeAsksFor) {
+    const auto levels = [](float edge) { return polyhedron_levels(polyhedron(edge).tetra); };
+    EXPECT_EQ(levels(4), 0);
+    EXPECT_EQ(levels(1.5f), 1);
+    EXPECT_EQ(levels(0.5f), 3);
+    EXPECT_EQ(levels(0.375f), 3);
+    EXPECT_EQ(levels(0.07f), 5);
+    EXPECT_THROW(levels(0.06f), InvalidInput);
 }
 
 TEST(AcceptanceTetra, NoSegmentIsMissingFromHardTrees) {
@@ -127,6 +175,16 @@ TEST(AcceptanceTetra, SameBitsForAnyNumberOfThreads) {
         const std::uint64_t one = hash(skeleton, 1);
         for (const unsigned threads : {2u, 7u})
             EXPECT_EQ(hash(skeleton, threads), one) << threads << " threads";
+    }
+}
+
+TEST(AcceptanceTetraFiles, EverySkeletonGivesASolidInItsPolyhedron) {
+    const std::vector<fs::path> files = skeleton_files();
+    if (files.empty()) GTEST_SKIP() << "there is no " << kShared;
+    for (const fs::path& file : files) {
+        SCOPED_TRACE(file.filename());
+        const Skeleton skeleton = read_skeleton(file).skeleton;
+        expect_solid(judge(skeleton, polyhedron(skeleton.size() > 2000 ? 1.5f : 0.75f)));
     }
 }
 

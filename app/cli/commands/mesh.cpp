@@ -79,6 +79,11 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh) {
         throw UsageError("--ball-bulge is for metaballs; add --method bmesh");
     if (has("--blend") && bmesh)
         throw UsageError("--method bmesh sums all balls; leave --blend out, or take --kernel balls for it");
+    if (has("--tetra-base") && mesh.method != MeshMethod::tetrahedra)
+        throw UsageError("--tetra-base is for tetrahedra; add --method tetrahedra");
+    if (has("--tetra-levels") && mesh.tetra.base == TetraBase::polyhedron)
+        throw UsageError(
+            "--tetra-levels is for an octree; with --tetra-base polyhedron --edge says how often it is cut");
 }
 
 void report_weights(Figures& counts, const GlobalWeights& weights) {

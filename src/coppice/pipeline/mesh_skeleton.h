@@ -91,7 +91,7 @@ struct TetraOptions {
 };
 
 /// Times that tetrahedra of a polyhedron three radii wide are cut, to come nearest to `edge`: three times at
-/// the default edge, as printed.
+/// the default edge, as printed. Throws InvalidInput naming `edge` when that is more than five times.
 int polyhedron_levels(const TetraOptions& options);
 
 template <class Self, class Visitor>
@@ -245,7 +245,8 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// Or, with tetrahedra, wraps it in triangles, as large as the local radius asks for: prepares the skeleton,
 /// puts a lattice of tetrahedra about it, and finds the surface in them. Branches that cross or touch become
 /// one body: the surface is closed, manifold and never crosses itself, but may have handles. It has a part
-/// for each tree, whatever the options, or fewer where trees touch.
+/// for each tree, whatever the options, or fewer where trees touch. Or, with tetra.base polyhedron, puts the
+/// bounding polyhedron of [Zhu2013] about the skeleton in place of the lattice.
 ///
 /// Or, with ramifications, builds the cage by units at forks (see build_ramifications), which is subdivided
 /// once less, moved onto the field, unfolded, and remeshed where quads cross as others are. Level 1 is not

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +15,7 @@ namespace {
 constexpr std::size_t kGrain = 1024;
 // Most cells are about half as wide as they may be, and edges a little shorter than the cells are wide.
 constexpr float kCellOverEdge = 2.8f;
+constexpr double kLeastPolyhedronEdge = 0.07;  ///< [radii] below it takes too many cuts
 
 /// Takes from the axes a radius, or a third of the segment, where a tree ends flat: there the surface passes
 /// through the node. Segments are those of segment_axes().
@@ -153,7 +156,14 @@ TetraSurface surface_by_tetrahedra(const Task& task) {
 int polyhedron_levels(const TetraOptions& options) {
     constexpr int kMost = 5;
     const double times = PolyhedronOptions{}.section / double{options.edge};
-    return std::clamp(static_cast<int>(std::lround(std::log2(times))), 0, kMost);
+    const int levels = std::max(0, static_cast<int>(std::lround(std::log2(times))));
+    if (levels > kMost) {
+        throw InvalidInput(fmt::format(
+            "mesh: edge must be at least {} with tetra_base polyhedron, which is cut {} times at most; raise "
+            "it, or take tetra_base octree",
+            kLeastPolyhedronEdge, kMost));
+    }
+    return levels;
 }
 
 TetraSurface mesh_by_tetrahedra(const Skeleton& prepared, const PointSet& constraints,

@@ -275,10 +275,20 @@ double memory_of_tetrahedra(const Skeleton& skeleton, const TetraOptions& option
            (double{options.edge} * options.edge);
 }
 
+/// By the segments: a handful of tetrahedra for each, cut in eight, and most of their vertices sampled.
+double memory_of_polyhedron(const Skeleton& skeleton, const TetraOptions& options) {
+    constexpr double kTetra = 20, kBytesOfTetra = 500, kBytesOfFine = 12;  // coarse ones a segment; measured
+    const double fine = std::ldexp(1.0, 3 * polyhedron_levels(options));
+    return kTetra * skeleton.size() * (kBytesOfTetra + kBytesOfFine * fine);
+}
+
 /// Of quads, as much for cylinders, which have fewer vertices and more sides, and twice as much for
 /// ramifications, which have rings of their own.
 double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
-    if (options.method == MeshMethod::tetrahedra) return memory_of_tetrahedra(skeleton, options.tetra);
+    if (options.method == MeshMethod::tetrahedra) {
+        return options.tetra.base == TetraBase::polyhedron ? memory_of_polyhedron(skeleton, options.tetra)
+                                                           : memory_of_tetrahedra(skeleton, options.tetra);
+    }
     const double quads = memory_of_quads(skeleton, options.levels);
     if (options.method == MeshMethod::cylinders) return quads * options.control.sides / 4;
     return options.method == MeshMethod::ramifications ? 2 * quads : quads;

@@ -22,6 +22,9 @@ struct TetraMesh {
     Buffer<Vec3> positions;               ///< [m]
     Buffer<Tetra> tetra;                  ///< by region
     std::vector<std::uint32_t> first{0};  ///< region r has the tetrahedra first[r] .. first[r + 1]
+    /// [fine edges] from either end of an edge that a surface crosses it at least, in (0, 0.5): so much that
+    /// rounding turns no triangle over, more where tetrahedra are flat
+    float clearance = 0.01f;
 
     /// number of runs
     std::uint32_t region_count() const { return static_cast<std::uint32_t>(first.size() - 1); }

@@ -11,8 +11,6 @@ namespace {
 
 using Local = TetraPattern::Local;
 
-/// Vertices stay this share of an edge away from its ends, so that no triangle is degenerate.
-constexpr float kEndShare = 0.01f;
 /// Where a vertex holds an axis that lies near the surface, the branch is not thinner than this.
 constexpr float kThinnest = 0.5f;  // [radii]
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -23,7 +21,7 @@ struct CutEdge {
     std::uint32_t vertex;  ///< of the surface
     Vec3 a, b;             ///< the whole edge
     float low, high, at_low, at_high;
-    float least = kEndShare, most = 1 - kEndShare;  ///< it may cross nowhere else
+    float least, most;  ///< shares of the edge: it may cross nowhere else
     float share = 0.5f;
     int last = 0;  ///< the end moved last: -1 low, 1 high
 
@@ -40,7 +38,7 @@ struct CutEdge {
         const bool sunken = height <= 0;
         const float thick =
             sunken ? std::max(held.radius - away, kThinnest * held.radius) : kThinnest * held.radius;
-        const float part = std::clamp(thick / distance(a, b), kEndShare, 0.5f);
+        const float part = std::clamp(thick / distance(a, b), least, 0.5f);
         if (at_a || sunken) least = at_a ? part : 1 - part;
         if (!at_a || sunken) most = at_a ? part : 1 - part;
     }
@@ -136,13 +134,14 @@ class Extractor {
 
     void list_cuts(std::uint32_t t, const CutEdges& edges, std::vector<CutEdge>& cuts) const {
         const TetraPattern& pattern = refinement_.pattern(t);
+        const float clearance = refinement_.coarse().clearance;
         numbers_.for_each_owned(t, [&](std::uint32_t group, std::uint32_t number) {
             std::uint32_t vertex = placed_count_ + number;
             edges.for_each(pattern, group, [&](std::uint32_t e) {
                 const auto [a, b] = pattern.edges[e];
                 const std::uint32_t from = refinement_.vertex(t, a), to = refinement_.vertex(t, b);
                 cuts.push_back({vertex++, refinement_.position(t, a), refinement_.position(t, b), 0, 1,
-                                samples_.height[from], samples_.height[to]});
+                                samples_.height[from], samples_.height[to], clearance, 1 - clearance});
                 if (samples_.held.test(from)) hold(from, true, cuts.back());
                 if (samples_.held.test(to)) hold(to, false, cuts.back());
             });

@@ -50,7 +50,13 @@ inline int orientation(const GridPlace& a, const GridPlace& b, const GridPlace& 
 struct WeightedPlace {
     GridPlace at{};
     std::int64_t weight = 0;  ///< below 2^51 in size
+    double room = 0;          ///< of two places nearer than the lesser of their rooms one is left out
 };
+
+inline double distance_squared(const GridPlace& a, const GridPlace& b) {
+    const auto d = difference<double>(a, b);
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
 
 /// Whether p lies deeper than on the sphere that is orthogonal to the balls of four, which have a positive
 /// volume: where all weights are alike, within the sphere through the four.

@@ -12,6 +12,8 @@ namespace coppice::tetra_internal {
 namespace {
 
 constexpr std::size_t kGrain = 256;
+constexpr std::size_t kPoll = 4096;                            ///< cells between two looks for a stop
+constexpr std::uint64_t kMostMeetings = std::uint64_t{1} << 29;  ///< of cells and cones
 
 /// The cells about the ends a of the cones, each looked for from the one before on.
 std::vector<std::uint32_t> cells_about_ends(const Filling& filling, std::span<const RoundCone> cones,
@@ -61,6 +63,7 @@ CompressedRows<std::uint32_t> cells_near(const Filling& filling, std::span<const
             seen.add(start[i]);
             items.push_back(start[i]);
             for (std::size_t k = begin; k < items.size(); ++k) {
+                if ((k - begin) % kPoll == kPoll - 1) ctx.throw_if_cancelled();
                 for (const std::uint32_t next : filling.cells.cells()[items[k]].next) {
                     if (next == RegularTriangulation::kNoCell || !seen.add(next)) continue;
                     looked_at.push_back(next);
@@ -71,6 +74,13 @@ CompressedRows<std::uint32_t> cells_near(const Filling& filling, std::span<const
             out.first[i] = static_cast<std::uint32_t>(items.size() - begin);
         }
     });
+    std::uint64_t meetings = 0;
+    for (const auto& items : found) meetings += items.size();
+    if (meetings > kMostMeetings) {
+        throw InvalidInput(
+            "polyhedron: too many segments lie at one place; take tetra_base octree, or a part of the "
+            "skeleton");
+    }
     out.items.reserve(exclusive_scan(std::span(out.first)));
     for (const auto& items : found) out.items.insert(out.items.end(), items.begin(), items.end());
     return out;

@@ -9,6 +9,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/random.h"
 #include "coppice/base/sort.h"
 #include "coppice/tetra/lattice/cone_internal.h"
 #include "coppice/tetra/polyhedron/near_internal.h"
@@ -20,13 +21,18 @@ namespace {
 using namespace tetra_internal;
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kGrain = 256, kFewCones = 8;
 constexpr double kLeastRadius = 16;  ///< [grid] of a segment
 constexpr int kGridBits = 24;        ///< of a coordinate: so places are floats
-/// Rounds in which squares are put in at most. What is then too wide still, stays so.
-constexpr int kMostRounds = 6;
+/// Rounds at most, and those of them in which squares are put in. What is too wide or too flat then, stays.
+constexpr int kMostRounds = 12, kMostAdding = 5;
+/// Of tetrahedra, in the rounds in which squares are put in; then a quarter of it will do.
+constexpr double kLeastFlatness = 1.0 / 8;
+constexpr double kRoom = 0.2;        ///< [half edges of squares] between corners
+constexpr double kMove = 0.2;        ///< [shortest edges] of a flat one, by which a corner is moved
 constexpr double kMostWidth = 4.5;   ///< [radii] from an axis a corner of a tetrahedron by the bark may lie,
 constexpr double kNearCorner = 2.6;  ///< [radii] if none lies this near
+constexpr float kClearance = 0.05f;  ///< see TetraMesh::clearance
 constexpr double kAxis = 1e-3;       ///< [radii] that an axis is thick, so that rounding loses none
 
 /// The box of all balls and of corners about them, and as much again on every side.
@@ -81,16 +87,33 @@ Filling empty_box(const Frame& frame) {
     return {RegularTriangulation(low, high), frame.unit};
 }
 
-void insert(Filling& filling, std::span<const SectionCorner> corners, const Context& ctx) {
+Filling fill(const Frame& frame, std::span<const SectionCorner> corners, const Context& ctx) {
+    Filling filling = empty_box(frame);
     std::vector<WeightedPlace> points;
+    points.reserve(corners.size());
     const GridPlace low = filling.cells.vertex(0).at, high = filling.cells.vertex(7).at;
     for (const SectionCorner& c : corners) {
         WeightedPlace p{filling.place(c.at),
-                        static_cast<std::int64_t>(c.weight / (filling.unit * filling.unit))};
+                        static_cast<std::int64_t>(c.weight / (filling.unit * filling.unit)),
+                        kRoom * c.half / filling.unit};
         for (std::size_t k = 0; k < 3; ++k) p.at[k] = std::clamp(p.at[k], low[k] + 1, high[k] - 1);
         points.push_back(p);
     }
     filling.cells.insert(points, ctx);
+    return filling;
+}
+
+/// The least distance of two parallel planes with a tetrahedron between them, over its shortest edge.
+double flatness(const std::array<Vec3d, 4>& p, double& shortest) {
+    const Vec3d a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
+    const double volume = std::abs(dot(cross(a, b), c));
+    double greatest = 0;
+    shortest = HUGE_VAL;
+    for (const Vec3d normal : {cross(a, b), cross(b, c), cross(c, a), cross(b - a, c - a), cross(a, c - b),
+                               cross(b, c - a), cross(c, b - a)})
+        greatest = std::max(greatest, length(normal));
+    for (const Vec3d edge : {a, b, c, b - a, c - a, c - b}) shortest = std::min(shortest, length(edge));
+    return volume / (greatest * shortest);
 }
 
 /// The rows the other way: for each cell the cones near it, ascending.
@@ -167,57 +190,79 @@ std::vector<Segment> segment_axes(const Skeleton& skeleton) {
 }
 
 struct Polyhedron::State {
-    Filling filling;
+    Frame frame;
+    PolyhedronOptions options;
     std::vector<RoundCone> cones;
-    CompressedRows<std::uint32_t> cones_of;  ///< per cell: near it, ascending
-    std::vector<std::uint32_t> owner;        ///< per cell in use: the axis of whose region it is
+    std::vector<Vec3d> side;  ///< per cone: of squares across it
+    std::vector<SectionCorner> corners;
+    PolyhedronReport report;
+    Filling filling;
+    CompressedRows<std::uint32_t> near, cones_of;  ///< cells per cone, and cones per cell, ascending
+    std::vector<std::uint32_t> owner;              ///< per cell in use: the cone of whose region it is
     TetraMesh mesh;
     std::vector<std::uint32_t> cell;  ///< per tetrahedron of the mesh
     CompressedRows<std::uint32_t> passing;
-    PolyhedronReport report;
 
-    CompressedRows<std::uint32_t> find_near(double times, const Context& ctx);
-    void add_squares(const Sections& sections, const Skeleton& skeleton, const PolyhedronOptions& options,
-                     const Context& ctx);
+    void build(const Context& ctx);
+    bool add_squares(int round, const Context& ctx);
+    bool move_flat_ones(int round);
     void choose(const Context& ctx);
     std::uint32_t nearest_axis(std::uint32_t cell) const;
     void gather(const Context& ctx);
 };
 
-CompressedRows<std::uint32_t> Polyhedron::State::find_near(double times, const Context& ctx) {
-    auto near = cells_near(filling, cones, times, ctx);
-    cones_of = turned_round(near, filling.cells.cells().size());
-    return near;
+/// Fills the polyhedron until no tetrahedron is too wide or too flat.
+void Polyhedron::State::build(const Context& ctx) {
+    for (int round = 0;; ++round) {
+        filling = fill(frame, corners, ctx);
+        near = cells_near(filling, cones, options.outside, ctx);
+        cones_of = turned_round(near, filling.cells.cells().size());
+        if (round == kMostRounds) return;
+        const bool added = round < kMostAdding && add_squares(round, ctx);
+        if (!move_flat_ones(round) && !added) return;
+    }
 }
 
-void Polyhedron::State::add_squares(const Sections& sections, const Skeleton& skeleton,
-                                    const PolyhedronOptions& options, const Context& ctx) {
-    std::vector<Vec3d> side;
-    for (const NodeId n : nodes(skeleton)) {
-        if (!skeleton.is_root(n) || skeleton.is_tip(n)) side.push_back(sections.side[n.index()]);
-    }
-    for (int round = 0; round < kMostRounds; ++round) {
-        const auto near = find_near(options.outside, ctx);
-        const WideCells wide(filling, cones, near, cones_of);
-        std::vector<std::vector<double>> found(cones.size());
-        parallel_for(ctx, cones.size(), kGrain,
-                     [&](std::size_t i) { found[i] = wide.find(static_cast<std::uint32_t>(i)); });
-        std::vector<SectionCorner> corners;
-        for (std::size_t i = 0; i < cones.size(); ++i) {
-            const Vec3d normal = normalized(cones[i].axis);
-            const Vec3d across = side[i] - normal * dot(normal, side[i]);
-            for (const double t : found[i]) {
-                add_corners(corners,
-                            {cones[i].point(t), normal, normalized(across, perpendicular(normal)),
-                             cones[i].radius(t), round % 2 == 0},
-                            options);
-                ++report.added;
-            }
+bool Polyhedron::State::add_squares(int round, const Context& ctx) {
+    const WideCells wide(filling, cones, near, cones_of);
+    std::vector<std::vector<double>> found(cones.size());
+    parallel_for(ctx, cones.size(), kFewCones,
+                 [&](std::size_t i) { found[i] = wide.find(static_cast<std::uint32_t>(i)); });
+    const std::size_t before = corners.size();
+    for (std::size_t i = 0; i < cones.size(); ++i) {
+        const Vec3d normal = normalized(cones[i].axis);
+        const Vec3d across = side[i] - normal * dot(normal, side[i]);
+        for (const double t : found[i]) {
+            add_corners(corners,
+                        {cones[i].point(t), normal, normalized(across, perpendicular(normal)),
+                         cones[i].radius(t), round % 2 == 0},
+                        options);
+            ++report.added;
         }
-        if (corners.empty()) return;
-        insert(filling, corners, ctx);
     }
-    find_near(options.outside, ctx);
+    return corners.size() > before;
+}
+
+/// Moves a corner of each tetrahedron in use that is too flat, at random.
+bool Polyhedron::State::move_flat_ones(int round) {
+    const CounterRandom random(static_cast<std::uint64_t>(round), 0xf1a7);
+    const double least = round < kMostAdding ? kLeastFlatness : kLeastFlatness / 4;
+    bool moved = false;
+    for (std::uint32_t c = 0; c < cones_of.size(); ++c) {
+        if (cones_of[c].empty()) continue;
+        double shortest = 0;
+        if (flatness(filling.corners(c), shortest) > least) continue;
+        std::uint32_t point = RegularTriangulation::kNoCell;
+        for (const std::uint32_t v : filling.cells.cells()[c].vertex)
+            point = std::min(point, filling.cells.point(v));
+        if (point == RegularTriangulation::kNoCell) continue;
+        const auto draw = [&](std::uint64_t axis) {
+            return kMove * shortest * random.uniform(3 * std::uint64_t{point} + axis, -1, 1);
+        };
+        corners[point].at += Vec3d{draw(0), draw(1), draw(2)};
+        moved = true;
+    }
+    return moved;
 }
 
 std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
@@ -246,6 +291,7 @@ void Polyhedron::State::choose(const Context& ctx) {
 void Polyhedron::State::gather(const Context& ctx) {
     const auto by_axis = group_by(owner, cones.size());
     mesh = {};
+    mesh.clearance = kClearance;
     cell.assign(by_axis.items.begin(), by_axis.items.end());
     mesh.tetra.resize(cell.size());
     std::vector<std::uint32_t> number(filling.cells.vertex_count(), kNone);
@@ -266,7 +312,7 @@ void Polyhedron::State::gather(const Context& ctx) {
         axis_of.push_back(axis);
     }
     std::vector<std::vector<std::uint32_t>> rows(axis_of.size());
-    parallel_for(ctx, rows.size(), kGrain, [&](std::size_t r) {
+    parallel_for(ctx, rows.size(), kFewCones, [&](std::size_t r) {
         for (const std::uint32_t c : by_axis[axis_of[r]]) {
             for (const std::uint32_t cone : cones_of[c]) {
                 if (!parted(cones[cone], kAxis, filling.corners(c))) rows[r].push_back(cone);
@@ -288,11 +334,14 @@ Polyhedron::Polyhedron(const Skeleton& skeleton, std::span<const Segment> axes,
     std::vector<RoundCone> cones;
     for (const Segment& s : axes) cones.push_back(growing_cone(s, {}));
     Sections sections = find_sections(skeleton, options);
-    Filling filling = empty_box(Frame(axes, options));
-    insert(filling, sections.corners, ctx);
-    state_ = std::make_unique<State>(
-        State{std::move(filling), std::move(cones), {}, {}, {}, {}, {}, sections.report});
-    state_->add_squares(sections, skeleton, options, ctx);
+    std::vector<Vec3d> side;
+    for (const NodeId n : nodes(skeleton)) {
+        if (!skeleton.is_root(n) || skeleton.is_tip(n)) side.push_back(sections.side[n.index()]);
+    }
+    const Frame frame(axes, options);
+    state_ = std::make_unique<State>(State{frame, options, std::move(cones), std::move(side),
+                                           std::move(sections.corners), sections.report, empty_box(frame)});
+    state_->build(ctx);
     state_->choose(ctx);
     state_->gather(ctx);
 }

@@ -49,8 +49,8 @@ struct PolyhedronReport {
 class Polyhedron {
   public:
     /// `axes` are the segments of the nodes that are not roots, in order, and balls where a tree is one node:
-    /// see `segment_axes`. Throws InvalidInput naming an option out of range, and when a segment is too thin for
-    /// the coordinates: by a factor of about a million. O(n log n); some 3 kB for each segment.
+    /// see `segment_axes`. Throws InvalidInput naming an option out of range, and when a segment is too thin
+    /// for the coordinates: by a factor of about a million. O(n log n); some 3 kB for each segment.
     Polyhedron(const Skeleton& skeleton, std::span<const Segment> axes, const PolyhedronOptions& options = {},
                const Context& ctx = {});
     /// Frees the memory.

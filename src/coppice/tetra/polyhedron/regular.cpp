@@ -62,6 +62,7 @@ RegularTriangulation::RegularTriangulation(const GridPlace& low, const GridPlace
         }
     }
     mark_.assign(cells_.size(), 0);
+    point_.assign(at_.size(), kNoCell);
 }
 
 int RegularTriangulation::side(const Cell& cell, std::size_t face, const GridPlace& p) const {
@@ -93,7 +94,7 @@ void RegularTriangulation::insert(std::span<const WeightedPlace> points, const C
     for (std::size_t i = 0; i < order.size(); ++i) {
         if (i % kPoll == 0) ctx.throw_if_cancelled();
         WeightedPlace p = points[order[i]];
-        for (int t = 0; t < kTries && !insert(p); ++t) {
+        for (int t = 0; t < kTries && !insert(p, order[i]); ++t) {
             const std::uint64_t bits =
                 random.bits(std::uint64_t{kTries} * order[i] + static_cast<unsigned>(t));
             for (std::size_t axis = 0; axis < 3; ++axis)
@@ -104,12 +105,14 @@ void RegularTriangulation::insert(std::span<const WeightedPlace> points, const C
 }
 
 /// False where a point near by may fare better.
-bool RegularTriangulation::insert(const WeightedPlace& p) {
+bool RegularTriangulation::insert(const WeightedPlace& p, std::uint32_t number) {
     last_ = locate(p.at, last_);
     const auto corner = [&](std::size_t i) { return &at_[cells_[last_].vertex[i]]; };
     if (!conflicts({corner(0), corner(1), corner(2), corner(3)}, p)) return true;
     if (!find_conflicts(last_, p)) return false;
+    if (is_crowded(p)) return true;
     at_.push_back(p);
+    point_.push_back(number);
     fill(static_cast<std::uint32_t>(at_.size() - 1));
     return true;
 }
@@ -138,6 +141,16 @@ bool RegularTriangulation::find_conflicts(std::uint32_t start, const WeightedPla
     }
     return std::ranges::all_of(hull_,
                                [&](const HullFace& h) { return side(cells_[h.cell], h.face, p.at) > 0; });
+}
+
+/// Whether a vertex is too near. The nearest is a corner of a cell in conflict, where weights are small.
+bool RegularTriangulation::is_crowded(const WeightedPlace& p) const {
+    return std::ranges::any_of(taken_, [&](std::uint32_t cell) {
+        return std::ranges::any_of(cells_[cell].vertex, [&](std::uint32_t v) {
+            const double room = std::min(p.room, at_[v].room);
+            return distance_squared(p.at, at_[v].at) < room * room;
+        });
+    });
 }
 
 std::uint32_t RegularTriangulation::new_cell() {

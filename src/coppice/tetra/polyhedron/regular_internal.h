@@ -31,13 +31,15 @@ class RegularTriangulation {
     /// The box from low to high, of which the eight corners are the first vertices; low < high.
     RegularTriangulation(const GridPlace& low, const GridPlace& high);
 
-    /// Adds points within the box, in an order of its own. What has no place is left out: a point at one
-    /// that is there, and one whose weight is too small beside its neighbours'. O(n log n) but for contrived
-    /// ones. Throws Cancelled on a stop.
+    /// Adds points within the box, once, in an order of its own. What has no place is left out: a point too
+    /// near another one, and one whose weight is too small beside its neighbours'. O(n log n) but for
+    /// contrived ones. Throws Cancelled on a stop.
     void insert(std::span<const WeightedPlace> points, const Context& ctx);
 
     std::span<const Cell> cells() const { return cells_; }                 ///< some of them dead
     const WeightedPlace& vertex(std::uint32_t v) const { return at_[v]; }  ///< a corner of cells
+    /// Which of the points that were inserted a vertex is; kNoCell for a corner of the box.
+    std::uint32_t point(std::uint32_t v) const { return point_[v]; }
     std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(at_.size()); }  ///< tried too
     /// A cell in or on whose border p lies, which is in the box; looked for from another one on.
     std::uint32_t locate(const GridPlace& p, std::uint32_t from) const;
@@ -48,8 +50,9 @@ class RegularTriangulation {
         std::uint32_t cell, face;
     };
 
-    bool insert(const WeightedPlace& p);
+    bool insert(const WeightedPlace& p, std::uint32_t number);
     bool find_conflicts(std::uint32_t start, const WeightedPlace& p);
+    bool is_crowded(const WeightedPlace& p) const;
     void fill(std::uint32_t vertex);
     std::uint32_t new_cell();
     std::uint32_t across_edge(const HullFace& from, std::uint32_t third) const;
@@ -57,6 +60,7 @@ class RegularTriangulation {
     int side(const Cell& cell, std::size_t face, const GridPlace& p) const;
 
     std::vector<WeightedPlace> at_;
+    std::vector<std::uint32_t> point_;
     Buffer<Cell> cells_;
     std::vector<std::uint32_t> mark_, free_;
     std::vector<std::uint32_t> taken_;  ///< cells in conflict with the present point

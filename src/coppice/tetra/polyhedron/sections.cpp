@@ -213,7 +213,7 @@ class Finder {
             const auto coordinate = [&](unsigned axis) { return (c >> axis & 1) != 0 ? half : -half; };
             const bool is_heavy = ((c ^ c >> 1 ^ c >> 2) & 1) != 0;
             out_.corners.push_back({at(n) + Vec3d{coordinate(0), coordinate(1), coordinate(2)},
-                                    (is_heavy ? kWeight : -kWeight) * half * half});
+                                    (is_heavy ? kWeight : -kWeight) * half * half, half});
             ++out_.report.auxiliary;
         }
     }
@@ -230,7 +230,7 @@ class Finder {
                 if (!(length(up) > 1e-3 * length(a) * length(b))) continue;
                 const double far = std::clamp(0.5 * (length(a) + length(b)), half, std::sqrt(2.0) * half);
                 for (const double way : {far, -far})
-                    out_.corners.push_back({at(n) + normalized(up, Vec3d{0, 0, 1}) * way, 0});
+                    out_.corners.push_back({at(n) + normalized(up, Vec3d{0, 0, 1}) * way, 0, half});
                 out_.report.auxiliary += 2;
             }
         }
@@ -249,7 +249,7 @@ void add_corners(std::vector<SectionCorner>& out, const Section& s, const Polyhe
     const Vec3d corner[4] = {s.side, across, -s.side, -across};
     for (unsigned k = 0; k < 4; ++k) {
         const bool is_heavy = (k % 2 == 1) == s.is_odd;
-        out.push_back({s.center + corner[k] * diagonal, (is_heavy ? kWeight : -kWeight) * half * half});
+        out.push_back({s.center + corner[k] * diagonal, (is_heavy ? kWeight : -kWeight) * half * half, half});
     }
 }
 

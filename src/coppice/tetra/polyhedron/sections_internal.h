@@ -14,6 +14,7 @@ namespace coppice::tetra_internal {
 struct SectionCorner {
     Vec3d at;         ///< [m]
     double weight{};  ///< [m^2] of the regular triangulation
+    double half{};    ///< [m] half the edge of the square, or what stands for it
 };
 
 /// A square across a branch.
