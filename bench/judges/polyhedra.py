@@ -9,6 +9,7 @@ from judged import arguments, head, in_turn, mesh, row
 
 RUNS = 3
 OCTREE = ("--method", "tetrahedra")
+CUT_THRICE = OCTREE + ("--tetra-levels", "3")  # as the polyhedron is
 WAYS = {"quads": (), "octree": OCTREE, "polyhedron": OCTREE + ("--tetra-base", "polyhedron")}
 BASE = ("--base", "round")
 
@@ -19,14 +20,14 @@ def as_many(coppice, path, folder):
     edge = 0.5
     wanted = mesh(coppice, path, out, *WAYS["polyhedron"], *BASE)[0]["triangles"]
     for _ in range(2):
-        found = mesh(coppice, path, out, *OCTREE, *BASE, "--edge", f"{edge:.3f}")[0]["triangles"]
+        found = mesh(coppice, path, out, *CUT_THRICE, *BASE, "--edge", f"{edge:.3f}")[0]["triangles"]
         edge *= math.sqrt(found / wanted)
     return f"{edge:.3f}"
 
 
 def rows(coppice, path, folder, runs):
     edge = as_many(coppice, path, folder)
-    ways = {"quads": WAYS["quads"], "octree": OCTREE, f"octree, `--edge {edge}`": OCTREE + ("--edge", edge), "polyhedron": WAYS["polyhedron"]}
+    ways = {"quads": WAYS["quads"], "octree": OCTREE, f"octree, `--edge {edge} --tetra-levels 3`": CUT_THRICE + ("--edge", edge), "polyhedron": WAYS["polyhedron"]}
     text = ""
     for way, (judged, counts, seconds) in in_turn(coppice, path, folder, {name: way + BASE for name, way in ways.items()}, runs).items():
         tetra = [f"{counts[k]:,}" if k in counts else "-" for k in ("coarse_tetrahedra", "tetrahedra", "samples")]

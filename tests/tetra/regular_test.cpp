@@ -32,9 +32,9 @@ void expect_sound(const RegularTriangulation& t) {
         const std::array<const WeightedPlace*, 4> at{&t.vertex(v[0]), &t.vertex(v[1]), &t.vertex(v[2]),
                                                      &t.vertex(v[3])};
         ASSERT_GT(orientation(at[0]->at, at[1]->at, at[2]->at, at[3]->at), 0);
-        volume += determinant(difference<double>(at[1]->at, at[0]->at),
-                              difference<double>(at[2]->at, at[0]->at),
-                              difference<double>(at[3]->at, at[0]->at));
+        volume +=
+            determinant(difference<double>(at[1]->at, at[0]->at), difference<double>(at[2]->at, at[0]->at),
+                        difference<double>(at[3]->at, at[0]->at));
         for (std::size_t face = 0; face < 4; ++face) {
             if (cells[c].next[face] == kNoCell) continue;
             const auto& other = cells[cells[c].next[face]];

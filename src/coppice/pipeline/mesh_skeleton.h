@@ -91,7 +91,8 @@ struct TetraOptions {
 };
 
 /// Times that tetrahedra of a polyhedron three radii wide are cut, to come nearest to `edge`: three times at
-/// the default edge, as printed. Throws InvalidInput naming `edge` when that is more than five times.
+/// the default edge, as printed, and once at least. Throws InvalidInput naming `edge` when that is more than
+/// five times.
 int polyhedron_levels(const TetraOptions& options);
 
 template <class Self, class Visitor>

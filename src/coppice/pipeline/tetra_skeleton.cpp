@@ -156,7 +156,7 @@ TetraSurface surface_by_tetrahedra(const Task& task) {
 int polyhedron_levels(const TetraOptions& options) {
     constexpr int kMost = 5;
     const double times = PolyhedronOptions{}.section / double{options.edge};
-    const int levels = std::max(0, static_cast<int>(std::lround(std::log2(times))));
+    const int levels = std::max(1, static_cast<int>(std::lround(std::log2(times))));
     if (levels > kMost) {
         throw InvalidInput(fmt::format(
             "mesh: edge must be at least {} with tetra_base polyhedron, which is cut {} times at most; raise "

@@ -12,7 +12,7 @@ namespace coppice::tetra_internal {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-constexpr std::size_t kPoll = 4096;                            ///< cells between two looks for a stop
+constexpr std::size_t kPoll = 4096;                              ///< cells between two looks for a stop
 constexpr std::uint64_t kMostMeetings = std::uint64_t{1} << 29;  ///< of cells and cones
 
 /// The cells about the ends a of the cones, each looked for from the one before on.

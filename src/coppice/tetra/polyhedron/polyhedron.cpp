@@ -28,12 +28,13 @@ constexpr int kGridBits = 24;        ///< of a coordinate: so places are floats
 constexpr int kMostRounds = 12, kMostAdding = 5;
 /// Of tetrahedra, in the rounds in which squares are put in; then a quarter of it will do.
 constexpr double kLeastFlatness = 1.0 / 8;
-constexpr double kRoom = 0.2;        ///< [half edges of squares] between corners
-constexpr double kMove = 0.2;        ///< [shortest edges] of a flat one, by which a corner is moved
-constexpr double kMostWidth = 4.5;   ///< [radii] from an axis a corner of a tetrahedron by the bark may lie,
-constexpr double kNearCorner = 2.6;  ///< [radii] if none lies this near
-constexpr float kClearance = 0.05f;  ///< see TetraMesh::clearance
-constexpr double kAxis = 1e-3;       ///< [radii] that an axis is thick, so that rounding loses none
+constexpr double kRoom = 0.2;       ///< [half edges of squares] between corners
+constexpr double kMove = 0.2;       ///< [shortest edges] of a flat one, by which a corner is moved
+constexpr double kMostWidth = 4.5;  ///< [radii] from an axis a corner of a tetrahedron by the bark may lie,
+constexpr double kBetweenAdded = 1.5;  ///< [radii] from one square that is put in to the next
+constexpr double kNearCorner = 2.6;    ///< [radii] if none lies this near
+constexpr float kClearance = 0.05f;    ///< see TetraMesh::clearance
+constexpr double kAxis = 1e-3;         ///< [radii] that an axis is thick, so that rounding loses none
 
 /// The box of all balls and of corners about them, and as much again on every side.
 struct Frame {
@@ -147,7 +148,7 @@ class WideCells {
                 ways, [&](Vec3d way) { return is_wide(cone, center, center + way * r, along, r); });
             if (wide && s >= least) {
                 out.push_back(t);
-                least = s + 1.5 * r;
+                least = s + kBetweenAdded * r;
             }
             s += std::max(2 * r, 1e-3 * l);
         }
@@ -193,7 +194,8 @@ struct Polyhedron::State {
     Frame frame;
     PolyhedronOptions options;
     std::vector<RoundCone> cones;
-    std::vector<Vec3d> side;  ///< per cone: of squares across it
+    std::vector<Vec3d> side;                  ///< per cone: of squares across it
+    std::vector<std::vector<double>> put_in;  ///< per cone: parameters of squares that were put in
     std::vector<SectionCorner> corners;
     PolyhedronReport report;
     Filling filling;
@@ -205,6 +207,7 @@ struct Polyhedron::State {
 
     void build(const Context& ctx);
     bool add_squares(int round, const Context& ctx);
+    bool may_be_used(std::uint32_t cell) const;
     bool move_flat_ones(int round);
     void choose(const Context& ctx);
     std::uint32_t nearest_axis(std::uint32_t cell) const;
@@ -233,6 +236,10 @@ bool Polyhedron::State::add_squares(int round, const Context& ctx) {
         const Vec3d normal = normalized(cones[i].axis);
         const Vec3d across = side[i] - normal * dot(normal, side[i]);
         for (const double t : found[i]) {
+            const double room = kBetweenAdded * cones[i].radius(t) / length(cones[i].axis);
+            const auto near_by = [&](double other) { return std::abs(other - t) < room; };
+            if (std::ranges::any_of(put_in[i], near_by)) continue;  // and was no help
+            put_in[i].push_back(t);
             add_corners(corners,
                         {cones[i].point(t), normal, normalized(across, perpendicular(normal)),
                          cones[i].radius(t), round % 2 == 0},
@@ -243,13 +250,21 @@ bool Polyhedron::State::add_squares(int round, const Context& ctx) {
     return corners.size() > before;
 }
 
-/// Moves a corner of each tetrahedron in use that is too flat, at random.
+/// Whether a cell is in use, or beside one that is and so may come to be.
+bool Polyhedron::State::may_be_used(std::uint32_t c) const {
+    const auto& own = filling.cells.cells()[c];
+    return !own.is_dead() && (!cones_of[c].empty() || std::ranges::any_of(own.next, [&](std::uint32_t next) {
+        return next != RegularTriangulation::kNoCell && !cones_of[next].empty();
+    }));
+}
+
+/// Moves a corner of each such tetrahedron that is too flat, at random.
 bool Polyhedron::State::move_flat_ones(int round) {
     const CounterRandom random(static_cast<std::uint64_t>(round), 0xf1a7);
     const double least = round < kMostAdding ? kLeastFlatness : kLeastFlatness / 4;
     bool moved = false;
     for (std::uint32_t c = 0; c < cones_of.size(); ++c) {
-        if (cones_of[c].empty()) continue;
+        if (!may_be_used(c)) continue;
         double shortest = 0;
         if (flatness(filling.corners(c), shortest) > least) continue;
         std::uint32_t point = RegularTriangulation::kNoCell;
@@ -340,6 +355,7 @@ Polyhedron::Polyhedron(const Skeleton& skeleton, std::span<const Segment> axes,
     }
     const Frame frame(axes, options);
     state_ = std::make_unique<State>(State{frame, options, std::move(cones), std::move(side),
+                                           std::vector<std::vector<double>>(axes.size()),
                                            std::move(sections.corners), sections.report, empty_box(frame)});
     state_->build(ctx);
     state_->choose(ctx);
