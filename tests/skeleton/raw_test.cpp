@@ -197,6 +197,23 @@ TEST(RepairCylinders, BridgesAGapWithTheRadiusBehindIt) {
     EXPECT_TRUE(found);
 }
 
+// Wide gaps, so that no cylinder simply goes on: straight ahead, and slightly aslant.
+TEST(RepairCylinders, WhatGoesOnBeyondAGapComesFromTheEnd) {
+    for (const double aside : {0.0, 0.05}) {
+        const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 10}, 0.5, 1},
+                                                               {2, 1, {0, 0, 15}, {aside, 0, 20}, 0.4, 2}},
+                                      "qsm");
+        EXPECT_EQ(r.report.bridged_gaps, 1u);
+        double length = 0;
+        for (const NodeId n : nodes(r.skeleton)) {
+            EXPECT_LE(r.skeleton.children(n).size(), 1u);
+            if (!r.skeleton.is_root(n))
+                length += double{distance(r.skeleton.position(n), r.skeleton.position(r.skeleton.parent(n)))};
+        }
+        EXPECT_NEAR(length, 20, 1e-3);
+    }
+}
+
 TEST(RepairCylinders, KeepsBothRadiiOfAJump) {
     const RepairResult r = repair(std::vector<RawCylinder>{{1, -1, {0, 0, 0}, {0, 0, 20}, 0.5, 1},
                                                            {2, 1, {0, 0, 20}, {0, 0, 80}, 13, 2}},

@@ -147,13 +147,15 @@ class Joiner {
     /// Where on its parent's axis a lateral would come from.
     Vec3d source_point(const Axis& lateral) const {
         const Axis& parent = axes_[lateral.parent];
+        const double beside = closest_parameter(lateral.start, parent.start, parent.end - parent.start);
+        // Beyond an end it comes from there: back along a line that goes on straight, all places are as near.
+        if (beside <= 0 || beside >= 1) return lerp(parent.start, parent.end, beside);
         const double reach = 4 * distance_to_axis(lateral.start, parent);
         const Vec3d back = lateral.start - lateral.direction() * reach;
-        ClosestParameters c = closest_parameters(parent.start, parent.end, lateral.start, back);
+        const ClosestParameters c = closest_parameters(parent.start, parent.end, lateral.start, back);
         const Vec3d on_parent = lerp(parent.start, parent.end, c.on_a);
         if (distance(on_parent, lerp(lateral.start, back, c.on_b)) <= parent.radius) return on_parent;
-        c = closest_parameters(parent.start, parent.end, lateral.start, lateral.start);
-        return lerp(parent.start, parent.end, c.on_a);
+        return lerp(parent.start, parent.end, beside);
     }
 
     void add_axis(std::uint32_t i) {
