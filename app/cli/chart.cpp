@@ -12,7 +12,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
-#include "pictures.h"
+#include "coppice/render/png.h"
 
 namespace coppice::cli {
 namespace {
@@ -200,7 +200,7 @@ bool is_svg(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool is_chart_name(const std::filesystem::path& path) { return is_svg(path) || is_picture_name(path); }
+bool is_chart_name(const std::filesystem::path& path) { return is_svg(path) || is_png_name(path); }
 
 void write_chart(const std::filesystem::path& path, const Chart& chart) {
     std::string bytes;

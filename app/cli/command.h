@@ -54,6 +54,7 @@ Command sprout_command();
 Command edit_command();
 Command animate_command();
 Command shell_command();
+Command studio_command();
 Command schema_command();
 
 /// What the members of MeshOptions are called where not after themselves.

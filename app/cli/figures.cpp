@@ -89,13 +89,4 @@ std::string csv_cell(std::string text) {
     return fmt::format("\"{}\"", text);
 }
 
-std::string grouped(std::uint64_t number) {
-    std::string text = fmt::format("{}", number);
-    for (std::size_t at = text.size(); at > 3;) {
-        at -= 3;
-        text.insert(at, 1, ',');
-    }
-    return text;
-}
-
 }  // namespace coppice::cli

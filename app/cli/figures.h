@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/pipeline/quantity.h"  // grouped(), for texts beside figures
+
 namespace coppice::cli {
 
 struct Figure;
@@ -69,8 +71,5 @@ std::string figures_text(const Figures& figures);
 
 /// A text as a cell of CSV: in quotes where it would break the row (RFC 4180).
 std::string csv_cell(std::string text);
-
-/// "1,234,567"
-std::string grouped(std::uint64_t number);
 
 }  // namespace coppice::cli

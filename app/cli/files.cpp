@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <string>
 
 #include "coppice/io/mesh/format.h"
@@ -78,17 +77,6 @@ void check_painted_output(const std::filesystem::path& path) {
         throw UsageError(
             fmt::format("points keep their colours in PLY alone; '{}' needs the ending .ply", path.string()));
     check_output_folder(path);
-}
-
-std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& confidence, bool cloud) {
-    std::vector<NodeAttribute> out{{"samples", {}}, {"residual", {}}};
-    if (cloud) out.insert(out.end(), {{"radius_low", {}}, {"radius_high", {}}, {"evidence", {}}});
-    for (const NodeConfidence& c : confidence) {
-        const std::array<float, 5> values{static_cast<float>(c.samples), c.residual, c.radius_low,
-                                          c.radius_high, c.evidence};
-        for (std::size_t k = 0; k < out.size(); ++k) out[k].values.push_back(values[k]);
-    }
-    return out;
 }
 
 std::string in_unit(std::string_view name, LengthUnit unit, int power) {

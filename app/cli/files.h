@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "coppice/extract/extract_result.h"
 #include "coppice/io/file_kind.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
@@ -43,10 +42,6 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up = F
 PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
 PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns,
                                   FileUp up = FileUp::z);
-
-/// What is known of every node of an extracted skeleton, to be written with it; uncertainties only of clouds,
-/// whose radii are estimates.
-std::vector<NodeAttribute> node_attributes(const std::vector<NodeConfidence>& confidence, bool cloud);
 
 /// The name of a figure with its unit, "length_um" or "volume_um3"; `power` is 1 for lengths.
 std::string in_unit(std::string_view name, LengthUnit unit, int power = 1);

@@ -75,6 +75,14 @@ void check_extras(const CLI::App& app, const std::string& name) {
     throw UsageError(fmt::format("{} does not know what to do with '{}'", name, extras.front()));
 }
 
+/// The first word that is no flag: what `coppice --help mesh` asks about, as `coppice mesh --help` does.
+std::string topic_of(std::span<const char* const> arguments) {
+    for (const char* word : arguments.subspan(1)) {
+        if (!std::string_view(word).starts_with("-")) return word;
+    }
+    return {};
+}
+
 GivenOptions given_options(const CLI::App& app, const Command& command) {
     GivenOptions given;
     for (const Option& option : command.options.all())
@@ -101,6 +109,7 @@ Parser::Parser(std::span<const Command> commands) : program_(std::make_unique<Pr
     program_->commands = commands;
     CLI::App& app = program_->app;
     app.allow_extras();
+    app.require_subcommand(0, 1);  // a file behind a command may be called as another command
     app.set_version_flag("--version", "coppice " + std::string(kVersion));
     app.footer("coppice help COMMAND lists the options of a command.");
     for (const Command& command : commands) {
@@ -128,7 +137,7 @@ Parser::Request Parser::parse(std::span<const char* const> arguments) {
     try {
         app.parse(static_cast<int>(arguments.size()), arguments.data());
     } catch (const CLI::CallForHelp&) {
-        return {.text = help_of(command == nullptr ? "" : first)};
+        return {.text = help_of(topic_of(arguments))};
     } catch (const CLI::Success& request) {
         return {.text = std::string(request.what()) + "\n"};
     } catch (const CLI::ParseError& error) {

@@ -7,10 +7,6 @@
 
 namespace coppice::cli {
 
-bool is_picture_name(const std::filesystem::path& path) {
-    return path.extension() == ".png" || path.extension() == ".PNG";
-}
-
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size) {
     constexpr int kSamples = 8;
     const RenderOptions options{.width = size, .height = size, .samples = kSamples, .ground = false};

@@ -10,9 +10,6 @@
 
 namespace coppice::cli {
 
-/// Whether the name ends in .png or .PNG.
-bool is_picture_name(const std::filesystem::path& path);
-
 /// A square picture of each, as a stage of the run.
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size);
 

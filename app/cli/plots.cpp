@@ -16,6 +16,7 @@
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/render/colors.h"
+#include "coppice/scene/extraction.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"

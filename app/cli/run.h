@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,9 @@ class Run {
 
     /// What was to stop does not stop what comes after it.
     void forget_interrupt() { signals_.forget(); }
+
+    /// Asked to stop by Ctrl-C, for work that has no end of its own.
+    std::stop_token stop_token() const { return signals_.token(); }
 
     /// [MiB] that the process may take: what --max-memory says, or `otherwise`, to which it is held then.
     int max_memory(int otherwise);

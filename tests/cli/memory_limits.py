@@ -28,6 +28,7 @@ COMMANDS = (
     "render tube.ply walk.swc -o out.png --width 1024 --height 1024 --samples 1 --wireframe",
     "scan tube.ply -o out.xyz --points 1000000",
     "run scene.coppice -o out.obj",
+    "run tetra.coppice -o out.ply",
     "grow scene.coppice -o out.json",
     "sprout -o out.json --seasons 30 --vigour 3",
 )
@@ -57,6 +58,8 @@ def make_inputs():
     with open("scene.coppice", "w") as file:
         file.write("sphere s\npointset gen s poisson count=20000\n"
                    "grow s s root=0,0,-1.5 influence_radius=2 kill_radius=0.03 step=0.02\nmesh s levels=1\n")
+    with open("tetra.coppice", "w") as file:
+        file.write("loadtree walk walk.swc\nmesh walk method=tetrahedra edge=4 tetra_levels=0\n")
 
 
 def peak_of(program, words, limit):

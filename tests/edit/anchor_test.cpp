@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "coppice/edit/cut.h"
 #include "coppice/edit/rigid.h"
+#include "coppice/skeleton/assemble.h"
 #include "coppice/skeleton/random_tree.h"
 #include "edit/trees.h"
+#include "errors.h"
+#include "zoo.h"
 
 namespace coppice {
 namespace {
@@ -59,6 +64,56 @@ TEST(Anchor, SaysWhyAndNamesTheNearestWhereNothingIsLikeEnough) {
     other.order = 1;
     other.radius *= 3;
     EXPECT_EQ(bind_anchor(tree, frame, other).reason, "the radius there is another");
+}
+
+NodeSet held(const EditableTree& tree, const std::string& text) {
+    return selected(tree, parse_selection(text));
+}
+
+TEST(AnchorText, HoldsItsNodeAloneInEveryTreeOfTheZoo) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        const EditableTree tree(skeleton);
+        for (const StableId n : tree.nodes()) {
+            const std::string text = anchor_text(tree, n);
+            EXPECT_EQ(held(tree, text), NodeSet{n}) << name << ": " << text;
+        }
+    }
+}
+
+TEST(AnchorText, IsShortWhereNothingElseIsLikeTheNode) {
+    const EditableTree tree(test::stem_with_branches());
+    EXPECT_EQ(anchor_text(tree, id(2)), "at(0,0,2,0,0.08)");
+    EXPECT_EQ(anchor_text(tree, id(7)), "at(2,1,1,2,0.02)");
+}
+
+TEST(AnchorText, TellsNodesApartThatAreTheSameByTheirIds) {
+    const Skeleton one = test::stem_with_branches();
+    const EditableTree twice(joined(std::vector{&one, &one}));
+    for (const StableId n : twice.nodes()) EXPECT_EQ(held(twice, anchor_text(twice, n)), NodeSet{n});
+    EXPECT_TRUE(test::error_of([&] {
+                    held(twice, "at(0,0,2,0,0.08)");
+                }).starts_with("nodes 2 and 11 are both like at(0,0,2,0,0.08)"));
+}
+
+TEST(AnchorText, IsNotLikeTheNeighboursOfABranchThatIsGone) {
+    const Skeleton s = random_tree(300, 1);
+    std::size_t refused = 0;
+    for (const NodeId gone : nodes(s)) {
+        EditableTree tree(s);
+        const StableId n(gone.index());
+        if (tree.is_root(n)) continue;
+        const std::string text = anchor_text(tree, n);
+        NodeSet own = axis_of(tree, n);
+        remove_branches(tree, {n});
+        try {
+            const StableId other = selected_node(tree, parse_selection(text));
+            EXPECT_NE(std::ranges::find(own, other), own.end()) << text << " takes " << other.index();
+        } catch (const InvalidInput& error) {
+            EXPECT_NE(std::string(error.what()).find("the nearest is node"), std::string::npos);
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, 250u);
 }
 
 }  // namespace

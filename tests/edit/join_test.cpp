@@ -73,6 +73,32 @@ TEST(Graft, LimitsRadiiByTheHost) {
     EXPECT_TRUE(graft(tree, id(4), id(8), {.limit_radius = false}).resized.empty());
 }
 
+// What belongs to no tree yet comes with its root to the host, and gets new ids.
+TEST(Graft, TakesABranchFromElsewhere) {
+    EditableTree tree(test::stem_with_branches());
+    const Skeleton twig({NodeId::none(), NodeId(0), NodeId(1)}, {{5, 5, 5}, {5, 6, 5}, {5, 7, 6}},
+                        {0.3f, 0.3f, 0.01f});
+    const EditChange change = graft(tree, twig, id(3));
+    EXPECT_EQ(change.added, ids({9, 10}));
+    EXPECT_TRUE(change.moved.empty());
+    EXPECT_EQ(tree.parent(id(9)), id(3));
+    EXPECT_EQ(tree.parent(id(10)), id(9));
+    EXPECT_TRUE(near(tree.position(id(9)), {0, 1, 3}));
+    EXPECT_TRUE(near(tree.position(id(10)), {0, 2, 4}));
+    EXPECT_FLOAT_EQ(tree.radius(id(9)), 0.06f);  // the host's
+    EXPECT_FLOAT_EQ(tree.radius(id(10)), 0.01f);
+    tree.undo();
+    graft(tree, twig, id(3), {.along = 0.5, .limit_radius = false});
+    EXPECT_TRUE(near(tree.position(tree.parent(id(10))), {0, 0, 2.5f}));
+    EXPECT_TRUE(near(tree.position(id(10)), {0, 1, 2.5f}));
+    EXPECT_FLOAT_EQ(tree.radius(id(10)), 0.3f);
+    tree.undo();
+    graft(tree, twig, id(6), {.align = true});  // along x: +z becomes +x
+    EXPECT_TRUE(near(tree.position(id(10)), {4, 2, 1}));
+    const Skeleton ball({NodeId::none()}, {{0, 0, 0}}, {1});
+    EXPECT_NE(error_of([&] { graft(tree, ball, id(3)); }).find("one tree"), std::string::npos);
+}
+
 TEST(Graft, BringsDetachedBranchesBackToTheirPlace) {
     EditableTree tree(test::stem_with_branches());
     detach(tree, ids({4}));

@@ -52,10 +52,40 @@ TEST(Selection, CombinesQuestions) {
     EXPECT_TRUE(of(tree, "roots & tips").empty());
 }
 
+TEST(Selection, FindsNodesByAPlaceAndWhatIsThere) {
+    const EditableTree tree(test::stem_with_branches());  // 4 m along x
+    EXPECT_EQ(of(tree, "at(2.05,0,1,1,0.05)"), ids({5}));
+    EXPECT_EQ(of(tree, "at(2,0,1,1,0.04,0.67,3)"), ids({5}));
+    EXPECT_EQ(of(tree, "at(2.05,0,1,1,0.05,0.67,3,0.06,77)"), ids({5}));
+    EXPECT_EQ(
+        error_of([&] { of(tree, "at(2.05,0,1,1,0.05,0.67,3,0.04)"); }),
+        "no node is like at(2.05,0,1,1,0.05,0.67,3,0.04): nothing is within 0.04 m; the nearest is node 5 "
+        "at 2,0,1, 0.05 m away");
+    EXPECT_EQ(
+        error_of([&] { of(tree, "at(2,0,1,0,0.04)"); }),
+        "no node is like at(2,0,1,0,0.04): the order of the axis there is another; the nearest is node 5 at "
+        "2,0,1, 0 m away");
+    EXPECT_THROW(of(tree, "at(2,0,1,1,0.04) | at(2,0,1,1,0.1)"), InvalidInput);
+}
+
+TEST(Selection, FindsByOtherSelectionsWhatItFindsByIds) {
+    const EditableTree tree(test::stem_with_branches());
+    EXPECT_EQ(of(tree, "subtree(near(1,0,1))"), of(tree, "subtree(4)"));
+    EXPECT_EQ(of(tree, "subtree(4|5|7)"), of(tree, "subtree(4)"));
+    EXPECT_EQ(of(tree, "axis(at(3,0,1,1,0.03))"), of(tree, "axis(6)"));
+    EXPECT_EQ(of(tree, "path(tips)").size(), 9u);
+    EXPECT_EQ(of(tree, "path(near(2,1,1))"), of(tree, "path(7)"));
+    EXPECT_EQ(of(tree, "children(forks)"), of(tree, "children(1,2,5)"));
+    EXPECT_EQ(of(tree, "tree(tips)").size(), 9u);
+    EXPECT_EQ(of(tree, "subtree(radius(5,6))"), NodeSet{});
+    EXPECT_EQ(of(tree, "subtree(id(4))"), of(tree, "subtree(4)"));
+}
+
 TEST(Selection, IsReadAgainAsItIsWritten) {
     for (const char* text :
          {"all", "4", "id(1,3-5,9)", "subtree(4)&!tips", "(tips|roots)&!(order(1,)|solid(a.b-c))",
-          "radius(,0.25)", "order(2)", "order(,2)", "near(1,-2.5,3e-05)", "box(0,0,0,1,2,3)"}) {
+          "radius(,0.25)", "order(2)", "order(,2)", "near(1,-2.5,3e-05)", "box(0,0,0,1,2,3)",
+          "at(1,-2.5,3e-05,2,0.1)", "axis(at(0,0,1,0,0.1,0.5,7.25,0.03,12))", "subtree(tips&!order(0))"}) {
         EXPECT_EQ(to_text(parse_selection(text)), text);
         EXPECT_EQ(parse_selection(to_text(parse_selection(text))), parse_selection(text));
     }
@@ -81,6 +111,10 @@ TEST(Selection, SaysWhatItDoesNotUnderstand) {
               std::string::npos);
     EXPECT_NE(error_of([] { parse_selection("id(0-4000000000)"); }).find("at most 1000000"),
               std::string::npos);
+    for (const char* text : {"at(1,2,3,1)", "at(1,2,3,1,0)", "at(1,2,3,0.5,1)", "at(1,2,3,1,1,0.5)",
+                             "at(1,2,3,1,1,2,3)", "at(1,2,3,1,1,0.5,3,0)", "at(1,2,3,1,1,0.5,3,1,-1)"})
+        EXPECT_TRUE(error_of([&] { parse_selection(text); }).starts_with("at() takes x,y,z,order,radius"))
+            << text;
     EXPECT_NE(error_of([] { parse_selection("id(9-5)"); }).find("the first comes first"), std::string::npos);
 }
 

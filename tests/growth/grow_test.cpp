@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "coppice/base/error.h"
@@ -342,6 +343,30 @@ TEST(Grow, ReportsRisingProgress) {
     grow({.attractors = attractors, .roots = kOrigin}, {}, ctx);
     EXPECT_GT(calls, 3);
     EXPECT_EQ(last, 1);
+}
+
+TEST(Grow, TellsOfWhatHasGrownAndIsNotChangedByThat) {
+    const std::vector<Vec3> attractors = ball(500, {0, 0, 3}, 2);
+    const GrowOptions options{.influence_radius = 1, .kill_radius = 0.3f, .step = 0.1f};
+    std::vector<int> rounds;
+    std::optional<Skeleton> middle;
+    const GrowthWatch watch = [&](const GrowthSoFar& so_far) {
+        rounds.push_back(so_far.rounds);
+        EXPECT_EQ(so_far.limit, "max_iterations");
+        if (so_far.rounds == 20) middle = so_far.skeleton();
+    };
+    const GrowResult watched = grow({.attractors = attractors, .roots = kOrigin, .watch = watch}, options);
+    EXPECT_EQ(hash_of(watched), hash_of(grow_at_origin(attractors, options)));
+    ASSERT_EQ(rounds.size(), static_cast<std::size_t>(watched.iterations));
+    for (std::size_t i = 0; i < rounds.size(); ++i) EXPECT_EQ(rounds[i], static_cast<int>(i) + 1);
+    // The option that it names ends growth with the same tree.
+    GrowOptions shorter = options;
+    shorter.max_iterations = 20;
+    const GrowResult stopped = grow_at_origin(attractors, shorter);
+    ASSERT_TRUE(middle);
+    EXPECT_EQ(Hash().add(middle->positions()).add(middle->parents()).value(),
+              Hash().add(stopped.skeleton.positions()).add(stopped.skeleton.parents()).value());
+    EXPECT_LT(stopped.skeleton.size(), watched.skeleton.size());
 }
 
 TEST(Grow, RefusesOptionsOutOfRangeByName) {

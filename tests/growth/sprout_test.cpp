@@ -320,5 +320,22 @@ TEST(ShadeGrid, WhatGoesLeavesNothing) {
     for (float z = 7; z < 11; z += 0.25f) EXPECT_EQ(grid.shade({0.1f, 0.1f, z}), 0);
 }
 
+TEST(Sprout, TellsOfWhatHasGrownAndIsNotChangedByThat) {
+    const std::vector<Root> roots{Root{}};
+    const SproutOptions options{.seasons = 6};
+    std::vector<std::uint32_t> nodes;
+    const GrowthWatch watch = [&](const GrowthSoFar& so_far) {
+        EXPECT_EQ(so_far.limit, "seasons");
+        EXPECT_EQ(so_far.rounds, static_cast<int>(nodes.size()) + 1);
+        nodes.push_back(so_far.skeleton().size());
+        EXPECT_EQ(nodes.back(), so_far.nodes);
+    };
+    const SproutResult watched = sprout({.roots = roots, .watch = watch}, options);
+    const SproutResult plainly = grown(options);
+    EXPECT_TRUE(std::ranges::equal(watched.skeleton.positions(), plainly.skeleton.positions()));
+    ASSERT_EQ(nodes.size(), 6u);
+    EXPECT_GT(nodes.back(), nodes.front());
+}
+
 }  // namespace
 }  // namespace coppice

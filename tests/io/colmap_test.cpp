@@ -78,6 +78,25 @@ TEST_F(Colmap, SketchesNameTheirPictures) {
     EXPECT_LT(project(without_distortion(sketch.views[0]), {0, 2, 1}).y,
               project(without_distortion(sketch.views[0]), {0, 2, 0}).y);
     EXPECT_EQ(sketch.views[0].t, (Vec3d{0.25, 0.5, 1}));
+    EXPECT_EQ(parse_sketch(text, "x", Jail(folder_)).views[0].t, sketch.views[0].t);
+}
+
+TEST_F(Colmap, SketchesOfAJailReadNothingOutside) {
+    std::filesystem::create_directory(folder_ / "home");
+    std::filesystem::create_directory_symlink(folder_, folder_ / "home" / "link");
+    const Jail jail(folder_ / "home");
+    const auto sketch_with = [](const std::string& view) {
+        return R"({"format": "coppice-sketch", "version": 1, "views": [{"name": "a", )" + view +
+               R"(}], "branches": []})";
+    };
+    for (const std::string& name : {std::string(".."), folder_.string(), std::string("link")}) {
+        for (const std::string& view :
+             {R"("image": "a.jpg", "colmap": ")" + name + "\"",
+              R"("phenomenal": ")" + name + R"(/cameras.txt", "camera": "a", "angle": 0)"}) {
+            SCOPED_TRACE(view);
+            EXPECT_NE(error_of<IoError>([&] { parse_sketch(sketch_with(view), "x", jail); }), "no error");
+        }
+    }
 }
 
 TEST(Rotation, VectorsAndQuaternionsAgree) {

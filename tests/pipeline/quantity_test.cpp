@@ -30,6 +30,13 @@ TEST(Quantity, BoundsOfAnglesHaveNoStrayDigits) {
     EXPECT_EQ(number_text(Unit::metre, 1234567), "1.23457e+06");
 }
 
+TEST(Quantity, LongNumbersAreGrouped) {
+    EXPECT_EQ(grouped(0), "0");
+    EXPECT_EQ(grouped(999), "999");
+    EXPECT_EQ(grouped(1000), "1,000");
+    EXPECT_EQ(grouped(12345678), "12,345,678");
+}
+
 TEST(Quantity, AFiniteNumberFillsTheWord) {
     EXPECT_EQ(parse_finite("-0.25"), -0.25);
     EXPECT_EQ(parse_finite("+1e3"), 1000);

@@ -111,6 +111,71 @@ TEST_F(SceneCompose, RefusesWhatMakesNoSense) {
     EXPECT_THROW(closed.run("library add b.branches oak"), IoError);
 }
 
+// A trunk with laterals at nodes 3 (along +x) and 5 (along +y), which has one of its own, 7.
+Skeleton trunk() {
+    const auto id = [](std::uint32_t i) { return NodeId(i); };
+    return {{NodeId::none(), id(0), id(1), id(1), id(3), id(2), id(5), id(5)},
+            {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 1}, {2, 0, 1}, {0, 1, 2}, {0, 2, 2}, {0, 1, 3}},
+            {0.1f, 0.1f, 0.1f, 0.05f, 0.05f, 0.05f, 0.05f, 0.02f}};
+}
+
+TEST_F(SceneCompose, ABranchThatIsSelectedGoesToTheLibrary) {
+    scene.hold_tree("t", trunk());
+    EXPECT_EQ(scene.run("library add " + file("b.branches") + " t nodes=id(3)"),
+              "1 branches added, 0 were there already\n");
+    scene.run("library add " + file("b.branches") + " t nodes=id(6,7)");
+    const auto entries = TreeLibrary(folder_ / "b.branches", LibraryAccess::read).list({});
+    ASSERT_EQ(entries.size(), 3u);
+    EXPECT_EQ(entries[0].tree.source_node, 3u);
+    EXPECT_EQ(entries[0].measures.nodes, 3u);
+    EXPECT_EQ(refusal("library add b.branches t nodes=id(4)"),
+              "library add: node 4 does not begin a branch; select the first node behind a fork");
+    EXPECT_NE(refusal("library add b.branches t nodes=roots").find("node 0 does not begin"),
+              std::string::npos);
+    EXPECT_NE(refusal("library add b.branches t oak nodes=id(3)").find("of one tree"), std::string::npos);
+    EXPECT_NE(refusal("library add b.branches t nodes=id(3) leaders=false").find("leave leaders="),
+              std::string::npos);
+    EXPECT_NE(refusal("library add b.branches t nodes=id(99)").find("99"), std::string::npos);
+}
+
+TEST_F(SceneCompose, ABranchOfALibraryIsGrafted) {
+    scene.hold_tree("t", trunk());
+    const std::string library = file("b.branches");
+    scene.run("library add " + library + " t nodes=id(3)");
+    const auto end = [&] { return tree("t").position(NodeId(tree("t").size() - 1)); };
+    // The way of the host at the tip is +z, and the branch is inclined by a right angle.
+    scene.run("library graft t " + library + " 1 id(7) direction=1,0,0");
+    ASSERT_EQ(tree("t").size(), 10u);
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        EXPECT_EQ(tree("t").position(NodeId(i)), trunk().position(NodeId(i)));
+        EXPECT_EQ(tree("t").stable_id(NodeId(i)), StableId(i));
+    }
+    EXPECT_LT(distance(end(), Vec3{2, 1, 3}), 1e-5f);
+    EXPECT_FLOAT_EQ(tree("t").radius(NodeId(9)), 0.02f);  // no thicker than its host
+    scene.run("undo");
+    // Beside the laterals that are there, and not on them.
+    scene.hold_tree("t", trunk());
+    scene.run("library graft t " + library + " 1 id(1) along=0.5 scale=0.5 limit_radius=false");
+    ASSERT_EQ(tree("t").size(), 11u);  // a new node on the trunk
+    scene.hold_tree("t", trunk());
+    scene.run("library graft t " + library + " 1 id(1)");
+    EXPECT_LT(end().x, 0.5f);
+    EXPECT_NEAR(end().z, 1.0f, 1e-5f);
+    EXPECT_NEAR(length(end() - Vec3{0, 0, 1}), 2.0f, 1e-5f);
+}
+
+TEST_F(SceneCompose, AGraftThatMakesNoSenseIsRefused) {
+    scene.hold_tree("t", trunk());
+    const std::string graft = "library graft t " + file("b.branches");
+    EXPECT_NE(refusal(graft + " 1 id(3)").find("b.branches"), std::string::npos);
+    scene.run("library add " + file("b.branches") + " t");
+    EXPECT_NE(refusal(graft + " 99 id(3)").find("99"), std::string::npos);
+    EXPECT_NE(refusal(graft + " 1 id(99)").find("99"), std::string::npos);
+    EXPECT_NE(refusal(graft + " 1 all").find("node"), std::string::npos);
+    EXPECT_NE(refusal(graft + " 1 id(3) direction=0,0,0").find("leads nowhere"), std::string::npos);
+    EXPECT_EQ(tree("t").size(), trunk().size());
+}
+
 /// A stem of 1800 segments that forks into two branches of 400.
 Skeleton long_fork() {
     constexpr std::uint32_t kStem = 1800, kBranch = 400;

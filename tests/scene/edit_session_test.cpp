@@ -44,8 +44,8 @@ TEST(EditSession, TakesTheWordEditBeforeACommand) {
 TEST(EditSession, ShowsWhatASelectionHolds) {
     EditSession s = session();
     EXPECT_EQ(s.run("select 7|8"),
-              "2 of 9 nodes\nnode 7 at 2,1,1 radius 0.02 on 5 order 2\nnode 8 at -1,0,2 radius 0.02 on 2 "
-              "order 1\n");
+              "2 of 9 nodes\nnode 7 at 2,1,1 radius 0.02 on 5 order 2: at(2,1,1,2,0.02)\n"
+              "node 8 at -1,0,2 radius 0.02 on 2 order 1: at(-1,0,2,1,0.02)\n");
     EXPECT_EQ(s.run("select radius(5,)"), "0 of 9 nodes\n");
 }
 

@@ -7,6 +7,7 @@
 #include "coppice/base/hash.h"
 #include "coppice/io/file.h"
 #include "coppice/io/skeleton/reader.h"
+#include "coppice/io/skeleton/writer.h"
 #include "coppice/scene/scene.h"
 #include "errors.h"
 #include "temporary_folder.h"
@@ -38,6 +39,24 @@ class SceneSave : public test::FolderTest {
         return test::error_of<Error>([&] { scene.run(line); });
     }
 };
+
+TEST_F(SceneSave, KeepsTheNumbersOfNodesThroughEditsAndMoves) {
+    Scene scene;
+    scene.run("limb t 0,0,0 0,0,1 0,0,2");
+    const auto& limb = std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value);
+    std::vector<float> evidence(limb.size());
+    for (std::size_t i = 0; i < evidence.size(); ++i) evidence[i] = static_cast<float>(i) / 100;
+    write_skeleton(file("t.json"), limb, {}, std::vector<NodeAttribute>{{"evidence", evidence}});
+    scene.run("loadtree m \"" + file("t.json") + "\"");
+    scene.run("edit split m 2");
+    scene.run("translate m 0 0 1");
+    scene.run("save m \"" + file("m.json") + "\" kind=skeleton");
+    const SkeletonFile read = read_skeleton(file("m.json"));
+    ASSERT_EQ(read.attributes.size(), 1u);
+    EXPECT_EQ(read.attributes[0].name, "evidence");
+    ASSERT_EQ(read.attributes[0].values.size(), limb.size() + 1);
+    EXPECT_FLOAT_EQ(read.attributes[0].values.back(), evidence.back());
+}
 
 TEST_F(SceneSave, ARecipeGivesTheSameBits) {
     Scene scene, again, third;

@@ -12,6 +12,7 @@
 #include "coppice/io/library/tree_library.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/render/png.h"
 #include "coppice/skeleton/measure.h"
 #include "files.h"
 #include "options.h"
@@ -42,7 +43,7 @@ void check_flags(const ComposeFlags& flags) {
                                                     : check_output_folder(flags.output);
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
     if (flags.sheet.empty()) return;
-    if (!is_picture_name(flags.sheet))
+    if (!is_png_name(flags.sheet))
         throw UsageError(
             fmt::format("'{}' is no name of a picture; use the ending .png", flags.sheet.string()));
     check_output_folder(flags.sheet);

@@ -13,6 +13,7 @@
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/points/wood_classes.h"
 #include "coppice/render/colors.h"
+#include "coppice/scene/extraction.h"
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
@@ -113,20 +114,6 @@ ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summar
     return result;
 }
 
-/// What the summary says of points that were thinned, and of leaves, which a user misses first.
-std::string points_left_out(const CloudReport& cleaning) {
-    std::string out;
-    if (cleaning.downsampled > 0) {
-        out += fmt::format(", {} points thinned by {}", grouped(cleaning.points - cleaning.duplicates),
-                           grouped(cleaning.downsampled));
-    }
-    if (cleaning.leaves > 0) {
-        out += fmt::format(", {} of {} points left out as leaves", grouped(cleaning.leaves),
-                           grouped(cleaning.points));
-    }
-    return out;
-}
-
 WoodClasses wood_classes(const ExtractFlags& flags) {
     if (flags.wood_classes.empty()) return {};
     try {
@@ -165,7 +152,7 @@ ExtractResult from_cloud(Run& run, const ExtractFlags& flags, std::string& summa
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_of(result.cleaning);
-    summary += points_left_out(result.cleaning);
+    summary += text_of_points_left_out(result.cleaning);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves",
                   [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
@@ -276,19 +263,13 @@ Command extract_command() {
     options.value({{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
                     Unit::metre},
                    &flags->from_mesh.root});
-    options.value({{"up", "axis of the file that points up; y as in games and in OBJ files of Blender"},
-                   choice_of(flags->up)});
+    options.value({kFileUpField, choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
     options.file("--mapping", "PLY", flags->mapping,
                  "also write the vertices, those of each node of the skeleton in a colour of its own",
                  kMeshGroup);
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
-    options.value({{"wood_classes",
-                    "LAS classes of points that may be wood, as 4,5,20-22; auto leaves out ground, noise, "
-                    "buildings and what "
-                    "else cannot be trees; all keeps every class"},
-                   &flags->wood_classes},
-                  kCloudGroup);
+    options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
     options.file("--leaf-points", "POINTS", flags->leaf_output,
                  "also write the points that are left out as leaves, if any", kCloudGroup);
     options.fields(flags->from_plot, kPlotGroup);

@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "coppice/io/library/tree_library.h"
+#include "coppice/render/png.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
@@ -170,7 +171,7 @@ ExitCode remove(Run& run, const LibraryFlags& flags) {
 ExitCode draw(Run& run, const LibraryFlags& flags) {
     if (flags.output.empty())
         throw UsageError("name a sheet or a folder: coppice library draw LIBRARY -o SHEET.png");
-    const bool sheet = is_picture_name(flags.output);
+    const bool sheet = is_png_name(flags.output);
     check_output_folder(flags.output);
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);

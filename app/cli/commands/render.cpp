@@ -15,6 +15,7 @@
 #include "coppice/pipeline/option_fields.h"
 #include "coppice/points/spacing.h"
 #include "coppice/render/picture.h"
+#include "coppice/render/png.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
@@ -101,7 +102,7 @@ Inputs load(Run& run, const RenderFlags& flags) {
 void check_flags(const RenderFlags& flags) {
     if (flags.input.empty() || flags.output.empty())
         throw UsageError("name the files: coppice render IN [IN2] -o PNG");
-    if (!is_picture_name(flags.output)) {
+    if (!is_png_name(flags.output)) {
         throw UsageError(
             fmt::format("'{}' is no name of a picture; use the ending .png", flags.output.string()));
     }

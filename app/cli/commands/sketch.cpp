@@ -162,19 +162,12 @@ Mask load_silhouette(Run& run, const std::filesystem::path& sketch, const Sketch
 ExitCode trace_file(Run& run, const SketchFlags& flags) {
     const SketchCameras cameras =
         run.stage("read", [&](const Context& ctx) { return read_cameras(flags.input, ctx); });
-    Sketch extent{.views = cameras.views,
-                  .branches = {{.name = "stem", .parent = {}, .strokes = {}, .attach = {}, .diameters = {}}}};
     std::vector<Mask> silhouettes;
-    for (std::uint32_t v = 0; v < cameras.views.size(); ++v) {
-        silhouettes.push_back(load_silhouette(run, flags.input, cameras.views[v]));
-        if (!cameras.snapshots[v]) continue;
-        const std::string where = fmt::format("{}: views[{}]", flags.input.string(), v);
-        extent.branches[0].strokes.push_back(extent_of(silhouettes.back(), where));
-        extent.branches[0].strokes.back().view = v;
-        extent.views[v] = snapshot_view(extent, v, *cameras.snapshots[v], cameras.height, where);
-    }
-    const TraceResult result =
-        run.stage("trace", [&](const Context& ctx) { return trace(extent.views, silhouettes, ctx); });
+    for (const SketchView& view : cameras.views)
+        silhouettes.push_back(load_silhouette(run, flags.input, view));
+    const TraceResult result = run.stage("trace", [&](const Context& ctx) {
+        return trace_views(cameras, silhouettes, flags.input.string(), ctx);
+    });
     run.stage("write", [&](const Context&) { write_sketch(flags.output, result.sketch); });
     run.counts()["branches"] = result.sketch.branches.size();
     Figure::List tips;

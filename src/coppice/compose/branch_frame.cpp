@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "coppice/compose/branch_frame_internal.h"
 
@@ -19,6 +20,11 @@ Frame branch_frame(Vec3d direction, Vec3d host) {
     const Vec3d across = host - direction * dot(host, direction);
     const Vec3d x = length(across) > 1e-6 ? normalized(across) : perpendicular(direction);
     return {x, cross(direction, x), direction};
+}
+
+Frame rolled(const Frame& frame, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {frame.x * c + frame.y * s, frame.y * c - frame.x * s, frame.z};
 }
 
 Vec3d branch_direction(const Skeleton& s, NodeId first) {

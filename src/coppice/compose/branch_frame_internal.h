@@ -20,6 +20,9 @@ struct Frame {
 /// z along `direction`, and `host` in the half plane of z and +x; any such frame where the two are parallel.
 Frame branch_frame(Vec3d direction, Vec3d host);
 
+/// The frame turned about its z, counter-clockwise seen against it, by an angle [rad].
+Frame rolled(const Frame& frame, double angle);
+
 /// The direction in which the branch whose first node is `first` leaves its node: to where its axis is after
 /// two radii of the host, or after its first segment.
 Vec3d branch_direction(const Skeleton& skeleton, NodeId first);

@@ -50,10 +50,6 @@ class Cutter {
     std::vector<NodeId> nodes_;
 };
 
-bool is_child_branch(const Skeleton& s, NodeId n) {
-    return !s.is_root(n) && s.children(s.parent(n)).size() > 1;
-}
-
 }  // namespace
 
 ChildTreeMeasures measure(const ChildTree& tree) {
@@ -73,7 +69,8 @@ std::vector<ChildTree> child_trees(const Skeleton& skeleton, const ChildTreeOpti
     Cutter cutter(skeleton);
     std::vector<ChildTree> out;
     for (const NodeId n : nodes(skeleton)) {
-        if (!is_child_branch(skeleton, n) || sizes.length[n.index()] < double{options.least_length}) continue;
+        if (!begins_child_tree(skeleton, n) || sizes.length[n.index()] < double{options.least_length})
+            continue;
         if (!options.leaders && skeleton.leader(skeleton.parent(n)) == n) continue;
         ctx.throw_if_cancelled();
         out.push_back(cutter.cut(n));
@@ -81,11 +78,15 @@ std::vector<ChildTree> child_trees(const Skeleton& skeleton, const ChildTreeOpti
     return out;
 }
 
+bool begins_child_tree(const Skeleton& skeleton, NodeId node) {
+    return !skeleton.is_root(node) && skeleton.children(skeleton.parent(node)).size() > 1;
+}
+
 std::vector<ChildTree> child_trees_at(const Skeleton& skeleton, const std::vector<NodeId>& first) {
     Cutter cutter(skeleton);
     std::vector<ChildTree> out;
     for (const NodeId n : first) {
-        if (!n || n.index() >= skeleton.size() || !is_child_branch(skeleton, n)) {
+        if (!n || n.index() >= skeleton.size() || !begins_child_tree(skeleton, n)) {
             throw InvalidInput(
                 fmt::format("node {} begins no branch: name children of nodes that have several", n.index()));
         }

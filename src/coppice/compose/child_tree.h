@@ -56,6 +56,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 std::vector<ChildTree> child_trees(const Skeleton& skeleton, const ChildTreeOptions& options = {},
                                    const Context& ctx = {});
 
+/// Whether a branch begins there: at a child of a node that has several.
+bool begins_child_tree(const Skeleton& skeleton, NodeId node);
+
 /// Those that begin at `first` alone: nodes that are children of branch nodes. Throws InvalidInput naming a
 /// node that is not.
 std::vector<ChildTree> child_trees_at(const Skeleton& skeleton, const std::vector<NodeId>& first);

@@ -172,9 +172,7 @@ class Composing {
         const double stray = std::tan(std::min(double{options_.turn}, 1.5));
         z = normalized(z + about.x * draws_.within(stray) + about.y * draws_.within(stray), z);
         z = normalized(lerp(z, kUp, double{options_.phototropism}), z);
-        const Frame upright = branch_frame(z, place.host);
-        const double roll = draws_.within(double{options_.roll}), c = std::cos(roll), s = std::sin(roll);
-        return {upright.x * c + upright.y * s, upright.y * c - upright.x * s, z};
+        return rolled(branch_frame(z, place.host), draws_.within(double{options_.roll}));
     }
 
     bool lies_inside() {

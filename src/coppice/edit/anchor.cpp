@@ -38,40 +38,76 @@ Anchor anchor_of(const EditableTree& tree, const AnchorFrame& frame, StableId no
             .radius = tree.radius(node) / frame.size};
 }
 
-Binding bind_anchor(const EditableTree& tree, const AnchorFrame& frame, const Anchor& anchor,
-                    double tolerance) {
-    constexpr double kThicker = 2;  // the greatest ratio of radii
-    const Vec3d place = frame.base + anchor.place * frame.size - tree.origin();
-    Binding out;
-    double nearest = std::numeric_limits<double>::infinity(), best = nearest;
-    bool other_order = false, other_radius = false;
+namespace {
+
+/// A node that may be meant.
+struct Candidate {
+    StableId node;
+    double away = 0;  // [m]
+};
+
+/// How much the axis of a node differs from the anchor's.
+double unlike_axis(const EditableTree& tree, const AnchorFrame& frame, StableId node, const Anchor& anchor) {
+    if (!anchor.knows_axis) return 0;
+    const Anchor here = anchor_of(tree, frame, node);
+    return std::abs(here.along - anchor.along) + std::abs(here.length - anchor.length);
+}
+
+/// The nodes within a distance of a place, the nearest first, and the nearest of all in `out`.
+std::vector<Candidate> candidates(const EditableTree& tree, Vec3d place, double within, Binding& out) {
+    std::vector<Candidate> near;
+    double nearest = std::numeric_limits<double>::infinity();
     for (const StableId n : tree.nodes()) {
-        const double away = distance(place_of(tree, n), place);
-        if (away < nearest) {
-            nearest = away;
+        const double squared = length_squared(place_of(tree, n) - place);
+        if (squared < nearest) {
+            nearest = squared;
             out.nearest = n;
         }
-        if (away > tolerance * frame.size) continue;
-        const Anchor here = anchor_of(tree, frame, n);
-        const double thicker = std::abs(std::log(here.radius / anchor.radius));
-        if (here.order != anchor.order) other_order = true;
-        if (here.order == anchor.order && thicker > std::log(kThicker)) other_radius = true;
-        if (here.order != anchor.order || thicker > std::log(kThicker)) continue;
-        // Of two that are as like, the one that has the id.
-        const double unlike = away / (tolerance * frame.size) + std::abs(here.along - anchor.along) +
-                              std::abs(here.length - anchor.length) + 0.5 * thicker +
-                              (n == anchor.id ? 0 : 1e-9);
-        if (unlike < best) {
-            best = unlike;
-            out.node = n;
-            out.distance = away;
+        if (const double away = std::sqrt(squared); away <= within) near.push_back({n, away});
+    }
+    out.distance = std::sqrt(nearest);
+    std::ranges::sort(near, [](const Candidate& a, const Candidate& b) {
+        return std::pair(a.away, a.node) < std::pair(b.away, b.node);
+    });
+    return near;
+}
+
+}  // namespace
+
+Binding bind_anchor(const EditableTree& tree, const AnchorFrame& frame, const Anchor& anchor,
+                    double tolerance) {
+    constexpr double kOtherId = 1e-9, kSame = 1e-12;
+    const Vec3d place = frame.base + anchor.place * frame.size - tree.origin();
+    const double within = tolerance * frame.size;
+    Binding out;
+    double best = std::numeric_limits<double>::infinity();
+    bool other_order = false, other_radius = false;
+    for (const Candidate& c : candidates(tree, place, within, out)) {
+        const double by_place = c.away / within;
+        if (by_place > best + kOtherId) break;
+        const double thicker = std::abs(std::log(tree.radius(c.node) / frame.size / anchor.radius));
+        if (order_of(tree, c.node) != anchor.order) {
+            other_order = true;
+            continue;
         }
+        if (thicker > std::log(kAnchorThicker)) {
+            other_radius = true;
+            continue;
+        }
+        const double axis = unlike_axis(tree, frame, c.node, anchor);
+        // Of two that are as like, the one that has the id.
+        const double unlike = by_place + axis + 0.5 * thicker + (c.node == anchor.id ? 0 : kOtherId);
+        if (std::abs(unlike - best) < kSame) out.twin = c.node;
+        if (unlike > best - kSame) continue;
+        best = unlike;
+        out.twin = {};
+        out.node = c.node;
+        out.distance = c.away;
     }
     if (out.node) return out;
-    out.distance = nearest;
     out.reason = other_radius  ? "the radius there is another"
                  : other_order ? "the order of the axis there is another"
-                               : fmt::format("nothing is within {:.3g} m", tolerance * frame.size);
+                               : fmt::format("nothing is within {:.3g} m", within);
     return out;
 }
 

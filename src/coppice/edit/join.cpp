@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coppice/edit/motion_internal.h"
 #include "coppice/edit/parts_internal.h"
@@ -14,6 +15,8 @@ namespace coppice {
 using namespace edit_internal;
 
 namespace {
+
+constexpr Vec3d kUp{0, 0, 1};
 
 struct DrawnRadii {
     double first, last;
@@ -53,6 +56,31 @@ std::vector<StableId> branches_to_graft(const EditableTree& tree, StableId branc
                         branch.index()));
     }
     return all;
+}
+
+/// Where a branch is grafted.
+Foot host_foot(const EditableTree& tree, StableId host, double along) {
+    check_node(tree, host);
+    if (!(along >= 0 && along <= 1)) {
+        throw InvalidInput(
+            fmt::format("along is {}; it is from 0, the parent of the host, to 1, the host", along));
+    }
+    Foot foot{.node = host,
+              .t = along,
+              .place = place_of(tree, host),
+              .distance = 0,
+              .radius = double{tree.radius(host)}};
+    if (!tree.is_root(host) && along < 1) {
+        const Segment s = tree.segment(host);
+        foot.place = lerp(Vec3d(s.a), Vec3d(s.b), along);
+        foot.radius = s.radius_a + (double{s.radius_b} - s.radius_a) * along;
+    }
+    return foot;
+}
+
+/// From how a branch leaves its joint to how the host is reached.
+Rotation turn_to(const EditableTree& tree, Vec3d old_way, StableId host, const GraftOptions& options) {
+    return options.align ? rotation_between(old_way, direction_of(tree, host)) : Rotation{};
 }
 
 }  // namespace
@@ -99,10 +127,7 @@ EditChange append(EditableTree& tree, StableId host, Vec3d by, double radius) {
 
 EditChange graft(EditableTree& tree, StableId branch, StableId host, const GraftOptions& options) {
     check_node(tree, branch);
-    check_node(tree, host);
-    if (!(options.along >= 0 && options.along <= 1))
-        throw InvalidInput(
-            fmt::format("along is {}; it is from 0, the parent of the host, to 1, the host", options.along));
+    const Foot foot = host_foot(tree, host, options.along);
     const std::vector<StableId> tops = branches_to_graft(tree, branch);
     if (hangs_on(tree, host, branch)) {
         throw InvalidInput(
@@ -111,19 +136,9 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
                         branch.index(), host.index()));
     }
     TreeEdit edit(tree);
-    Foot foot{.node = host,
-              .t = options.along,
-              .place = place_of(tree, host),
-              .distance = 0,
-              .radius = double{tree.radius(host)}};
-    if (!tree.is_root(host) && options.along < 1) {
-        const Segment s = tree.segment(host);
-        foot.place = lerp(Vec3d(s.a), Vec3d(s.b), options.along);
-        foot.radius = s.radius_a + (double{s.radius_b} - s.radius_a) * options.along;
-    }
     const StableId joint = joint_of(tree, branch);
-    const Vec3d old_way = tree.is_root(branch) ? Vec3d{0, 0, 1} : direction_of(tree, joint);
-    const Rotation turn = options.align ? rotation_between(old_way, direction_of(tree, host)) : Rotation{};
+    const Vec3d old_way = tree.is_root(branch) ? kUp : direction_of(tree, joint);
+    const Rotation turn = turn_to(tree, old_way, host, options);
     const StableId at = node_at(edit, tree, foot);
     const Motion motion{.from = tree.position(joint), .to = place_of(tree, at), .turn = turn};
     for (const StableId top : tops) {
@@ -132,6 +147,25 @@ EditChange graft(EditableTree& tree, StableId branch, StableId host, const Graft
         edit.set_parent(top, at);
     }
     if (tree.is_root(branch)) edit.remove(branch);
+    return edit.commit();
+}
+
+EditChange graft(EditableTree& tree, const Skeleton& branch, StableId host, const GraftOptions& options) {
+    if (branch.tree_count() != 1 || branch.size() < 2)
+        throw InvalidInput("what is grafted has to be one tree of a root and a segment or more");
+    const Foot foot = host_foot(tree, host, options.along);
+    TreeEdit edit(tree);
+    const Rotation turn = turn_to(tree, kUp, host, options);
+    const StableId at = node_at(edit, tree, foot);
+    const Vec3d from(branch.position(NodeId(0))), to = place_of(tree, at);
+    const float most =
+        options.limit_radius ? static_cast<float>(foot.radius) : std::numeric_limits<float>::infinity();
+    std::vector<StableId> ids{at};
+    for (const NodeId n : nodes(branch)) {
+        if (branch.is_root(n)) continue;
+        const Vec3d place = to + turn(Vec3d(branch.position(n)) - from);
+        ids.push_back(edit.add(ids[branch.parent(n).index()], Vec3(place), std::min(most, branch.radius(n))));
+    }
     return edit.commit();
 }
 

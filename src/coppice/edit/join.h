@@ -42,6 +42,11 @@ struct GraftOptions {
 /// InvalidInput where the host hangs on the branch, and for a tree of a single node.
 EditChange graft(EditableTree& tree, StableId branch, StableId host, const GraftOptions& options = {});
 
+/// The same of a branch that belongs to no tree yet, by its root, which comes to the host: it gets new ids.
+/// What it is aligned with at its root is +z. Throws InvalidInput also where it is not one tree with a
+/// segment.
+EditChange graft(EditableTree& tree, const Skeleton& branch, StableId host, const GraftOptions& options = {});
+
 /// What becomes of branches that run through others.
 enum class Crossings {
     keep,  ///< nothing: the surface says what becomes of them

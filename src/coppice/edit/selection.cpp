@@ -9,9 +9,14 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/sort.h"
+#include "coppice/edit/anchor.h"
+#include "coppice/edit/parts_internal.h"
 #include "coppice/implicit/solid/solid_field.h"
 
 namespace coppice {
+
+using edit_internal::tops_of;
+
 namespace {
 
 Vec3d world(const EditableTree& tree, StableId n) { return tree.origin() + Vec3d(tree.position(n)); }
@@ -99,6 +104,60 @@ void add_of_id(const EditableTree& tree, SelectionKind kind, StableId id, NodeSe
     }
 }
 
+/// The nodes by which `kind` finds the same as by all of these, each once.
+NodeSet without_repeats(const EditableTree& tree, SelectionKind kind, NodeSet nodes) {
+    if (kind == SelectionKind::subtree) return sorted(tops_of(tree, nodes));
+    for (StableId& n : nodes) {
+        if (kind == SelectionKind::tree) n = tree.root_of(n);
+        if (kind == SelectionKind::axis) n = axis_of(tree, n).front();
+    }
+    return sorted(std::move(nodes));
+}
+
+/// From the nodes to their roots.
+NodeSet paths_from(const EditableTree& tree, const NodeSet& nodes) {
+    std::vector<bool> seen(tree.slots());
+    NodeSet out;
+    for (StableId n : nodes) {
+        for (; n && !seen[n.index()]; n = tree.parent(n)) {
+            seen[n.index()] = true;
+            out.push_back(n);
+        }
+    }
+    return sorted(std::move(out));
+}
+
+std::string place_text(Vec3d p) { return fmt::format("{:.6g},{:.6g},{:.6g}", p.x, p.y, p.z); }
+
+StableId bound(const EditableTree& tree, const Selection& s) {
+    const std::vector<double>& n = s.numbers;
+    const AnchorFrame frame = anchor_frame(tree);
+    Anchor anchor{.id = {},
+                  .place = (Vec3d(n[0], n[1], n[2]) - frame.base) / frame.size,
+                  .order = static_cast<int>(std::min(n[3], 1e9)),
+                  .radius = n[4] / frame.size,
+                  .knows_axis = n.size() > 6};
+    if (anchor.knows_axis) {
+        anchor.along = n[5];
+        anchor.length = n[6] / frame.size;
+    }
+    if (n.size() > 8) anchor.id = StableId(static_cast<std::uint32_t>(n[8]));
+    const double within = n.size() > 7 ? n[7] / frame.size : kAnchorTolerance;
+    const Binding found = bind_anchor(tree, frame, anchor, std::min(within, kAnchorTolerance));
+    if (!found.node) {
+        throw InvalidInput(fmt::format("no node is like {}: {}; the nearest is node {} at {}, {:.3g} m away",
+                                       to_text(s), found.reason, found.nearest.index(),
+                                       place_text(world(tree, found.nearest)), found.distance));
+    }
+    if (found.twin) {
+        throw InvalidInput(
+            fmt::format("nodes {} and {} are both like {}; give all nine of its numbers, the last of "
+                        "which is the id",
+                        found.node.index(), found.twin.index(), to_text(s)));
+    }
+    return found.node;
+}
+
 NodeSet combined(const Selection& s, const EditableTree& tree, const SolidLookup& solids) {
     const NodeSet a = selected(tree, s.parts.at(0), solids);
     NodeSet out;
@@ -174,6 +233,8 @@ NodeSet selected(const EditableTree& tree, const Selection& s, const SolidLookup
             return within_solid(tree, s.name, solids);
         case SelectionKind::near:
             return {nearest_node(tree, {s.numbers[0], s.numbers[1], s.numbers[2]})};
+        case SelectionKind::at:
+            return {bound(tree, s)};
         case SelectionKind::both:
         case SelectionKind::either:
         case SelectionKind::without:
@@ -181,8 +242,13 @@ NodeSet selected(const EditableTree& tree, const Selection& s, const SolidLookup
         default:
             break;
     }
-    NodeSet out;
-    for (const StableId id : s.ids) add_of_id(tree, s.kind, id, out);
+    NodeSet ids = s.ids, out;
+    if (!s.parts.empty()) {
+        ids = selected(tree, s.parts[0], solids);
+        if (s.kind == SelectionKind::path) return paths_from(tree, ids);
+        ids = without_repeats(tree, s.kind, std::move(ids));
+    }
+    for (const StableId id : ids) add_of_id(tree, s.kind, id, out);
     return sorted(std::move(out));
 }
 

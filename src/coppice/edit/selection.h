@@ -28,6 +28,7 @@ enum class SelectionKind {
     box,       ///< within a box in world space: x, y, z of one corner and of the other
     solid,     ///< within the solid of that name
     near,      ///< the node nearest to x, y, z in world space
+    at,        ///< the node that is like what the numbers say, as bind_anchor finds it
     both,      ///< in both parts
     either,    ///< in one of the parts
     without,   ///< not in the part
@@ -36,18 +37,24 @@ enum class SelectionKind {
 /// A question that nodes are chosen by, as people type it: "subtree(12) & radius(0, 0.01) & !solid(crown)".
 struct Selection {
     SelectionKind kind = SelectionKind::all;  ///< what is asked
-    std::vector<StableId> ids;                ///< of id to tree; at least one
-    std::vector<double> numbers;              ///< of order to near
+    std::vector<StableId> ids;                ///< of id to tree; at least one where there are no parts
+    std::vector<double> numbers;              ///< of order to at
     std::string name;                         ///< of solid
-    std::vector<Selection> parts;             ///< of both and either two, of without one
+    std::vector<Selection> parts;             ///< of both and either two, of without one, of subtree to tree
+                                              ///< one or, with ids, none
 
     friend bool operator==(const Selection&, const Selection&) = default;  ///< as they are written
 };
 
 /// Reads a selection: a number or NAME(...), joined by & or `and`, | or `or`, ! or `not`, with parentheses; &
-/// binds closer than |. Ids are joined by commas, 5-9 stands for five of them. Ranges are a,b or one number
-/// alone for `order`; an end may be left out. Throws InvalidInput naming what is not understood. At most 64
-/// parentheses deep.
+/// binds closer than |. Ids are joined by commas, 5-9 stands for five of them; in subtree() to tree() a
+/// selection may stand instead. Ranges are a,b or one number alone for `order`; an end may be left out.
+/// Throws InvalidInput naming what is not understood. At most 64 parentheses deep.
+///
+/// at(x,y,z,order,radius[,along,length[,within[,id]]]) is a node by where it lies in world space [m], the
+/// order and radius [m] of its axis, the share of the axis before it, the length of the axis [m], the
+/// distance within which it has to lie [m] (at most 3 % of the extent of the tree, and that unless said
+/// otherwise), and its id, which decides only between nodes that are else the same.
 Selection parse_selection(std::string_view text);
 
 /// The text that reads as the same selection.
@@ -59,8 +66,9 @@ void for_each_id(Selection& selection, const std::function<void(StableId&)>& vis
 /// The solids that selections may name; none where there is none of the name.
 using SolidLookup = std::function<const Solid*(const std::string&)>;
 
-/// The nodes that a selection holds, perhaps none. Throws InvalidInput for ids that are not there, and for
-/// solids that are not. By id, subtree, axis and path it costs what it finds, else O(n).
+/// The nodes that a selection holds, perhaps none. Throws InvalidInput for ids that are not there, for solids
+/// that are not, and where at() has no node that is like enough, or two: it names the nearest. By id,
+/// subtree, axis and path it costs what it finds, else O(n).
 NodeSet selected(const EditableTree& tree, const Selection& selection, const SolidLookup& solids = {});
 
 /// The one node that a selection holds. Throws InvalidInput where it holds none or several.

@@ -18,9 +18,9 @@ constexpr std::size_t kMostIds = 1'000'000;
 constexpr std::size_t kShownLength = 40;
 
 /// The names of what may be asked, in the order of SelectionKind.
-constexpr std::array<std::string_view, 16> kNames{"all",    "roots", "tips",     "forks", "id",    "subtree",
+constexpr std::array<std::string_view, 17> kNames{"all",    "roots", "tips",     "forks", "id",    "subtree",
                                                   "axis",   "path",  "children", "tree",  "order", "radius",
-                                                  "height", "box",   "solid",    "near"};
+                                                  "height", "box",   "solid",    "near",  "at"};
 
 constexpr auto kFirstWithIds = SelectionKind::id, kLastWithIds = SelectionKind::tree;
 constexpr auto kFirstRange = SelectionKind::order, kLastRange = SelectionKind::height;
@@ -89,7 +89,7 @@ class Parser {
         if (kind == kNames.size())
             fail(
                 "an id, or one of all, roots, tips, forks, id(), subtree(), axis(), path(), "
-                "children(), tree(), order(), radius(), height(), box(), solid(), near()");
+                "children(), tree(), order(), radius(), height(), box(), solid(), near(), at()");
         Selection out;
         out.kind = static_cast<SelectionKind>(kind);
         at_ += name.size();
@@ -101,8 +101,9 @@ class Parser {
         const std::string name(kNames[static_cast<std::size_t>(out.kind)]);
         if (!take("(")) fail("( after " + name);
         if (takes_ids(out.kind)) {
-            do add_ids(out.ids);
-            while (take(","));
+            named_nodes(out);
+        } else if (out.kind == SelectionKind::at) {
+            place(out);
         } else if (out.kind == SelectionKind::solid) {
             skip();
             out.name = word();
@@ -118,6 +119,39 @@ class Parser {
             }
         }
         if (!take(")")) fail("a closing parenthesis");
+    }
+
+    /// Ids, or a selection of the nodes.
+    void named_nodes(Selection& out) {
+        skip();
+        const std::size_t begin = at_;
+        if (out.kind == SelectionKind::id || is_digit(peek())) {
+            do add_ids(out.ids);
+            while (take(","));
+            skip();
+            if (out.kind == SelectionKind::id || peek() == ')') return;
+        }
+        at_ = begin;
+        out.ids.clear();
+        out.parts.push_back(either());
+    }
+
+    void place(Selection& out) {
+        constexpr std::size_t kLeast = 5, kMost = 9;
+        do out.numbers.push_back(number());
+        while (out.numbers.size() < kMost && take(","));
+        const auto& n = out.numbers;
+        const auto whole = [](double value) {
+            return value >= 0 && value < 4294967295.0 && value == std::floor(value);
+        };
+        const bool good = n.size() >= kLeast && n.size() != kLeast + 1 && whole(n[3]) && n[4] > 0 &&
+                          (n.size() < 7 || (n[5] >= 0 && n[5] <= 1 && n[6] >= 0)) &&
+                          (n.size() < 8 || n[7] > 0) && (n.size() < kMost || whole(n[8]));
+        if (!good)
+            throw InvalidInput(
+                "at() takes x,y,z,order,radius[,along,length[,within[,id]]]: metres, along from 0 to 1, and "
+                "order "
+                "and id whole numbers");
     }
 
     void range(Selection& out) {
@@ -237,6 +271,7 @@ std::string to_text(const Selection& s) {
     const std::string_view name = kNames[static_cast<std::size_t>(s.kind)];
     if (takes_nothing(s.kind)) return std::string(name);
     const bool one_id = s.kind == SelectionKind::id && s.ids.size() == 1;
+    if (!s.parts.empty()) return fmt::format("{}({})", name, to_text(s.parts[0]));
     if (takes_ids(s.kind)) return one_id ? ids_text(s.ids) : fmt::format("{}({})", name, ids_text(s.ids));
     if (s.kind == SelectionKind::solid) return fmt::format("{}({})", name, s.name);
     const bool one_order = s.kind == SelectionKind::order && s.numbers[0] == s.numbers[1];

@@ -381,6 +381,11 @@ GrowResult grow(const GrowInput& input, const GrowOptions& options, const Contex
         }
         check_in(ctx, g.attractors.spent(), g.attractors.size());
         iterate(g, ctx);
+        if (!input.watch) continue;
+        input.watch(
+            {.nodes = g.nodes.size(), .rounds = iteration + 1, .limit = "max_iterations", .skeleton = [&g] {
+                 return skeleton_of(g);
+             }});
     }
     if (g.full) stop = StopReason::node_limit;
     if (g.attractors.spent() == g.attractors.size()) stop = StopReason::attractors_spent;

@@ -9,6 +9,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/growth/guard.h"
+#include "coppice/growth/watch.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -78,6 +79,7 @@ struct GrowInput {
     const Guard* guard = nullptr;      ///< what every new segment must keep clear of, or none
     Vec3d origin = {};                 ///< [m] of the skeleton; with `tree` its origin counts instead
     const Skeleton* tree = nullptr;    ///< what grows on, or none: new nodes spring from its nodes
+    GrowthWatch watch = {};            ///< told of what has grown after every iteration, or none
 };
 
 /// Why growth ended: all attractors spent, none that could be reached, or a limit.

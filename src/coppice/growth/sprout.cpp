@@ -97,6 +97,10 @@ class Sprouting {
             take_leaves_in(before);
             drop_old_leaves(before);
             if (count() > before) grown = season_;
+            if (!input_.watch) continue;
+            input_.watch({.nodes = count(), .rounds = season_, .limit = "seasons", .skeleton = [this] {
+                              return skeleton();
+                          }});
         }
         gather_light();
         shed_branches();

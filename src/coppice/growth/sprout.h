@@ -115,6 +115,7 @@ struct SproutInput {
     const Guard* guard = nullptr;  ///< what every new segment must keep clear of, or none
     Vec3d origin = {};             ///< [m] of the skeleton
     double most_bytes = 0;         ///< of memory for nodes and shade, about; 0: any
+    GrowthWatch watch = {};        ///< told of what has grown after every season, or none
 };
 
 /// Trees that grew by rules, and how it went.

@@ -48,6 +48,16 @@ std::string quantity_text(std::string_view noun, Unit unit, double low, double h
     return text;
 }
 
+std::string grouped(std::uint64_t number) {
+    constexpr std::size_t kGroup = 3;
+    std::string text = fmt::format("{}", number);
+    for (std::size_t at = text.size(); at > kGroup;) {
+        at -= kGroup;
+        text.insert(at, 1, ',');
+    }
+    return text;
+}
+
 std::optional<double> parse_finite(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ std::string range_text(Unit unit, double low, double high);
 /// What a flag or argument takes: "number of metres from 0 to 10". The parts about the unit and the range are
 /// left out where there is none; low < high is a range.
 std::string quantity_text(std::string_view noun, Unit unit, double low, double high);
+
+/// 37376 -> "37,376"
+std::string grouped(std::uint64_t number);
 
 /// The finite number that a whole word spells, with or without a sign; none for anything else.
 std::optional<double> parse_finite(std::string_view word);

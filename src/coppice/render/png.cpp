@@ -40,4 +40,8 @@ std::string encode_png(const Image& image) {
     return encode(header, rgb.data());
 }
 
+bool is_png_name(const std::filesystem::path& path) {
+    return path.extension() == ".png" || path.extension() == ".PNG";
+}
+
 }  // namespace coppice

@@ -259,7 +259,7 @@ std::string SceneCall::typed() const {
     for (const Argument& a : command_.arguments) {
         for (ArgumentValue value : values(a.name)) {
             // A recipe may lie elsewhere than the scene.
-            if (a.type == ArgumentType::input_file)
+            if (a.type == ArgumentType::input_file && !settings_.jail)
                 value.text = std::filesystem::absolute(input(a.name)).lexically_normal().string();
             line += a.positional ? " " : " " + a.name + "=";
             line += coppice::typed(a, value);
@@ -333,6 +333,7 @@ std::filesystem::path SceneCall::input(std::string_view name) const {
     std::filesystem::path path = text(name);
     if (!settings_.files)
         throw IoError(fmt::format("'{}' is not read: files are not allowed here", path.string()));
+    if (settings_.jail) return settings_.jail->to_read(text(name));
     if (path.is_absolute() || settings_.folder.empty()) return path;
     const std::filesystem::path beside = settings_.folder / path;
     std::error_code error;
@@ -344,6 +345,7 @@ std::filesystem::path SceneCall::output(std::string_view name) const {
     std::filesystem::path path = text(name);
     if (!settings_.files)
         throw IoError(fmt::format("'{}' is not written: files are not allowed here", path.string()));
+    if (settings_.jail) return settings_.jail->to_write(text(name));
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code error;
     if (settings_.outputs && !std::filesystem::is_directory(folder, error)) {
@@ -400,8 +402,13 @@ SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state
                        const SceneSettings& settings, const Context& ctx) {
     std::size_t used = 0;
     const SceneCommand& command = find_command(words, used);
+    return bind_command(command, words.subspan(used), state, settings, ctx);
+}
+
+SceneCall bind_command(const SceneCommand& command, std::span<const SceneWord> words, const SceneState& state,
+                       const SceneSettings& settings, const Context& ctx) {
     SceneCall call(command, state, settings, ctx);
-    Binder(command, state, call).bind(words.subspan(used));
+    Binder(command, state, call).bind(words);
     return call;
 }
 

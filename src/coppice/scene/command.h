@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +14,9 @@
 
 #include "coppice/base/context.h"
 #include "coppice/edit/editable_tree.h"
+#include "coppice/growth/watch.h"
 #include "coppice/implicit/solid/solid_field.h"
+#include "coppice/io/jail.h"
 #include "coppice/scene/argument.h"
 #include "coppice/scene/object.h"
 
@@ -27,7 +30,11 @@ struct SceneSettings {
     std::filesystem::path folder = {};  ///< where files to read are looked for; empty: the current one
     int seed = 0;                       ///< of commands that are given none, until set seed gives another
     std::map<std::string, std::string> variables = {};  ///< as typed, instead of what their first let says
+    /// Where given, files are read and written within it alone, by names relative to its folder, and `folder`
+    /// does not matter; what commands keep of files stays as it was typed.
+    std::shared_ptr<const Jail> jail = {};
     int most_lines = 100'000;  ///< that one block of loops may run, counted as often as they run
+    GrowthWatch watch = {};    ///< told of what `grow` and `sprout` have so far, or none
 };
 
 /// The objects of a scene by kind and name.
@@ -84,6 +91,10 @@ class SceneCall {
     const Skeleton& skeleton(const std::string& name) const {
         return get<Skeleton>(ObjectKind::skeleton, name);
     }
+    /// The numbers that the nodes of a skeleton have beside their radii.
+    std::span<const NodeAttribute> attributes(const std::string& name) const {
+        return state_.objects.at({ObjectKind::skeleton, name})->attributes;
+    }
     /// As solid().
     const Surface& surface(const std::string& name) const { return get<Surface>(ObjectKind::mesh, name); }
     /// The object that is meant by a name of any kind, or of the kind called `kind` where that is not empty.
@@ -102,10 +113,13 @@ class SceneCall {
     /// Throws InvalidInput when `bytes` more would be beyond the limit of memory.
     void reserve(double bytes) const;
     double memory_left() const;  ///< bytes until then; >= 0
-    /// Where a file to read lies; throws IoError where files are forbidden.
+    /// Where a file to read lies; throws IoError where files are forbidden, or this one by the jail.
     std::filesystem::path input(std::string_view name) const;
-    /// Throws where files are forbidden or the folder does not exist.
+    /// Where a file may be written; throws IoError where files are forbidden, or this one by the jail, or its
+    /// folder does not exist.
     std::filesystem::path output(std::string_view name) const;
+    /// Where files named within files are to lie; null where they may lie anywhere.
+    const Jail* jail() const { return settings_.jail.get(); }
 
     void set(const Argument& argument, std::vector<ArgumentValue> values);  ///< what parsing found
     void unset(const Argument& argument) { values_.erase(argument.name); }  ///< as if it were not given
@@ -187,6 +201,11 @@ std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const Scen
 
 /// Checks a line against the table. Throws InvalidInput, one sentence that names the word.
 SceneCall bind_command(std::span<const SceneWord> words, const SceneState& state,
+                       const SceneSettings& settings, const Context& ctx);
+
+/// The same of a command that need not be in the table; `words` are those behind its name. All but these
+/// must outlive the call.
+SceneCall bind_command(const SceneCommand& command, std::span<const SceneWord> words, const SceneState& state,
                        const SceneSettings& settings, const Context& ctx);
 
 }  // namespace coppice

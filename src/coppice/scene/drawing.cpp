@@ -1,8 +1,9 @@
+#include "coppice/scene/drawing.h"
+
 #include <algorithm>
 
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
-#include "coppice/scene/drawing_internal.h"
 
 namespace coppice {
 namespace {

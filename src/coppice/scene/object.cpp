@@ -91,7 +91,9 @@ std::uint64_t face_count(const Surface& surface) {
 
 std::uint64_t memory_of(const PointSet& points) { return points.size() * sizeof(Vec3); }
 
-std::uint64_t memory_of(const Skeleton& skeleton) { return skeleton.size() * kBytesOfNode; }
+std::uint64_t memory_of(const Skeleton& skeleton, std::span<const NodeAttribute> attributes) {
+    return skeleton.size() * (kBytesOfNode + sizeof(float) * attributes.size());
+}
 
 std::uint64_t memory_of(const Surface& surface) {
     const std::uint64_t vertices =

@@ -3,14 +3,17 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "coppice/base/fields.h"
 #include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/shape/profile.h"
 #include "coppice/implicit/solid/solid.h"
+#include "coppice/io/skeleton/node_attribute.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
 #include "coppice/skeleton/skeleton.h"
@@ -45,6 +48,7 @@ std::uint64_t face_count(const Surface& surface);
 struct SceneObject {
     std::variant<Solid, Curve, Profile, PointSet, Skeleton, Surface> value;  ///< in the order of ObjectKind
     std::uint64_t bytes = 0;                                                 ///< of memory, about
+    std::vector<NodeAttribute> attributes = {};  ///< of a skeleton's nodes, as its file had them
 
     ObjectKind kind() const { return static_cast<ObjectKind>(value.index()); }  ///< of the value
 };
@@ -53,7 +57,7 @@ using ObjectPtr = std::shared_ptr<const SceneObject>;  ///< shared by all states
 /// Bytes of memory, about; a solid made of others counts what is its own.
 std::uint64_t memory_of(const PointSet& points);
 /// Bytes of memory, about.
-std::uint64_t memory_of(const Skeleton& skeleton);
+std::uint64_t memory_of(const Skeleton& skeleton, std::span<const NodeAttribute> attributes = {});
 /// Bytes of memory, about.
 std::uint64_t memory_of(const Surface& surface);
 

@@ -116,7 +116,7 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, c
     if (const auto* points = std::get_if<PointSet>(&object.value)) {
         write_points(path, *points, ctx);
     } else if (const auto* skeleton = std::get_if<Skeleton>(&object.value)) {
-        write_skeleton(path, *skeleton);
+        write_skeleton(path, *skeleton, {}, object.attributes, ctx);
     } else {
         std::visit([&](const auto& mesh) { write_mesh(path, mesh, {}, ctx); },
                    std::get<Surface>(object.value).mesh);

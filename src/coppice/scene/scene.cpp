@@ -99,7 +99,7 @@ void Scene::apply(const SceneCall& call, const SceneOutcome& outcome) {
         script_.set_seed(state_.seed);
     }
     undo_bytes_ += step.bytes;
-    undo_.push_back(std::move(step));
+    undo_.push_back(std::make_shared<const Step>(std::move(step)));
     forget_old_steps();
 }
 
@@ -125,7 +125,8 @@ void Scene::take_back(int count) {
                                          : fmt::format("only {} commands can be taken back", undo_.size()));
     }
     for (; count > 0; --count) {
-        const Step step = std::move(undo_.back());
+        const StepPtr last = std::move(undo_.back());
+        const Step& step = *last;
         undo_.pop_back();
         undo_bytes_ -= step.bytes;
         for (auto change = step.before.rbegin(); change != step.before.rend(); ++change)
@@ -143,9 +144,35 @@ void Scene::take_back(int count) {
 void Scene::forget_old_steps() {
     const std::uint64_t most = static_cast<std::uint64_t>(settings_.max_memory) * kMebibyte / 4;
     while (undo_.size() > kMostSteps || (undo_bytes_ > most && !undo_.empty())) {
-        undo_bytes_ -= undo_.front().bytes;
+        undo_bytes_ -= undo_.front()->bytes;
         undo_.pop_front();
     }
+}
+
+std::uint64_t SceneMemory::bytes_of(const Scene::Step& step) {
+    std::uint64_t bytes = sizeof(step);
+    for (const SceneOutcome::Change& change : step.before) {
+        bytes += sizeof(change) + change.name.size();
+        if (change.object && is_new(change.object.get())) bytes += change.object->bytes;
+    }
+    return bytes;
+}
+
+std::uint64_t SceneMemory::add(const Scene& scene) {
+    constexpr std::uint64_t kBytesOfName = 150, kBytesOfEntry = 48;
+    std::uint64_t bytes = sizeof(scene) + scene.history_bytes_;
+    for (const auto& [name, object] : scene.state_.objects)
+        bytes += kBytesOfName + (is_new(object.get()) ? object->bytes : 0);
+    bytes += kBytesOfEntry * (scene.state_.history.size() + scene.state_.made.size());
+    // Of scenes copied from each other, one has steps at the end that the other has not, and lacks some at
+    // the beginning: what lies between is shared.
+    const auto& steps = scene.undo_;
+    bytes += sizeof(Scene::StepPtr) * steps.size();
+    for (auto step = steps.rbegin(); step != steps.rend() && is_new(step->get()); ++step)
+        bytes += bytes_of(**step);
+    for (auto step = steps.begin(); step != steps.end() && is_new(step->get()); ++step)
+        bytes += bytes_of(**step);
+    return bytes;
 }
 
 }  // namespace coppice

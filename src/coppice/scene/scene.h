@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "coppice/base/context.h"
@@ -52,6 +54,8 @@ class Scene {
     const SceneVariables& variables() const { return script_.variables(); }  ///< as they are now
     /// where files to read are looked for
     void set_folder(std::filesystem::path folder) { settings_.folder = std::move(folder); }
+    /// From now on save and render write nothing, and only check.
+    void forbid_outputs() { settings_.outputs = false; }
 
     /// Commands that `undo` can take back: the last 1,000, fewer when what they replaced takes more than a
     /// quarter of the memory.
@@ -66,6 +70,8 @@ class Scene {
         int seed = 0;
         std::uint64_t bytes = 0;  ///< of what was replaced
     };
+    using StepPtr = std::shared_ptr<const Step>;  ///< shared by copies of the scene
+    friend class SceneMemory;
 
     std::string run_command(std::string_view line, const std::string& place, const Context& ctx);
 
@@ -77,9 +83,22 @@ class Scene {
     SceneSettings settings_;
     SceneScript script_;
     SceneState state_;
-    std::deque<Step> undo_;
+    std::deque<StepPtr> undo_;
     std::uint64_t undo_bytes_ = 0;
     std::uint64_t history_bytes_ = 0;
+};
+
+/// Counts what scenes take that were copied from each other, what they share only once.
+class SceneMemory {
+  public:
+    /// Bytes that a scene takes beside those that were added before, about. They must outlive this.
+    std::uint64_t add(const Scene& scene);
+
+  private:
+    bool is_new(const void* part) { return seen_.insert(part).second; }
+    std::uint64_t bytes_of(const Scene::Step& step);
+
+    std::unordered_set<const void*> seen_;
 };
 
 }  // namespace coppice

@@ -55,6 +55,9 @@ Sqlite::Sqlite(std::filesystem::path path, int flags, const Context& ctx)
         throw IoError(fmt::format("{}: {}", path_.string(), reason(SQLITE_CANTOPEN)));
     }
     sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kLargestValue);
+    // A library may come from anybody: views and triggers in it must not do more than look at it.
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     void* context = const_cast<Context*>(&ctx_);
     sqlite3_busy_handler(handle_, waits_on, context);
     sqlite3_progress_handler(handle_, kStepsPerPoll, stops, context);

@@ -2,13 +2,16 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/io/jail.h"
 #include "coppice/sketch/sketch.h"
 #include "coppice/sketch/snapshot.h"
+#include "coppice/sketch/trace/trace.h"
 
 namespace coppice {
 
@@ -31,9 +34,21 @@ struct SketchCameras {
 /// Reads the views of a sketch and passes over its branches, which may be missing. Throws as `read_sketch`.
 SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx = {});
 
+/// `read_cameras` of a text, with files beside it within the jail.
+SketchCameras parse_cameras(std::string_view text, const std::string& source, const Jail& jail);
+
+/// Proposes strokes from the silhouettes of the views, one for each, in order: `trace`, where cameras that
+/// nobody measured follow from the height of the tree and what their silhouettes reach. `source` names the
+/// cameras in messages. Throws what `trace`, `extent_of` and `snapshot_view` throw.
+TraceResult trace_views(const SketchCameras& cameras, std::span<const Mask> silhouettes,
+                        const std::string& source, const Context& ctx = {});
+
 /// `read_sketch` of a text; `source` names it in messages, cameras of COLMAP are looked for beside `folder`.
 Sketch parse_sketch(std::string_view text, const std::string& source,
                     const std::filesystem::path& folder = {});
+/// The same where files may be read within the jail alone, by names relative to its folder; throws IoError
+/// where the sketch names others.
+Sketch parse_sketch(std::string_view text, const std::string& source, const Jail& jail);
 
 /// The text that `parse_sketch` reads, with the fewest digits that give the same numbers.
 std::string encode_sketch(const Sketch& sketch);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -57,14 +58,23 @@ ReadView photograph_of(const Value& value) {
                                  .field_of_view = angle.number() * std::numbers::pi / 180}};
 }
 
-SketchView colmap_of(const Value& value, const std::filesystem::path& folder) {
-    value.expect_members({"name", "image", "colmap"});
-    return read_colmap_view(folder / value.member("colmap").text(), value.member("image").text());
+/// Where a file lies that a sketch names; throws where it may not be read.
+using FindFile = std::function<std::filesystem::path(const std::filesystem::path& name)>;
+
+FindFile beside(const std::filesystem::path& folder) {
+    return [folder](const std::filesystem::path& name) { return folder / name; };
 }
 
-SketchView phenomenal_of(const Value& value, const std::filesystem::path& folder) {
+SketchView colmap_of(const Value& value, const FindFile& find) {
+    value.expect_members({"name", "image", "colmap"});
+    const std::filesystem::path model = value.member("colmap").text();
+    find(model / "cameras.txt");
+    return read_colmap_view(find(model / "images.txt").parent_path(), value.member("image").text());
+}
+
+SketchView phenomenal_of(const Value& value, const FindFile& find) {
     value.expect_members({"name", "image", "phenomenal", "camera", "angle"});
-    return read_phenomenal_view(folder / value.member("phenomenal").text(), value.member("camera").text(),
+    return read_phenomenal_view(find(value.member("phenomenal").text()), value.member("camera").text(),
                                 value.member("angle").number() * std::numbers::pi / 180);
 }
 
@@ -97,16 +107,16 @@ SketchView camera_of(const Value& value) {
     return view;
 }
 
-ReadView view_of(const Value& value, const std::filesystem::path& folder) {
+ReadView view_of(const Value& value, const FindFile& find) {
     ReadView out;
     if (value.has("orthographic")) {
         out = drawing_of(value);
     } else if (value.has("photograph")) {
         out = photograph_of(value);
     } else if (value.has("colmap")) {
-        out.view = colmap_of(value, folder);
+        out.view = colmap_of(value, find);
     } else if (value.has("phenomenal")) {
-        out.view = phenomenal_of(value, folder);
+        out.view = phenomenal_of(value, find);
     } else if (value.has("K")) {
         out.view = camera_of(value);
     } else {
@@ -202,7 +212,7 @@ void check_format(const Json& json, const Value& file, const std::string& source
             fmt::format("{}: version {} of coppice-sketch is newer than this program", source, version));
 }
 
-SketchCameras cameras_of(const Value& file, const std::filesystem::path& folder) {
+SketchCameras cameras_of(const Value& file, const FindFile& find) {
     SketchCameras out;
     const World world = file.has("world") ? world_of(file.member("world")) : World();
     if (file.has("height")) {
@@ -211,7 +221,7 @@ SketchCameras cameras_of(const Value& file, const std::filesystem::path& folder)
         if (!(out.height > 0)) height.fail("must be above 0");
     }
     for (const Value& value : file.member("views").items()) {
-        ReadView read = view_of(value, folder);
+        ReadView read = view_of(value, find);
         if (value.has("K") || value.has("colmap")) bring_home(read.view, world);
         if (read.snapshot && out.height == 0) file.member("height");
         out.views.push_back(std::move(read.view));
@@ -220,25 +230,11 @@ SketchCameras cameras_of(const Value& file, const std::filesystem::path& folder)
     return out;
 }
 
-}  // namespace
-
-bool is_sketch_name(const std::filesystem::path& path) {
-    return path.filename().string().ends_with(".sketch.json");
-}
-
-SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx) {
-    const std::string source = path.string(), text = read_file(path, kLargestSketch, ctx);
+Sketch sketch_of(std::string_view text, const std::string& source, const FindFile& find) {
     const Json json = parse_json(text, source);
     const Value file(json, source + ":");
     check_format(json, file, source);
-    return cameras_of(file, path.parent_path());
-}
-
-Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
-    const Json json = parse_json(text, source);
-    const Value file(json, source + ":");
-    check_format(json, file, source);
-    SketchCameras cameras = cameras_of(file, folder);
+    SketchCameras cameras = cameras_of(file, find);
     Sketch sketch;
     sketch.views = std::move(cameras.views);
     const std::vector<Value> branches = file.member("branches").items();
@@ -252,6 +248,56 @@ Sketch parse_sketch(std::string_view text, const std::string& source, const std:
     }
     validate(sketch, source);
     return sketch;
+}
+
+}  // namespace
+
+bool is_sketch_name(const std::filesystem::path& path) {
+    return path.filename().string().ends_with(".sketch.json");
+}
+
+namespace {
+
+template <class Beside>
+SketchCameras cameras_in(std::string_view text, const std::string& source, const Beside& files) {
+    const Json json = parse_json(text, source);
+    const Value file(json, source + ":");
+    check_format(json, file, source);
+    return cameras_of(file, files);
+}
+
+}  // namespace
+
+SketchCameras read_cameras(const std::filesystem::path& path, const Context& ctx) {
+    return cameras_in(read_file(path, kLargestSketch, ctx), path.string(), beside(path.parent_path()));
+}
+
+SketchCameras parse_cameras(std::string_view text, const std::string& source, const Jail& jail) {
+    return cameras_in(text, source,
+                      [&](const std::filesystem::path& name) { return jail.to_read(name.string()); });
+}
+
+TraceResult trace_views(const SketchCameras& cameras, std::span<const Mask> silhouettes,
+                        const std::string& source, const Context& ctx) {
+    Sketch extent{.views = cameras.views,
+                  .branches = {{.name = "stem", .parent = {}, .strokes = {}, .attach = {}, .diameters = {}}}};
+    for (std::uint32_t v = 0; v < cameras.views.size(); ++v) {
+        if (!cameras.snapshots[v]) continue;
+        const std::string where = fmt::format("{}: views[{}]", source, v);
+        extent.branches[0].strokes.push_back(extent_of(silhouettes[v], where));
+        extent.branches[0].strokes.back().view = v;
+        extent.views[v] = snapshot_view(extent, v, *cameras.snapshots[v], cameras.height, where);
+    }
+    return trace(extent.views, silhouettes, ctx);
+}
+
+Sketch parse_sketch(std::string_view text, const std::string& source, const std::filesystem::path& folder) {
+    return sketch_of(text, source, beside(folder));
+}
+
+Sketch parse_sketch(std::string_view text, const std::string& source, const Jail& jail) {
+    return sketch_of(text, source,
+                     [&](const std::filesystem::path& name) { return jail.to_read(name.string()); });
 }
 
 Sketch read_sketch(const std::filesystem::path& path, const Context& ctx) {

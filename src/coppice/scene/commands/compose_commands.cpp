@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "coppice/compose/compose.h"
+#include "coppice/compose/placed_branch.h"
+#include "coppice/edit/join.h"
 #include "coppice/io/library/tree_library.h"
-#include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/commands/edit_tables_internal.h"
 
 namespace coppice {
 namespace {
@@ -117,6 +119,34 @@ SceneCommand compose_command() {
     return c;
 }
 
+/// The branches that begin at the nodes that are selected.
+std::vector<std::vector<ChildTree>> selected_branches(const SceneCall& call,
+                                                      std::span<const std::string> trees,
+                                                      const ChildTreeOptions& options) {
+    const ChildTreeOptions all;
+    if (trees.size() != 1) throw InvalidInput("nodes= are those of one tree; name one");
+    if (options.leaders != all.leaders || options.least_length != all.least_length)
+        throw InvalidInput("nodes= says which branches; leave leaders= and least_length= out");
+    const Skeleton& skeleton = call.skeleton(trees.front());
+    call.reserve(kBytesOfEditedNode * skeleton.size());
+    const EditableTree tree(skeleton);
+    const NodeSet chosen = nodes_of(call, tree);
+    std::vector<NodeId> first;
+    double branch_nodes = 0;
+    for (const NodeId n : nodes(skeleton)) {
+        const StableId id = skeleton.stable_id(n);
+        if (!std::ranges::binary_search(chosen, id)) continue;
+        if (!begins_child_tree(skeleton, n)) {
+            throw InvalidInput(fmt::format(
+                "node {} does not begin a branch; select the first node behind a fork", id.index()));
+        }
+        tree.visit_subtree(id, [&](StableId) { ++branch_nodes; });
+        first.push_back(n);
+    }
+    call.reserve(kBytesOfLibraryNode * branch_nodes);
+    return {child_trees_at(skeleton, first)};
+}
+
 SceneCommand library_add_command() {
     SceneCommand c = in_group("library add", "keeps the branches of trees in a library, for compose library=",
                               "library add oaks.branches tree tag=oak");
@@ -124,13 +154,15 @@ SceneCommand library_add_command() {
     c.arguments = {file("library", ArgumentType::output_file,
                         "the library, one file, which is made where it is missing"),
                    object("trees", ObjectKind::skeleton, "whose branches are kept", true),
-                   repeated(Argument{.name = "tag", .help = "they get this tag"})};
+                   repeated(Argument{.name = "tag", .help = "they get this tag"}),
+                   named(selection("nodes", "of one tree, the branches that begin at these nodes alone"))};
     add_options(c.arguments, ChildTreeOptions{}, "take");
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("library");
         const auto options = call.options<ChildTreeOptions>("take");
         const std::vector<std::string> names = texts(call, "trees"), tags = texts(call, "tag");
-        const auto trees = branches_of(call, names, options);
+        const auto trees =
+            call.has("nodes") ? selected_branches(call, names, options) : branches_of(call, names, options);
         SceneOutcome out;
         if (!call.settings().outputs) return out;
         TreeLibrary library(path, LibraryAccess::create, call.context());
@@ -163,10 +195,61 @@ SceneCommand library_list_command() {
     return c;
 }
 
+BranchPose pose_of(const SceneCall& call) {
+    BranchPose pose{.direction = {}, .roll = call.number("roll"), .scale = call.number("scale")};
+    if (call.has("direction")) pose.direction = Vec3d(call.point("direction"));
+    return pose;
+}
+
+NodeId node_with(const Skeleton& skeleton, StableId id) {
+    for (const NodeId n : nodes(skeleton)) {
+        if (skeleton.stable_id(n) == id) return n;
+    }
+    return NodeId::none();
+}
+
+SceneCommand library_graft_command() {
+    SceneCommand c = in_group("library graft", "puts a branch of a library on a node of a tree",
+                              "library add oaks.branches tree\nlibrary graft tree oaks.branches 1 roots");
+    c.makes = ObjectKind::skeleton;
+    Argument which_one =
+        positional(number("number", "", 1, 1e15, Unit::none, "of the branch, as library list has it"));
+    which_one.type = ArgumentType::whole;
+    c.arguments = {object("tree", ObjectKind::skeleton, "what it is put on; its nodes keep their ids"),
+                   file("library", ArgumentType::input_file, "the library"),
+                   std::move(which_one),
+                   selection("host", "the node that it comes to hang on"),
+                   number("along", "1", 0, 1, Unit::none, "where on the host's segment; 1 = at the host"),
+                   tuple("direction", "",
+                         "x,y,z where it sets off to; else as inclined as on its own host, to the side "
+                         "with most room"),
+                   number("roll", "0", -6.2832e3, 6.2832e3, Unit::radian, "about itself"),
+                   number("scale", "1", 1e-6, 1e6, Unit::none, "of its lengths and radii"),
+                   flag("limit_radius", true, "no radius exceeds the host's")};
+    c.run = [](const SceneCall& call) {
+        const std::string& name = call.text("tree");
+        const Skeleton& skeleton = call.skeleton(name);
+        LibraryFilter which;
+        which.ids = {fmt::format("{:.0f}", call.number("number"))};
+        const ChildTree branch = read_child_trees(call.input("library"), which, call.context()).front();
+        call.reserve(kBytesOfEditedNode * (skeleton.size() + branch.skeleton.size()));
+        EditableTree tree(skeleton);
+        const StableId host = node_of(call, tree, "host");
+        const NodeId at = node_with(skeleton, host);
+        const double along = call.number("along");
+        graft(tree, placed_branch(branch, skeleton, host_place(skeleton, at, along), pose_of(call)), host,
+              {.along = along, .limit_radius = call.flag("limit_radius")});
+        Skeleton grafted = tree.skeleton();
+        auto attributes = carried_attributes(call.attributes(name), skeleton, grafted);
+        return makes_tree(name, std::move(grafted), std::move(attributes));
+    };
+    return c;
+}
+
 }  // namespace
 
 std::vector<SceneCommand> compose_commands() {
-    return {compose_command(), library_add_command(), library_list_command()};
+    return {compose_command(), library_add_command(), library_list_command(), library_graft_command()};
 }
 
 }  // namespace coppice

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "coppice/edit/anchor.h"
 #include "coppice/edit/bend_apart.h"
 #include "coppice/edit/cut.h"
 #include "coppice/edit/deform.h"
@@ -9,7 +10,7 @@
 #include "coppice/edit/rigid.h"
 #include "coppice/edit/selection.h"
 #include "coppice/edit/thickness.h"
-#include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/commands/edit_tables_internal.h"
 
 namespace coppice {
 namespace {
@@ -18,30 +19,7 @@ using namespace table;
 
 using Edit = std::function<EditChange(const SceneCall&, EditableTree&)>;
 
-constexpr double kBytesOfEditedNode =
-    200;  // the tree that is edited, what it was, and the one that comes out
 constexpr int kMostPasses = 1000;
-
-SolidLookup solids_of(const SceneCall& call) {
-    return [&call](const std::string& name) -> const Solid* {
-        const auto found = call.state().objects.find({ObjectKind::solid, name});
-        return found == call.state().objects.end() ? nullptr : &std::get<Solid>(found->second->value);
-    };
-}
-
-NodeSet nodes_of(const SceneCall& call, const EditableTree& tree, std::string_view argument = "nodes") {
-    const std::string& text = call.text(argument);
-    NodeSet nodes = selected(tree, parse_selection(text), solids_of(call));
-    if (nodes.empty()) {
-        throw InvalidInput(
-            fmt::format("'{}' holds no node of the tree; try other bounds with: select {}", text, text));
-    }
-    return nodes;
-}
-
-StableId node_of(const SceneCall& call, const EditableTree& tree, std::string_view argument) {
-    return selected_node(tree, parse_selection(call.text(argument)), solids_of(call));
-}
 
 /// Of the segments that end at the nodes, or begin there.
 double length_to(const EditableTree& tree, const NodeSet& nodes) {
@@ -65,24 +43,10 @@ std::vector<Vec3d> vectors(const SceneCall& call, std::string_view argument) {
 
 Vec3d vector(const SceneCall& call, std::string_view argument) { return vectors(call, argument).at(0); }
 
-Argument selection(std::string name, std::string help, std::string initial = {}) {
-    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::selection};
-    a.positional = true;
-    a.required = initial.empty();
-    a.initial = std::move(initial);
-    return a;
-}
-
 Argument branches(std::string help) { return selection("nodes", std::move(help)); }
 
 Argument angle(std::string help) {
     return positional(number("angle", "", -6.2832e3, 6.2832e3, Unit::radian, std::move(help)));
-}
-
-Argument flag(std::string name, bool initial, std::string help) {
-    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::flag};
-    a.initial = initial ? "true" : "false";
-    return a;
 }
 
 Argument choice(std::string name, std::vector<std::string> choices, std::string help) {
@@ -133,7 +97,9 @@ SceneCommand edits(std::string name, std::string help, std::string example, std:
         call.reserve(kBytesOfEditedNode * skeleton.size());
         EditableTree tree(skeleton);
         const EditChange change = edit(call, tree);
-        SceneOutcome out = makes_tree(call.text("tree"), tree.skeleton());
+        Skeleton edited = tree.skeleton();
+        auto attributes = carried_attributes(call.attributes(call.text("tree")), skeleton, edited);
+        SceneOutcome out = makes_tree(call.text("tree"), std::move(edited), std::move(attributes));
         if (change.empty()) out.text = "nothing changed\n";
         return out;
     };
@@ -143,8 +109,8 @@ SceneCommand edits(std::string name, std::string help, std::string example, std:
 std::string node_line(const EditableTree& tree, StableId n) {
     const Vec3d p = tree.origin() + Vec3d(tree.position(n));
     const std::string parent = tree.is_root(n) ? "a root" : fmt::format("on {}", tree.parent(n).index());
-    return fmt::format("node {} at {:.6g},{:.6g},{:.6g} radius {:.4g} {} order {}\n", n.index(), p.x, p.y,
-                       p.z, tree.radius(n), parent, order_of(tree, n));
+    return fmt::format("node {} at {:.6g},{:.6g},{:.6g} radius {:.4g} {} order {}: {}\n", n.index(), p.x, p.y,
+                       p.z, tree.radius(n), parent, order_of(tree, n), anchor_text(tree, n));
 }
 
 std::string selection_text(const EditableTree& tree, const NodeSet& nodes) {

@@ -8,7 +8,7 @@
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
 #include "coppice/scene/commands/tables_internal.h"
-#include "coppice/scene/drawing_internal.h"
+#include "coppice/scene/drawing.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/save.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/parallel.h"
+#include "coppice/implicit/solid/field_values.h"
 #include "coppice/io/file.h"
 #include "coppice/points/sampling/remaining_density.h"
 #include "coppice/render/height_map.h"
@@ -85,17 +85,6 @@ std::vector<Vec3> places_of(const Plane& plane) {
     return out;
 }
 
-std::vector<double> field_values(const SolidField& field, std::span<const Vec3> places, const Context& ctx) {
-    constexpr std::size_t kGrain = 1024;
-    std::vector<float> values(places.size());
-    parallel_for_ranges(ctx, places.size(), kGrain, [&](IndexRange r) {
-        if (ctx.stop.stop_requested()) return;
-        field.values(places.subspan(r.begin, r.size()), std::span(values).subspan(r.begin, r.size()));
-    });
-    ctx.throw_if_cancelled();
-    return {values.begin(), values.end()};
-}
-
 /// Those that were asked for, or every so much.
 std::vector<double> isolines_of(const SceneCall& call, double low, double high, bool of_field) {
     std::vector<double> out;
@@ -143,7 +132,10 @@ void draw_points(Image& image, const PointSet& points, const Plane& plane, doubl
 
 Slice slice_of(const SceneCall& call, const SolidField& field, const PointRegion& region,
                std::span<const Vec3> places) {
-    if (call.text("of") == "field") return {field_values(field, places, call.context()), true, field.level()};
+    if (call.text("of") == "field") {
+        const std::vector<float> values = values_at(field, places, call.context());
+        return {{values.begin(), values.end()}, true, field.level()};
+    }
     const PointSet none;
     const bool acted = call.has("points") && call.has("kernel");
     return {remaining_density(region, acted ? kernel_of(call) : RadialKernel(),

@@ -49,7 +49,8 @@ SceneCommand motion(SceneCommand c, std::function<Skeleton(const SceneCall&, con
         constexpr double kBytesOfNode = 100;
         const Skeleton& skeleton = call.skeleton(name);
         call.reserve(kBytesOfNode * skeleton.size());
-        return makes_tree(name, move(call, skeleton));
+        const auto attributes = call.attributes(name);
+        return makes_tree(name, move(call, skeleton), {attributes.begin(), attributes.end()});
     };
     return c;
 }

@@ -17,7 +17,9 @@ std::vector<SceneCommand> tree_commands();
 std::vector<SceneCommand> compose_commands();
 std::vector<SceneCommand> edit_commands();
 std::vector<SceneCommand> session_commands();
-SceneCommand slice_command();  ///< one of session_commands
+SceneCommand slice_command();    ///< one of session_commands
+SceneCommand extract_command();  ///< one of tree_commands
+SceneCommand sketch_command();   ///< one of tree_commands
 
 namespace table {
 
@@ -74,6 +76,11 @@ inline Argument positional(Argument a, bool required = true) {
     return a;
 }
 
+inline Argument named(Argument a) {
+    a.positional = a.required = false;
+    return a;
+}
+
 inline Argument repeated(Argument a) {
     a.repeats = true;
     return a;
@@ -96,17 +103,20 @@ inline Argument choice_of_kind() {
 
 /// One new or changed object.
 template <class T>
-SceneOutcome makes(const std::string& name, T value, std::uint64_t bytes) {
-    auto object = std::make_shared<const SceneObject>(SceneObject{std::move(value), bytes});
+SceneOutcome makes(const std::string& name, T value, std::uint64_t bytes,
+                   std::vector<NodeAttribute> attributes = {}) {
+    auto object =
+        std::make_shared<const SceneObject>(SceneObject{std::move(value), bytes, std::move(attributes)});
     const ObjectKind kind = object->kind();
     SceneOutcome out;
     out.changes.push_back({kind, name, std::move(object)});
     return out;
 }
 
-inline SceneOutcome makes_tree(const std::string& name, Skeleton skeleton) {
-    const std::uint64_t bytes = memory_of(skeleton);
-    return makes(name, std::move(skeleton), bytes);
+inline SceneOutcome makes_tree(const std::string& name, Skeleton skeleton,
+                               std::vector<NodeAttribute> attributes = {}) {
+    const std::uint64_t bytes = memory_of(skeleton, attributes);
+    return makes(name, std::move(skeleton), bytes, std::move(attributes));
 }
 
 /// What a solid takes beside its parts.

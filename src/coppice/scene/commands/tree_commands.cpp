@@ -13,6 +13,7 @@
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/mesh_memory.h"
 #include "coppice/skeleton/assemble.h"
 
 namespace coppice {
@@ -105,7 +106,7 @@ SceneCommand grow_command() {
         call.reserve(memory_of_growth(points, roots, tree, options));
         const GuardOf guarded(call, origin);
         const Buffer<Vec3> attractors = moved_to(origin, points);
-        const GrowInput input{attractors, roots, guarded.get(), origin, tree};
+        const GrowInput input{attractors, roots, guarded.get(), origin, tree, call.settings().watch};
         GrowResult grown = grow(input, options, call.context());
         SceneOutcome out = makes_tree(call.text("tree"), std::move(grown.skeleton));
         if (grown.stop == StopReason::node_limit || grown.stop == StopReason::iteration_limit)
@@ -131,7 +132,7 @@ SceneCommand sprout_command() {
     c.run = [](const SceneCall& call) {
         const std::vector<Root> roots = roots_of(call, {});
         const GuardOf guarded(call, {});
-        const SproutInput input{roots, guarded.get(), {}, call.memory_left()};
+        const SproutInput input{roots, guarded.get(), {}, call.memory_left(), call.settings().watch};
         SproutResult grown = sprout(input, call.options<SproutOptions>("sprout"), call.context());
         SceneOutcome out = makes_tree(call.text("tree"), std::move(grown.skeleton));
         if (grown.full) out.text = fmt::format("growth stopped at max_nodes, in season {}\n", grown.seasons);
@@ -248,52 +249,10 @@ SceneCommand loadtree_command() {
         std::error_code error;
         const auto size = std::filesystem::file_size(path, error);
         if (!error) call.reserve(8.0 * static_cast<double>(size));
-        return makes_tree(
-            call.text("tree"),
-            read_skeleton(path, call.options<ReadSkeletonOptions>("read"), call.context()).skeleton);
+        SkeletonFile read = read_skeleton(path, call.options<ReadSkeletonOptions>("read"), call.context());
+        return makes_tree(call.text("tree"), std::move(read.skeleton), std::move(read.attributes));
     };
     return c;
-}
-
-double memory_of_quads(const Skeleton& skeleton, int levels) {
-    constexpr double kCageQuads = 5, kBytesOfQuad = 120;  // for each segment; for each quad
-    double quads = kCageQuads * skeleton.size();
-    for (int i = 0; i < levels; ++i) quads *= 4;
-    return quads * kBytesOfQuad;
-}
-
-/// By the area of the tubes in triangles of the edge that is asked for.
-double memory_of_tetrahedra(const Skeleton& skeleton, const TetraOptions& options) {
-    constexpr double kTrianglesOfSquare = 6, kBytesOfTriangle = 200;  // of radius by radius; measured
-    double squares = 0;
-    for (const NodeId n : nodes(skeleton)) {
-        if (skeleton.is_root(n)) continue;
-        const Segment s = skeleton.segment(n);
-        squares += 2 * distance(Vec3d(s.a), Vec3d(s.b)) / (double{s.radius_a} + s.radius_b);
-    }
-    return (squares + skeleton.tree_count()) * kTrianglesOfSquare * kBytesOfTriangle /
-           (double{options.edge} * options.edge);
-}
-
-/// By the segments: a handful of tetrahedra for each, cut in eight, and most of their vertices sampled.
-double memory_of_polyhedron(const Skeleton& skeleton, const TetraOptions& options) {
-    // Coarse ones a segment, at most as measured (16 in a tree of 3,000, which took 115 MB beside the
-    // program).
-    constexpr double kTetra = 26, kBytesOfTetra = 500, kBytesOfFine = 5;
-    const double fine = std::ldexp(1.0, 3 * polyhedron_levels(options));
-    return kTetra * skeleton.size() * (kBytesOfTetra + kBytesOfFine * fine);
-}
-
-/// Of quads, as much for cylinders, which have fewer vertices and more sides, and twice as much for
-/// ramifications, which have rings of their own.
-double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
-    if (options.method == MeshMethod::tetrahedra) {
-        return options.tetra.base == TetraBase::polyhedron ? memory_of_polyhedron(skeleton, options.tetra)
-                                                           : memory_of_tetrahedra(skeleton, options.tetra);
-    }
-    const double quads = memory_of_quads(skeleton, options.levels);
-    if (options.method == MeshMethod::cylinders) return quads * options.control.sides / 4;
-    return options.method == MeshMethod::ramifications ? 2 * quads : quads;
 }
 
 SceneCommand mesh_command() {
@@ -319,8 +278,8 @@ SceneCommand mesh_command() {
 }  // namespace
 
 std::vector<SceneCommand> tree_commands() {
-    return {grow_command(), sprout_command(),   limb_command(), radii_command(),
-            tidy_command(), loadtree_command(), mesh_command(), join_command()};
+    return {grow_command(),     sprout_command(), limb_command(),    radii_command(),  tidy_command(),
+            loadtree_command(), mesh_command(),   extract_command(), sketch_command(), join_command()};
 }
 
 }  // namespace coppice

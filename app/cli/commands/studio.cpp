@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+
+#include "command.h"
+#include "coppice/base/error.h"
+#include "coppice/io/jail.h"
+#include "files.h"
+#include "journal.h"
+#include "launch.h"
+#include "router.h"
+#include "server.h"
+#include "token.h"
+
+namespace coppice::cli {
+namespace {
+
+struct StudioFlags {
+    std::filesystem::path opened;
+    std::filesystem::path page;
+    std::vector<std::filesystem::path> menus;
+    int port = 0;
+    int max_upload = 2048;  ///< [MiB]
+    bool no_browser = false;
+    bool print_address = false;
+};
+
+/// What is opened: a folder, and in it a scene or another file, or neither.
+struct Opened {
+    std::filesystem::path folder;
+    std::string scene;  ///< name in the folder
+    std::string other;  ///< the same of a file that is to be imported
+};
+
+Opened opened_by(const std::filesystem::path& path) {
+    if (path.empty()) return {.folder = ".", .scene = {}, .other = {}};
+    if (std::filesystem::is_directory(path)) return {.folder = path, .scene = {}, .other = {}};
+    if (!std::filesystem::is_regular_file(path)) {
+        throw IoError(fmt::format(
+            "{}: there is no such file or folder; name a scene (.coppice), or the folder to work in",
+            path.string()));
+    }
+    Opened out{.folder = path.has_parent_path() ? path.parent_path() : ".", .scene = {}, .other = {}};
+    (path.extension() == ".coppice" ? out.scene : out.other) = path.filename().string();
+    return out;
+}
+
+/// The user's own menu, and those that are named.
+std::vector<std::filesystem::path> menus_of(const StudioFlags& flags) {
+    std::vector<std::filesystem::path> out;
+    const char* config = std::getenv("XDG_CONFIG_HOME");
+    const char* home = std::getenv("HOME");
+    const std::filesystem::path own = "coppice/studio.menu";
+    if (config != nullptr && *config == '/') {
+        out.push_back(config / own);
+    } else if (home != nullptr && *home == '/') {
+        out.push_back(home / (".config" / own));
+    }
+    for (const auto& menu : flags.menus) {
+        if (!std::filesystem::is_regular_file(menu))
+            throw IoError(fmt::format("{}: there is no such menu file", menu.string()));
+        out.push_back(std::filesystem::absolute(menu));
+    }
+    return out;
+}
+
+std::string percent_encoded(std::string_view text) {
+    std::string out;
+    for (const unsigned char c : text) {
+        if (std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-') {
+            out += static_cast<char>(c);
+        } else {
+            out += fmt::format("%{:02X}", c);
+        }
+    }
+    return out;
+}
+
+void tell_where(const server::Doorway& doorway, const std::string& address, const StudioFlags& flags) {
+    const bool started = !flags.no_browser && doorway.open();
+    if (flags.print_address) {
+        fmt::print("{}\n", address);
+    } else if (started) {
+        fmt::print("The studio opens in the browser; if it does not, open {} there.\n",
+                   doorway.file().string());
+    } else {
+        fmt::print("Open this in the browser: {}\n", doorway.file().string());
+    }
+    fmt::print("Ctrl-C ends it; what is not saved is there again at the next start.\n");
+    std::fflush(stdout);
+}
+
+ExitCode run_studio(Run& run, const StudioFlags& flags) {
+    const Opened opened = opened_by(flags.opened);
+    StudioOptions options;
+    options.scene.max_memory = run.max_memory(SceneSettings{}.max_memory);
+    options.scene.folder = opened.folder;
+    options.scene.jail = std::make_shared<const Jail>(opened.folder);
+    options.file = opened.scene;
+    options.menus = menus_of(flags);
+    const server::JournalPlace journal(opened.scene.empty() ? opened.folder : opened.folder / opened.scene);
+    options.journal = journal.file();
+
+    server::Page page(flags.page);
+    server::Listener listener(static_cast<std::uint16_t>(flags.port));
+    StudioEngine engine(options);
+    const server::Rules rules{.port = listener.port(),
+                              .token = server::make_token(),
+                              .most_upload = static_cast<std::uint64_t>(flags.max_upload) << 20};
+    const server::Router router(rules, std::move(page), options.scene.jail, engine);
+    std::string address = fmt::format("http://127.0.0.1:{}/#token={}", rules.port, rules.token);
+    if (!opened.other.empty()) address += "&import=" + percent_encoded(opened.other);
+    const server::Doorway doorway(address);
+    server::Server serving(listener, router, engine);
+    tell_where(doorway, address, flags);
+    serving.run(run.stop_token());
+    run.finish("the studio has ended");
+    return kDone;
+}
+
+}  // namespace
+
+Command studio_command() {
+    const auto flags = std::make_shared<StudioFlags>();
+    OptionList options;
+    options.file("opened", "FOLDER|FILE", flags->opened,
+                 "folder to work in, or a scene in it (.coppice), or another file to begin with; else the "
+                 "current folder");
+    options.value(
+        {{"port", "port of this machine to serve at; 0 takes one that is free", Unit::none, 0, 65535},
+         &flags->port});
+    options.flag("--no-browser", flags->no_browser, "open no browser; say what to open");
+    options.flag("--print-address", flags->print_address,
+                 "print the address with its token, for a browser that is reached through a tunnel");
+    options.files("--menu", "FILE", flags->menus,
+                  "own menu beside that in the configuration folder, coppice/studio.menu; may be repeated");
+    options.value({{"max_upload", "MiB of a file that is dropped onto the page", Unit::none, 1, 1e6},
+                   &flags->max_upload});
+    options.file("--page", "FOLDER", flags->page,
+                 "serve the page from a folder, while it is being worked on");
+    return {"studio", "Model trees by hand in a browser: crowns, growth, branches, sketches", options,
+            [flags](Run& run, const GivenOptions&) { return run_studio(run, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,512 @@
+#include "server.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <cctype>
+#include <chrono>
+#include <deque>
+#include <limits>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/error.h"
+#include "head_of.h"
+
+namespace coppice::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+using Failure = beast::error_code;
+
+constexpr std::size_t kPiece = 256 << 10;                     // [bytes] of an upload that are read at once
+constexpr std::size_t kShortestName = 16, kLongestName = 64;  // of clients
+constexpr int kProtocol = 1;
+constexpr unsigned kWorkers = 2;  // that make geometry which was asked for
+
+/// What every answer has.
+template <class Fields>
+void set_common_fields(Fields& out) {
+    out.set(http::field::cache_control, "no-store");
+    out.set("X-Content-Type-Options", "nosniff");
+    out.set("Referrer-Policy", "no-referrer");
+    out.set("Cross-Origin-Opener-Policy", "same-origin");
+    out.set("Cross-Origin-Resource-Policy", "same-origin");
+}
+
+class Socket;
+
+/// What all connections share.
+struct Shared {
+    const Router& router;
+    StudioEngine& engine;
+    ServerLimits limits;
+    int clients = 0;
+    int connections = 0;
+    std::vector<std::weak_ptr<Socket>> sockets = {};  ///< that may be open still
+    asio::io_context io{1};
+    asio::thread_pool workers{kWorkers};
+};
+
+/// One more of something, until it goes.
+class Counted {
+  public:
+    explicit Counted(int& count) : count_(count) { ++count_; }
+    ~Counted() { --count_; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+
+  private:
+    int& count_;
+};
+
+/// A WebSocket of a page, or of whoever knows the token.
+class Socket final : public StudioClient, public std::enable_shared_from_this<Socket> {
+  public:
+    Socket(beast::tcp_stream stream, Shared& shared)
+        : shared_(shared), counted_(shared.clients), stream_(std::move(stream)), timer_(shared.io) {}
+
+    void start(const http::request<http::empty_body>& request) {
+        websocket::stream_base::timeout times{};
+        times.handshake_timeout = std::chrono::seconds(shared_.limits.hello_seconds);
+        times.idle_timeout = std::chrono::seconds(shared_.limits.idle_seconds);
+        times.keep_alive_pings = true;
+        beast::get_lowest_layer(stream_).expires_never();
+        stream_.set_option(times);
+        stream_.set_option(websocket::stream_base::decorator(
+            [](websocket::response_type& response) { set_common_fields(response); }));
+        stream_.read_message_max(shared_.limits.message);
+        shared_.sockets.push_back(weak_from_this());
+        stream_.async_accept(request, [self = shared_from_this()](Failure failure) {
+            if (failure) return;
+            self->wait_for_hello();
+            self->read();
+        });
+    }
+
+    void send_text(std::string message) override {
+        post({true, std::make_shared<const std::string>(std::move(message))});
+    }
+    void send_binary(StudioBytes frame) override { post({false, std::move(frame)}); }
+
+    /// Ends the connection without a word.
+    void cut() {
+        leave();
+        beast::get_lowest_layer(stream_).close();
+    }
+
+  private:
+    struct Frame {
+        bool is_text;
+        StudioBytes bytes;
+    };
+
+    /// On the engine's thread: goes to the thread of the connections. What nobody reads must not pile up.
+    void post(Frame frame) {
+        const std::size_t bytes = frame.bytes->size();
+        if (waiting_.fetch_add(bytes) + bytes > shared_.limits.waiting && waiting_ != bytes) {
+            waiting_.fetch_sub(bytes);
+            // Not in order: that would wait for the page to read.
+            asio::post(shared_.io, [self = shared_from_this()] { self->cut(); });
+            return;
+        }
+        asio::post(shared_.io, [self = shared_from_this(), frame = std::move(frame)]() mutable {
+            self->queue_.push_back(std::move(frame));
+            if (self->queue_.size() == 1) self->write();
+        });
+    }
+
+    void write() {
+        if (closing_) return;
+        const Frame& frame = queue_.front();
+        stream_.text(frame.is_text);
+        stream_.async_write(asio::buffer(*frame.bytes),
+                            [self = shared_from_this()](Failure failure, std::size_t) {
+                                self->waiting_.fetch_sub(self->queue_.front().bytes->size());
+                                self->queue_.pop_front();
+                                if (failure) return self->leave();
+                                if (!self->queue_.empty()) self->write();
+                            });
+    }
+
+    void wait_for_hello() {
+        timer_.expires_after(std::chrono::seconds(shared_.limits.hello_seconds));
+        timer_.async_wait([self = shared_from_this()](Failure failure) {
+            if (!failure && self->name_.empty())
+                self->close(websocket::close_code::policy_error, "nobody said who this is");
+        });
+    }
+
+    void read() {
+        stream_.async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
+            if (failure) return self->leave();
+            const std::string message = beast::buffers_to_string(self->buffer_.cdata());
+            self->buffer_.consume(self->buffer_.size());
+            if (!self->stream_.got_text())
+                return self->close(websocket::close_code::unknown_data, "messages are text");
+            if (!self->name_.empty()) {
+                self->shared_.engine.post(self->name_, message);
+            } else if (!self->greet(message)) {
+                return;
+            }
+            self->read();
+        });
+    }
+
+    /// The first message says who this is; others are for the engine.
+    bool greet(const std::string& message) {
+        const auto hello = nlohmann::json::parse(message, nullptr, false);
+        const auto text = [&](const char* field) {
+            const auto found = hello.is_object() ? hello.find(field) : hello.end();
+            return hello.is_object() && found != hello.end() && found->is_string() ? found->get<std::string>()
+                                                                                   : std::string();
+        };
+        const std::string client = text("client");
+        const bool is_name =
+            client.size() >= kShortestName && client.size() <= kLongestName &&
+            std::ranges::all_of(client, [](unsigned char c) { return std::isalnum(c) != 0; });
+        if (text("type") != "hello" || !is_name) {
+            close(websocket::close_code::policy_error, "the first message has to say hello");
+        } else if (!shared_.router.knows(text("token"))) {
+            close(
+                websocket::close_code::policy_error,
+                "This page has not the token of the studio that runs now; open it again from the terminal.");
+        } else if (hello.value("version", nlohmann::json()) != kProtocol) {
+            close(websocket::close_code::policy_error,
+                  "The studio is of another version; load the page again.");
+        } else {
+            name_ = client;
+            timer_.cancel();
+            shared_.engine.join(name_, shared_from_this());
+            return true;
+        }
+        return false;
+    }
+
+    void close(websocket::close_code code, const char* reason) {
+        if (closing_) return;
+        closing_ = true;
+        timer_.cancel();
+        if (!name_.empty()) shared_.engine.leave(name_, this);
+        stream_.async_close({code, reason}, [self = shared_from_this()](Failure) {});
+    }
+
+    void leave() {
+        closing_ = true;
+        timer_.cancel();
+        if (!name_.empty()) shared_.engine.leave(name_, this);
+    }
+
+    Shared& shared_;
+    Counted counted_;
+    websocket::stream<beast::tcp_stream> stream_;
+    asio::steady_timer timer_;
+    beast::flat_buffer buffer_;
+    std::string name_;  ///< of the client; empty until it said hello
+    std::deque<Frame> queue_;
+    std::atomic<std::size_t> waiting_ = 0;  ///< [bytes] on the way to the queue and in it
+    bool closing_ = false;
+};
+
+/// A connection that asks by HTTP: one request after the other, until one asks for a WebSocket.
+class Connection : public std::enable_shared_from_this<Connection> {
+  public:
+    Connection(tcp::socket socket, Shared& shared)
+        : shared_(shared), counted_(shared.connections), stream_(std::move(socket)) {}
+
+    void start() {
+        head_.emplace();
+        head_->header_limit(kMostHead);
+        head_->body_limit(std::numeric_limits<std::uint64_t>::max());  // the router says what may be sent
+        wait_at_most(shared_.limits.idle_seconds);
+        http::async_read_header(
+            stream_, buffer_, *head_,
+            [self = shared_from_this()](Failure failure, std::size_t) { self->take_head(failure); });
+    }
+
+  private:
+    void wait_at_most(int seconds) { stream_.expires_after(std::chrono::seconds(seconds)); }
+
+    void take_head(Failure failure) {
+        if (failure == http::error::header_limit) return refuse(431, "the head of the request is too long");
+        if (failure == http::error::end_of_stream || failure == http::error::partial_message) return;
+        if (failure.category() == make_error_code(http::error::bad_method).category())
+            return refuse(400, "this is no request of HTTP");
+        if (failure) return;  // it went, or took too long
+        Plan plan = shared_.router.plan(head_of(head_->get()));
+        std::visit([this](auto& wanted) { serve(wanted); }, plan);
+    }
+
+    /// Answers, and hears no more of this connection: what follows may be the body of what was refused.
+    void refuse(int status, const char* text) {
+        is_last_ = true;
+        send(sentence(status, text));
+    }
+
+    void serve(HttpReply& reply) {
+        is_last_ = !head_->is_done() || !head_->keep_alive();
+        send(std::move(reply));
+    }
+
+    void serve(SendBlob& wanted) {
+        is_last_ = !head_->keep_alive();
+        stream_.expires_never();
+        asio::post(shared_.workers, [self = shared_from_this(), wanted = std::move(wanted)] {
+            HttpReply reply = answer_of([&] { return self->shared_.router.blob(wanted); });
+            asio::post(self->shared_.io,
+                       [self, reply = std::move(reply)]() mutable { self->send(std::move(reply)); });
+        });
+    }
+
+    void serve(SendFile& wanted) {
+        is_last_ = !head_->keep_alive();
+        send(answer_of([&] { return shared_.router.file(wanted); }));
+    }
+
+    void serve(OpenSocket&) {
+        if (shared_.clients >= shared_.limits.clients) return refuse(503, "too many pages are open already");
+        const auto socket = std::make_shared<Socket>(std::move(stream_), shared_);
+        socket->start(head_->get());
+    }
+
+    void serve(TakeFile& wanted) {
+        try {
+            upload_.emplace(shared_.router, std::move(wanted));
+        } catch (const Router::Exists& error) {
+            return refuse(409, error.what());
+        } catch (const Error& error) {
+            return refuse(403, error.what());
+        }
+        const bool asks_first = beast::iequals(head_->get()[http::field::expect], "100-continue");
+        body_.emplace(std::move(*head_));
+        piece_.resize(kPiece);
+        if (!asks_first) return take_body();
+        go_on_ = {http::status::continue_, 11};
+        http::async_write(stream_, go_on_, [self = shared_from_this()](Failure failure, std::size_t) {
+            if (!failure) self->take_body();
+        });
+    }
+
+    void take_body() {
+        if (body_->is_done()) {
+            is_last_ = !body_->keep_alive();
+            HttpReply reply = answer_of([&] { return upload_->commit(); });
+            upload_.reset();
+            return send(std::move(reply));
+        }
+        wait_at_most(shared_.limits.idle_seconds);
+        auto& body = body_->get().body();
+        body.data = piece_.data();
+        body.size = piece_.size();
+        http::async_read(stream_, buffer_, *body_, [self = shared_from_this()](Failure failure, std::size_t) {
+            self->take_piece(failure);
+        });
+    }
+
+    void take_piece(Failure failure) {
+        if (failure && failure != http::error::need_buffer) {
+            upload_.reset();  // nothing of it stays
+            return;
+        }
+        try {
+            upload_->write({piece_.data(), piece_.size() - body_->get().body().size});
+        } catch (const Error& error) {
+            upload_.reset();
+            return refuse(507, error.what());
+        }
+        take_body();
+    }
+
+    /// What goes wrong while an answer is made is an answer.
+    template <class Make>
+    static HttpReply answer_of(Make&& make) {
+        try {
+            return std::forward<Make>(make)();
+        } catch (const InvalidInput& error) {
+            return sentence(400, error.what());
+        } catch (const Error& error) {
+            return sentence(500, error.what());
+        } catch (const std::bad_alloc&) {
+            return sentence(507,
+                            "there is not enough memory for that; show less, or give more by --max-memory");
+        } catch (const std::exception&) {
+            return sentence(500, "this should not happen, please report it");
+        }
+    }
+
+    template <class Body>
+    void fill_head(http::response<Body>& out, const HttpReply& reply) {
+        out.version(11);
+        out.result(static_cast<unsigned>(reply.status));
+        out.set(http::field::content_type, reply.type);
+        set_common_fields(out);
+        for (const auto& [name, value] : reply.fields) out.set(name, value);
+        out.keep_alive(!is_last_);
+        out.prepare_payload();
+    }
+
+    void send(HttpReply reply) {
+        reply_ = std::move(reply);
+        if (auto* file = std::get_if<OpenFile>(&reply_.body)) return send_file(*file);
+        const auto* text = std::get_if<std::string>(&reply_.body);
+        const std::string& bytes = text != nullptr ? *text : *std::get<StudioBytes>(reply_.body);
+        bytes_.emplace();
+        bytes_->body() = {bytes.data(), bytes.size()};
+        fill_head(*bytes_, reply_);
+        write(*bytes_);
+    }
+
+    void send_file(OpenFile& open) {
+        beast::file_posix file;
+        file.native_handle(open.release());
+        Failure failure;
+        file_.emplace();
+        file_->body().reset(std::move(file), failure);
+        if (failure) return send(sentence(500, "the file cannot be read"));
+        fill_head(*file_, reply_);
+        write(*file_);
+    }
+
+    template <class Body>
+    void write(http::response<Body>& out) {
+        wait_at_most(shared_.limits.transfer_seconds);
+        http::async_write(stream_, out, [self = shared_from_this()](Failure failure, std::size_t) {
+            self->reply_ = {};
+            if (failure) return;
+            if (!self->is_last_) return self->start();
+            self->end();
+        });
+    }
+
+    /// Takes what still comes for a moment: closing at once would tear the answer away from a client that is
+    /// sending.
+    void end() {
+        Failure ignored;
+        stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+        piece_.resize(kPiece);
+        wait_at_most(2);
+        drain();
+    }
+
+    void drain() {
+        stream_.async_read_some(asio::buffer(piece_),
+                                [self = shared_from_this()](Failure failure, std::size_t) {
+                                    if (!failure) self->drain();
+                                });
+    }
+
+    Shared& shared_;
+    Counted counted_;
+    beast::tcp_stream stream_;
+    beast::flat_buffer buffer_{kPiece + kMostHead};
+    std::optional<http::request_parser<http::empty_body>> head_;
+    std::optional<http::request_parser<http::buffer_body>> body_;
+    std::optional<Router::Upload> upload_;
+    std::string piece_;
+    bool is_last_ = false;  ///< the connection ends behind this answer
+    HttpReply reply_;
+    http::response<http::empty_body> go_on_;
+    std::optional<http::response<http::span_body<const char>>> bytes_;
+    std::optional<http::response<http::file_body>> file_;
+};
+
+}  // namespace
+
+struct Listener::Sockets {
+    asio::io_context io{1};  // only to listen with: the server takes the descriptor over
+    tcp::acceptor acceptor{io};
+};
+
+Listener::Listener(std::uint16_t port) : sockets_(std::make_unique<Sockets>()) {
+    Failure failure;
+    const tcp::endpoint here(asio::ip::address_v4::loopback(), port);
+    auto& acceptor = sockets_->acceptor;
+    acceptor.open(here.protocol(), failure);
+    if (!failure) acceptor.set_option(asio::socket_base::reuse_address(true), failure);
+    if (!failure) acceptor.bind(here, failure);
+    if (!failure) acceptor.listen(asio::socket_base::max_listen_connections, failure);
+    if (failure)
+        throw IoError(
+            fmt::format("nothing can be served at port {} of this machine ({}); take another by --port, or 0 "
+                        "for one that is free",
+                        port, failure.message()));
+}
+
+Listener::~Listener() = default;
+
+std::uint16_t Listener::port() const { return sockets_->acceptor.local_endpoint().port(); }
+
+struct Server::State {
+    State(Listener& listener, const Router& router, StudioEngine& engine, ServerLimits limits)
+        : shared{.router = router, .engine = engine, .limits = limits},
+          acceptor(shared.io),
+          pause(shared.io) {
+        acceptor.assign(tcp::v4(), listener.sockets_->acceptor.release());
+    }
+
+    ~State() {
+        shared.workers.stop();
+        shared.workers.join();
+        for (const auto& socket : shared.sockets) {
+            if (const auto open = socket.lock()) open->cut();
+        }
+    }
+
+    void accept() {
+        acceptor.async_accept([this](Failure failure, tcp::socket socket) {
+            if (!failure && shared.connections < shared.limits.connections) {
+                Failure ignored;
+                socket.set_option(tcp::no_delay(true), ignored);
+                std::make_shared<Connection>(std::move(socket), shared)->start();
+            }
+            std::erase_if(shared.sockets, [](const auto& s) { return s.expired(); });
+            if (!failure) return accept();
+            // No descriptors left, say: others may end meanwhile.
+            pause.expires_after(std::chrono::milliseconds(100));
+            pause.async_wait([this](Failure stopped) {
+                if (!stopped) accept();
+            });
+        });
+    }
+
+    Shared shared;
+    tcp::acceptor acceptor;
+    asio::steady_timer pause;
+};
+
+Server::Server(Listener& listener, const Router& router, StudioEngine& engine, ServerLimits limits)
+    : state_(std::make_unique<State>(listener, router, engine, limits)) {}
+
+Server::~Server() = default;
+
+void Server::run(const std::stop_token& stop) {
+    asio::io_context& io = state_->shared.io;
+    const std::stop_callback on_stop(stop, [&io] { io.stop(); });
+    state_->accept();
+    while (!io.stopped()) {
+        try {
+            io.run();
+        } catch (const std::bad_alloc&) {
+            continue;  // the connection that wanted it is gone; the others go on
+        }
+    }
+}
+
+}  // namespace coppice::server

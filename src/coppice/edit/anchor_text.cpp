@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/edit/anchor.h"
+#include "coppice/edit/parts_internal.h"
+#include "coppice/edit/selection.h"
+
+namespace coppice {
+
+using namespace edit_internal;
+
+namespace {
+
+/// [m] from a node to the nearest that could be taken for it, being as thick and on another axis; 2
+/// tolerances where there is none within. Of any order: where a branch goes, another one comes to lead.
+double room_around(const EditableTree& tree, const AnchorFrame& frame, StableId node) {
+    NodeSet own = axis_of(tree, node);
+    std::ranges::sort(own);
+    double room = 2 * kAnchorTolerance * frame.size;
+    const Vec3d place = place_of(tree, node);
+    for (const StableId n : tree.nodes()) {
+        const double away = distance(place_of(tree, n), place);
+        if (away >= room || holds(own, n)) continue;
+        const double thicker = double{tree.radius(n)} / tree.radius(node);
+        if (thicker <= kAnchorThicker && thicker >= 1 / kAnchorThicker) room = away;
+    }
+    return room;
+}
+
+std::string fixed(double value, int decimals) {
+    std::string text = fmt::format("{:.{}f}", value, decimals);
+    if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
+    if (text.ends_with('.')) text.pop_back();
+    return text == "-0" ? "0" : text;
+}
+
+/// What is known of a node, and how it is written.
+class Writer {
+  public:
+    Writer(const EditableTree& tree, StableId node)
+        : tree_(tree), node_(node), frame_(anchor_frame(tree)), anchor_(anchor_of(tree, frame_, node)) {
+        constexpr double kFine = 1e-4;  // [size]
+        decimals_ =
+            std::clamp(static_cast<int>(std::ceil(-std::log10(kFine * frame_.size))), 0, kMostDecimals);
+        room_ = room_around(tree, frame_, node);
+    }
+
+    std::string text() const {
+        constexpr int kMore = 2;
+        for (int decimals = decimals_; decimals < decimals_ + 3 * kMore; decimals += kMore) {
+            if (std::string text = written(decimals); holds_it(text)) return text;
+        }
+        std::string text = written(kEvery);
+        return holds_it(text) ? text : written(kEvery, true);
+    }
+
+  private:
+    static constexpr int kMostDecimals = 15, kEvery = 99;
+
+    bool is_crowded() const { return room_ < 2 * kAnchorTolerance * frame_.size; }
+
+    std::string length_text(double metres, int decimals) const {
+        return decimals == kEvery ? fmt::format("{}", metres) : fixed(metres, decimals);
+    }
+
+    std::string written(int decimals, bool with_id = false) const {
+        const Vec3d p = tree_.origin() + place_of(tree_, node_);
+        std::string out = fmt::format("at({},{},{},{},", length_text(p.x, decimals),
+                                      length_text(p.y, decimals), length_text(p.z, decimals), anchor_.order);
+        const float radius = tree_.radius(node_);
+        out += decimals == kEvery ? fmt::format("{}", radius) : fmt::format("{:.3g}", radius);
+        if (is_crowded() || decimals > decimals_) {
+            out += decimals == kEvery
+                       ? fmt::format(",{},{}", anchor_.along, anchor_.length * frame_.size)
+                       : fmt::format(",{:.3g},{:.4g}", anchor_.along, anchor_.length * frame_.size);
+            out += fmt::format(",{:.2g}", within(decimals));
+        }
+        if (with_id) out += fmt::format(",{}", node_.index());
+        return out + ")";
+    }
+
+    /// Nearer than half way to what it could be taken for, but not nearer than rounding moves it.
+    double within(int decimals) const {
+        const double least = decimals == kEvery ? 1e-6 * frame_.size : 2 * std::pow(10.0, -decimals);
+        return std::max(room_ * 0.49, least);
+    }
+
+    bool holds_it(const std::string& text) const {
+        try {
+            return selected(tree_, parse_selection(text)) == NodeSet{node_};
+        } catch (const InvalidInput&) {
+            return false;  // two are as like
+        }
+    }
+
+    const EditableTree& tree_;
+    StableId node_;
+    AnchorFrame frame_;
+    Anchor anchor_;
+    int decimals_ = 0;
+    double room_ = 0;  // [m]
+};
+
+}  // namespace
+
+std::string anchor_text(const EditableTree& tree, StableId node) {
+    check_node(tree, node);
+    return Writer(tree, node).text();
+}
+
+}  // namespace coppice

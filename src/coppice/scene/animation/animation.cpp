@@ -1,0 +1,172 @@
+#include "coppice/scene/animation/animation.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "coppice/base/error.h"
+#include "coppice/pipeline/carry/sound_frames.h"
+#include "coppice/pipeline/quantity.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kMostFrames = 10'000;
+constexpr std::size_t kMostNamed = 100;  // of held frames
+constexpr double kSeconds = 4;           // of what does not say how long it lasts
+constexpr std::size_t kFramesOfSwing = 8;
+
+std::size_t frames_of(double seconds, double rate) {
+    const double count = std::round(seconds * rate);
+    if (count < 1) {
+        throw InvalidInput(fmt::format("{:g} s at {:g} frames a second make no frame; give a longer duration",
+                                       seconds, rate));
+    }
+    if (count > static_cast<double>(kMostFrames)) {
+        throw InvalidInput(
+            fmt::format("{:g} s at {:g} frames a second make {:.0f} frames; at most {} can be made", seconds,
+                        rate, count, kMostFrames));
+    }
+    return static_cast<std::size_t>(count);
+}
+
+void frame_surface(const QuadMesh& surface, std::vector<Vec3d>& points) {
+    for (const Vec3 p : surface.positions) points.push_back(surface.origin + Vec3d(p));
+}
+
+FrameSeries series_with(const AnimationOptions& options, std::size_t count, double rate) {
+    FrameSeries series;
+    series.count = count;
+    series.rate = rate;
+    series.gif_colors = options.run.gif_colors;
+    series.picture = options.picture;
+    return series;
+}
+
+void note(MotionReport& report, std::size_t frame, double time, const SoundFrame& made) {
+    report.not_converged += made.not_converged;
+    report.folded += made.folded;
+    report.crossings += made.crossings;
+    if (!made.is_held()) return;
+    ++report.held;
+    report.wholly_held += made.whole_tree_held ? 1 : 0;
+    if (report.first.size() < kMostNamed)
+        report.first.push_back(
+            {frame, time, made.held_nodes, made.whole_tree_held, made.folded, made.crossings});
+}
+
+/// Without progress, which is that of all frames.
+Context for_each_frame(const Context& ctx) {
+    return {.threads = ctx.threads, .stop = ctx.stop, .progress = {}};
+}
+
+void report_frame(const Context& ctx, std::size_t frame, std::size_t count) {
+    ctx.report(static_cast<float>(frame + 1) / static_cast<float>(count));
+}
+
+}  // namespace
+
+void check_animation(const AnimationOptions& options, bool has_keys) {
+    const bool is_windy = options.wind.speed > 0;
+    if (!options.grow && !has_keys && !is_windy)
+        throw InvalidInput("nothing would move; give keys, a wind speed, or let the tree grow");
+    if (options.grow && (has_keys || is_windy)) {
+        throw InvalidInput(
+            "a tree that grows has other faces in every frame; leave the keys and the wind out, or the "
+            "growth");
+    }
+    if (options.grow &&
+        (options.mesh.method == MeshMethod::tetrahedra || options.mesh.method == MeshMethod::cylinders))
+        throw InvalidInput("a tree that grows needs the method quads, ramifications or bmesh");
+}
+
+Motion::Motion(const Skeleton& tree, std::optional<Keyframes> keys, const AnimationOptions& options)
+    : rest_(rest_pose(tree)), keys_(std::move(keys)), rate_(double{options.run.rate}) {
+    seconds_ = options.run.duration > 0 ? double{options.run.duration} : keys_ ? keys_->end() : kSeconds;
+    const bool is_windy = options.wind.speed > 0;
+    // Of keys the last moment is shown too; of the wind it is the first again.
+    frames_ = frames_of(seconds_, rate_) + (is_windy ? 0 : 1);
+    if (is_windy) wind_.emplace(tree, options.wind, seconds_, static_cast<int>(frames_ / kFramesOfSwing));
+}
+
+Pose Motion::at(double time) const {
+    Pose pose = keys_ ? keys_->at(time) : rest_;
+    return wind_ ? wind_->swayed(pose, time) : pose;
+}
+
+GrowthFrames growth_frames(const AnimateOptions& options) {
+    const double seconds = options.duration > 0 ? double{options.duration} : kSeconds;
+    return {seconds, frames_of(seconds, double{options.rate})};
+}
+
+FrameSeries series_of(const CarriedMesh& mesh, const Motion& motion, const AnimationOptions& options) {
+    constexpr std::size_t kMostPoses = 32;
+    FrameSeries series = series_with(options, motion.frames(), motion.rate());
+    series.rest = &mesh.made().quads().mesh;
+    // In view are the surface at rest, and the nodes in some of the poses.
+    frame_surface(*series.rest, series.framed);
+    for (std::size_t i = 0; i < motion.frames(); i += 1 + motion.frames() / kMostPoses) {
+        const Pose pose = motion.at(motion.time(i));
+        for (const Vec3 p : pose.positions) series.framed.push_back(mesh.skeleton().origin() + Vec3d(p));
+    }
+    return series;
+}
+
+FrameSeries series_of(const QuadMesh& last, const GrowthFrames& frames, const AnimationOptions& options) {
+    FrameSeries series = series_with(options, frames.frames, double{options.run.rate});
+    frame_surface(last, series.framed);
+    return series;
+}
+
+MotionReport make_frames(CarriedMesh& mesh, const Motion& motion, const FrameSinks& sinks,
+                         const Context& ctx) {
+    using Clock = std::chrono::steady_clock;
+    const Context each = for_each_frame(ctx);
+    MotionReport report;
+    SoundFrames frames(mesh);
+    QuadMesh shown = mesh.made().quads().mesh;
+    for (std::size_t i = 0; i < motion.frames(); ++i) {
+        ctx.throw_if_cancelled();
+        const auto start = Clock::now();
+        SoundFrame frame = frames.next(motion.at(motion.time(i)), each);
+        report.carrying += std::chrono::duration<double>(Clock::now() - start).count();
+        note(report, i, motion.time(i), frame);
+        shown.positions = std::move(frame.positions);
+        for (const auto& sink : sinks) sink->add(shown, each);
+        report_frame(ctx, i, motion.frames());
+    }
+    for (const auto& sink : sinks) sink->finish(each);
+    return report;
+}
+
+std::uint64_t make_frames(const Skeleton& tree, const GrowthFrames& frames, const AnimationOptions& options,
+                          const FrameSinks& sinks, const Context& ctx) {
+    const Context each = for_each_frame(ctx);
+    const GrowingTree growing(tree, options.growing);
+    std::uint64_t crossings = 0;
+    for (std::size_t i = 0; i < frames.frames; ++i) {
+        ctx.throw_if_cancelled();
+        const double part = static_cast<double>(i + 1) / static_cast<double>(frames.frames);
+        const MeshResult now = mesh_skeleton(growing.at(part), options.mesh, each);
+        crossings += now.quads().knots.pairs_after;
+        for (const auto& sink : sinks) sink->add(now.quads().mesh, each);
+        report_frame(ctx, i, frames.frames);
+    }
+    for (const auto& sink : sinks) sink->finish(each);
+    return crossings;
+}
+
+std::string text_of(const MotionReport& report, std::size_t frames, std::size_t quads) {
+    const std::string held =
+        report.held == 0
+            ? ""
+            : fmt::format("; {} held back where branches would fold or cross", grouped(report.held));
+    return fmt::format("{} frames of {} quads{}", grouped(frames), grouped(quads), held);
+}
+
+std::string text_of_growth(std::size_t frames, std::size_t quads) {
+    return fmt::format("{} frames of a tree that grows to {} quads", grouped(frames), grouped(quads));
+}
+
+}  // namespace coppice

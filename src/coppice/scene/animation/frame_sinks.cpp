@@ -1,0 +1,185 @@
+#include "coppice/scene/animation/frame_sinks.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "coppice/base/error.h"
+#include "coppice/io/file.h"
+#include "coppice/io/mesh/motion_writer.h"
+#include "coppice/io/mesh/writer.h"
+#include "coppice/render/gif.h"
+#include "coppice/render/png.h"
+#include "coppice/scene/animation/film.h"
+
+namespace coppice {
+namespace {
+
+/// What frames become.
+enum class FrameForm { pictures, gif, film, meshes, moving_mesh };
+
+std::optional<FrameForm> form_of(const std::filesystem::path& path) {
+    if (is_png_name(path)) return FrameForm::pictures;
+    if (path.extension() == ".gif" || path.extension() == ".GIF") return FrameForm::gif;
+    if (is_film_name(path)) return FrameForm::film;
+    const auto format = mesh_format_of_name(path);
+    if (!format || *format == MeshFormat::off) return std::nullopt;
+    const bool moves = *format == MeshFormat::glb || *format == MeshFormat::usda;
+    return moves ? FrameForm::moving_mesh : FrameForm::meshes;
+}
+
+FrameForm known_form(const std::filesystem::path& path) {
+    if (const auto form = form_of(path)) return *form;
+    throw InvalidInput(
+        fmt::format("'{}' is no name for frames; use .png, .ply, .obj or .stl for a file each, .gif for "
+                    "one that moves, or .glb or "
+                    ".usda for all in one",
+                    path.string()));
+}
+
+std::filesystem::path numbered(const std::filesystem::path& path, std::size_t frame) {
+    return path.parent_path() /
+           fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string());
+}
+
+Image drawn(const QuadMesh& frame, const FrameSeries& series, const Context& ctx) {
+    const PolygonMesh mesh = to_polygons(frame);
+    return render({.mesh = &mesh, .framed = series.framed}, series.picture, ctx);
+}
+
+class MeshFiles : public FrameSink {
+  public:
+    explicit MeshFiles(std::filesystem::path path) : path_(std::move(path)) {}
+    void add(const QuadMesh& frame, const Context& ctx) override {
+        write_mesh(numbered(path_, next_++), frame, {}, ctx);
+    }
+    void finish(const Context&) override {}
+
+  private:
+    std::filesystem::path path_;
+    std::size_t next_ = 0;
+};
+
+class PictureFiles : public FrameSink {
+  public:
+    PictureFiles(std::filesystem::path path, const FrameSeries& series)
+        : path_(std::move(path)), series_(series) {}
+    void add(const QuadMesh& frame, const Context& ctx) override {
+        write_file(numbered(path_, next_++), encode_png(drawn(frame, series_, ctx)));
+    }
+    void finish(const Context&) override {}
+
+  private:
+    std::filesystem::path path_;
+    FrameSeries series_;
+    std::size_t next_ = 0;
+};
+
+class GifFile : public FrameSink {
+  public:
+    GifFile(const std::filesystem::path& path, const FrameSeries& series) : file_(path), series_(series) {}
+    void add(const QuadMesh& frame, const Context& ctx) override {
+        const Image picture = drawn(frame, series_, ctx);
+        if (!encoder_) {
+            encoder_.emplace(picture, 1 / series_.rate, series_.gif_colors);
+            file_.write(encoder_->head());
+        }
+        file_.write(encoder_->add(picture));
+    }
+    void finish(const Context&) override {
+        file_.write(GifEncoder::tail());
+        file_.commit();
+    }
+
+  private:
+    AtomicFile file_;
+    FrameSeries series_;
+    std::optional<GifEncoder> encoder_;
+};
+
+class FilmFile : public FrameSink {
+  public:
+    FilmFile(const std::filesystem::path& path, const FrameSeries& series)
+        : film_(path, series.rate), series_(series) {}
+    void add(const QuadMesh& frame, const Context& ctx) override { film_.add(drawn(frame, series_, ctx)); }
+    void finish(const Context&) override { film_.finish(); }
+
+  private:
+    Film film_;
+    FrameSeries series_;
+};
+
+class MovingMeshFile : public FrameSink {
+  public:
+    MovingMeshFile(const std::filesystem::path& path, const FrameSeries& series)
+        : writer_(path, *series.rest, series.count, series.rate) {}
+    void add(const QuadMesh& frame, const Context& ctx) override { writer_.add(frame.positions, ctx); }
+    void finish(const Context& ctx) override { writer_.finish(ctx); }
+
+  private:
+    MotionWriter writer_;
+};
+
+class ChangingMeshFile : public FrameSink {
+  public:
+    ChangingMeshFile(std::filesystem::path path, const FrameSeries& series)
+        : path_(std::move(path)), rate_(series.rate) {}
+    void add(const QuadMesh& frame, const Context&) override { frames_.push_back(frame); }
+    void finish(const Context& ctx) override { write_changing_mesh(path_, frames_, rate_, ctx); }
+
+  private:
+    std::filesystem::path path_;
+    double rate_;
+    std::vector<QuadMesh> frames_;
+};
+
+}  // namespace
+
+void check_frames_name(const std::filesystem::path& path, bool same_faces) {
+    if (known_form(path) == FrameForm::film) check_film_program();
+    if (!same_faces && mesh_format_of_name(path) == MeshFormat::glb) {
+        throw InvalidInput(
+            fmt::format("'{}': a GLB has the same faces in all frames, which growing trees have not; write "
+                        ".usda, or .ply for a file each",
+                        path.string()));
+    }
+}
+
+std::vector<std::filesystem::path> frame_files(const std::filesystem::path& path, std::size_t count) {
+    const FrameForm form = known_form(path);
+    if (form != FrameForm::pictures && form != FrameForm::meshes) return {path};
+    std::vector<std::filesystem::path> files;
+    for (std::size_t i = 0; i < count; ++i) files.push_back(numbered(path, i));
+    return files;
+}
+
+std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series) {
+    switch (known_form(path)) {
+        case FrameForm::pictures:
+            return std::make_unique<PictureFiles>(path, series);
+        case FrameForm::gif:
+            return std::make_unique<GifFile>(path, series);
+        case FrameForm::film:
+            return std::make_unique<FilmFile>(path, series);
+        case FrameForm::meshes:
+            return std::make_unique<MeshFiles>(path);
+        case FrameForm::moving_mesh:
+            break;
+    }
+    if (series.rest == nullptr) return std::make_unique<ChangingMeshFile>(path, series);
+    return std::make_unique<MovingMeshFile>(path, series);
+}
+
+double memory_of_sink(const std::filesystem::path& path, const FrameSeries& series, const QuadMesh& frame) {
+    constexpr double kBytesOfPixel = 32, kBytesOfDrawnFace = 250;  // with what rays are cast into
+    const double vertices = static_cast<double>(frame.positions.size()),
+                 faces = static_cast<double>(frame.quads.size()), count = static_cast<double>(series.count);
+    const FrameForm form = known_form(path);
+    if (form == FrameForm::meshes) return 0;
+    if (form != FrameForm::moving_mesh)
+        return kBytesOfPixel * series.picture.width * series.picture.height + kBytesOfDrawnFace * faces;
+    if (series.rest == nullptr) return count * (sizeof(Vec3) * vertices + sizeof(Quad) * faces);
+    return mesh_format_of_name(path) == MeshFormat::glb ? count * sizeof(Vec3) * vertices : 0;
+}
+
+}  // namespace coppice

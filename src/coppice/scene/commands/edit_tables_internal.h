@@ -1,0 +1,55 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
+#include "coppice/base/error.h"
+#include "coppice/edit/selection.h"
+#include "coppice/scene/commands/tables_internal.h"
+
+namespace coppice::table {
+
+// What commands that edit a tree have in common.
+
+/// [bytes] of the tree that is edited, what it was, and the one that comes out
+inline constexpr double kBytesOfEditedNode = 200;
+
+inline Argument selection(std::string name, std::string help, std::string initial = {}) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::selection};
+    a.positional = true;
+    a.required = initial.empty();
+    a.initial = std::move(initial);
+    return a;
+}
+
+inline Argument flag(std::string name, bool initial, std::string help) {
+    Argument a{.name = std::move(name), .help = std::move(help), .type = ArgumentType::flag};
+    a.initial = initial ? "true" : "false";
+    return a;
+}
+
+inline SolidLookup solids_of(const SceneCall& call) {
+    return [&call](const std::string& name) -> const Solid* {
+        const auto found = call.state().objects.find({ObjectKind::solid, name});
+        return found == call.state().objects.end() ? nullptr : &std::get<Solid>(found->second->value);
+    };
+}
+
+inline NodeSet nodes_of(const SceneCall& call, const EditableTree& tree,
+                        std::string_view argument = "nodes") {
+    const std::string& text = call.text(argument);
+    NodeSet nodes = selected(tree, parse_selection(text), solids_of(call));
+    if (nodes.empty()) {
+        throw InvalidInput(
+            fmt::format("'{}' holds no node of the tree; try other bounds with: select {}", text, text));
+    }
+    return nodes;
+}
+
+inline StableId node_of(const SceneCall& call, const EditableTree& tree, std::string_view argument) {
+    return selected_node(tree, parse_selection(call.text(argument)), solids_of(call));
+}
+
+}  // namespace coppice::table

@@ -1,0 +1,205 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "coppice/base/progress.h"
+#include "coppice/extract/mesh/from_mesh.h"
+#include "coppice/io/file_kind.h"
+#include "coppice/io/file_up.h"
+#include "coppice/io/mesh/format.h"
+#include "coppice/io/mesh/reader.h"
+#include "coppice/io/points/reader.h"
+#include "coppice/pipeline/quantity.h"
+#include "coppice/points/wood_classes.h"
+#include "coppice/scene/commands/tables_internal.h"
+#include "coppice/scene/extraction.h"
+
+namespace coppice {
+namespace {
+
+using namespace table;
+
+const std::string kMesh = "extract_mesh", kCloud = "extract_cloud", kFile = "extract_file";
+
+constexpr float kShareOfReading = 0.1f;  // of the progress
+
+/// What is read off, and where it came from.
+struct Source {
+    std::string name;  ///< of the file or object
+    bool cloud = false;
+};
+
+bool is_default(const SceneCall& call, const Argument& a) {
+    const auto values = call.values(a.name);
+    return values.empty() || (values.size() == 1 && typed(a, values.front()) == a.initial);
+}
+
+Context reading(const SceneCall& call) { return part_of(call.context(), 0, kShareOfReading); }
+Context extracting(const SceneCall& call) { return part_of(call.context(), kShareOfReading, 1); }
+
+bool is_for_mesh(const Argument& a) { return a.field.starts_with(kMesh + ".") && a.name != "root"; }
+bool is_for_cloud(const Argument& a) {
+    return a.field.starts_with(kCloud + ".") || a.name == kWoodClassesField.name;
+}
+
+/// An option that would do nothing is an error.
+void check_options(const SceneCall& call, const Source& source) {
+    for (const Argument& a : call.command().arguments) {
+        const bool for_mesh = is_for_mesh(a), for_cloud = is_for_cloud(a);
+        if ((source.cloud ? !for_mesh : !for_cloud) || is_default(call, a)) continue;
+        throw InvalidInput(fmt::format("{}= is for {}, and '{}' is taken for {}", a.name,
+                                       for_mesh ? "meshes" : "clouds of points", source.name,
+                                       for_mesh ? "a cloud of points" : "a mesh"));
+    }
+    for (const Argument& a : call.command().arguments) {
+        if (a.field != kFile || call.has("file") || is_default(call, a)) continue;
+        throw InvalidInput(fmt::format("{}= is for files, and '{}' is an object", a.name, source.name));
+    }
+    if (call.text("ground") != name_of(GroundRule::height) && call.number("ground_height") != 0)
+        throw InvalidInput("ground_height= is for the rule of that name; add ground=height");
+}
+
+SceneOutcome outcome(const SceneCall& call, const Source& source, const ExtractResult& result,
+                     const std::string& found) {
+    SceneOutcome out =
+        makes_tree(call.text("tree"), result.skeleton, node_attributes(result.confidence, source.cloud));
+    out.text = fmt::format("{} taken for {}: {} nodes in {} {}{}\n", source.name,
+                           source.cloud ? "a cloud of points" : "a mesh", grouped(result.skeleton.size()),
+                           grouped(result.report.trees), result.report.trees == 1 ? "tree" : "trees", found);
+    return out;
+}
+
+SceneOutcome from_mesh(const SceneCall& call, const Source& source, const PolygonMesh& mesh) {
+    constexpr double kBytesOfVertex = 250, kBytesOfContracted = 1100;  // of each vertex, as measured
+    const auto options = call.options<FromMeshOptions>(kMesh);
+    const bool contracts = options.method == MeshSkeletonMethod::contraction;
+    call.reserve((contracts ? kBytesOfContracted : kBytesOfVertex) *
+                 static_cast<double>(mesh.positions.size()));
+    const FromMeshResult result = extract_from_mesh(mesh, options, extracting(call));
+    return outcome(call, source, result, fmt::format(", {} loops cut", grouped(result.report.loops)));
+}
+
+SceneOutcome from_cloud(const SceneCall& call, const Source& source, const PointSet& points,
+                        const std::string& left_out) {
+    constexpr double kBytesOfPoint = 500, kBytesOfGivenPoint = 40;  // of those that are used; of all
+    auto options = call.options<CloudOptions>(kCloud);
+    options.root = call.options<FromMeshOptions>(kMesh).root;
+    const double given = static_cast<double>(points.size());
+    call.reserve(kBytesOfGivenPoint * given +
+                 kBytesOfPoint * std::min(given, static_cast<double>(options.max_points)));
+    const CloudExtraction result = extract_from_cloud(points, options, extracting(call));
+    return outcome(call, source, result, left_out + text_of_points_left_out(result.cleaning));
+}
+
+/// Says of each option what it is for.
+void name_kinds(std::vector<Argument>& arguments) {
+    for (Argument& a : arguments) {
+        const bool for_mesh = is_for_mesh(a), for_cloud = is_for_cloud(a);
+        if (for_mesh == for_cloud) continue;
+        a.help = (for_mesh ? "of a mesh: " : "of a cloud: ") + a.help;
+    }
+}
+
+FileUp up_of(const SceneCall& call) {
+    const auto found = std::ranges::find(EnumNames<FileUp>::names, call.text("up"));
+    return static_cast<FileUp>(found - EnumNames<FileUp>::names.begin());
+}
+
+SceneOutcome from_mesh_file(const SceneCall& call, const Source& source, const std::filesystem::path& path) {
+    PolygonMesh mesh = read_mesh(path, reading(call));
+    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(mesh, up_of(call));
+    return from_mesh(call, source, mesh);
+}
+
+WoodClasses wood_classes(const SceneCall& call) {
+    std::vector<std::string> words;
+    for (const ArgumentValue& v : call.values(kWoodClassesField.name)) words.push_back(v.text);
+    return words.empty() ? WoodClasses{} : parse_wood_classes(fmt::format("{}", fmt::join(words, ",")));
+}
+
+SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const std::filesystem::path& path) {
+    const WoodClasses wood = wood_classes(call);
+    PointColumns columns = kNoColumns;
+    columns.classes = true;
+    PaintedPoints scan = read_painted_points(path, columns, reading(call));
+    turn_from_file(scan.points, up_of(call));
+    const std::size_t all = scan.points.size();
+    const ClassSelection out =
+        keep_wood_classes(scan, wood, {.threads = call.context().threads, .stop = call.context().stop});
+    std::string left_out;
+    if (out.count > 0)
+        left_out = fmt::format(", {} of {} points left out by their class", grouped(out.count), grouped(all));
+    SceneOutcome made = from_cloud(call, source, scan.points, left_out);
+    if (out.doubt) made.text += *out.doubt + "\n";
+    return made;
+}
+
+SceneOutcome from_file(const SceneCall& call, const std::filesystem::path& path) {
+    constexpr double kBytesOfByte = 4;
+    const auto kind = kind_of_file(path);
+    Source source{call.text("file"), kind == FileKind::points};
+    if (!kind) {
+        throw InvalidInput(fmt::format(
+            "'{}' is neither a mesh nor points, as far as its name and content tell", source.name));
+    }
+    if (*kind == FileKind::skeleton) {
+        throw InvalidInput(fmt::format("'{0}' is a skeleton already; read it with: loadtree {1} {0}",
+                                       source.name, call.text("tree")));
+    }
+    check_options(call, source);
+    std::error_code error;
+    const auto size = std::filesystem::file_size(path, error);
+    if (!error) call.reserve(kBytesOfByte * static_cast<double>(size));
+    return source.cloud ? from_cloud_file(call, source, path) : from_mesh_file(call, source, path);
+}
+
+SceneOutcome from_object(const SceneCall& call) {
+    const std::string& name = call.text("from");
+    const auto mesh = call.state().objects.find({ObjectKind::mesh, name});
+    const Source source{name, mesh == call.state().objects.end()};
+    check_options(call, source);
+    if (source.cloud) return from_cloud(call, source, call.point_set(name), {});
+    const Surface& surface = std::get<Surface>(mesh->second->value);
+    call.reserve(static_cast<double>(memory_of(surface)));
+    return from_mesh(call, source, polygons_of(surface));
+}
+
+}  // namespace
+
+SceneCommand extract_command() {
+    SceneCommand c{.name = "extract",
+                   .group = "Trees",
+                   .help = "reads a skeleton with radii off the mesh or the scan of a tree"};
+    c.example = "extract again from=tree";
+    c.makes = ObjectKind::skeleton;
+    Argument from =
+        object_option("from", ObjectKind::mesh, "a mesh, or points, of the scene instead of a file");
+    from.also = {ObjectKind::points};
+    Argument up = argument_of(kFileUpField, FileUp::z);
+    up.field = kFile;
+    Argument wood = argument_of(kWoodClassesField, std::vector<std::string>{});
+    wood.field = kFile;
+    c.arguments = {new_name("tree", "name of the new skeleton"),
+                   positional(file("file", ArgumentType::input_file,
+                                   "a mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, "
+                                   ".pts, .ptx, .ply, .pcd, .las, .laz)"),
+                              false),
+                   std::move(from), std::move(up)};
+    add_options(c.arguments, FromMeshOptions{}, kMesh, {"up"});
+    add_options(c.arguments, CloudOptions{}, kCloud, {"root"});
+    c.arguments.push_back(std::move(wood));
+    name_kinds(c.arguments);
+    c.run = [](const SceneCall& call) {
+        std::optional<std::filesystem::path> path;
+        if (call.has("file")) path = call.input("file");
+        if (path.has_value() == call.has("from"))
+            throw InvalidInput("a file or from=OBJECT says what the skeleton is read off; give one of them");
+        return path ? from_file(call, *path) : from_object(call);
+    };
+    return c;
+}
+
+}  // namespace coppice

@@ -1,0 +1,35 @@
+#include "coppice/scene/extraction.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "coppice/pipeline/quantity.h"
+
+namespace coppice {
+
+std::vector<NodeAttribute> node_attributes(std::span<const NodeConfidence> confidence, bool cloud) {
+    std::vector<NodeAttribute> out{{"samples", {}}, {"residual", {}}};
+    if (cloud) out.insert(out.end(), {{"radius_low", {}}, {"radius_high", {}}, {"evidence", {}}});
+    for (const NodeConfidence& c : confidence) {
+        const std::array<float, 5> values{static_cast<float>(c.samples), c.residual, c.radius_low,
+                                          c.radius_high, c.evidence};
+        for (std::size_t k = 0; k < out.size(); ++k) out[k].values.push_back(values[k]);
+    }
+    return out;
+}
+
+std::string text_of_points_left_out(const CloudReport& cleaning) {
+    std::string out;
+    if (cleaning.downsampled > 0) {
+        out += fmt::format(", {} points thinned by {}", grouped(cleaning.points - cleaning.duplicates),
+                           grouped(cleaning.downsampled));
+    }
+    if (cleaning.leaves > 0) {
+        out += fmt::format(", {} of {} points left out as leaves", grouped(cleaning.leaves),
+                           grouped(cleaning.points));
+    }
+    return out;
+}
+
+}  // namespace coppice

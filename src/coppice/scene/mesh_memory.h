@@ -1,0 +1,11 @@
+#pragma once
+
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+/// [bytes] that mesh_skeleton() takes at most, about, with the surface that it returns. O(n).
+double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options);
+
+}  // namespace coppice

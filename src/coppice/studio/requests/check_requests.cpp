@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <type_traits>
+
+#include "coppice/base/error.h"
+#include "coppice/base/progress.h"
+#include "coppice/measure/surface_report.h"
+#include "coppice/studio/session_internal.h"
+
+namespace coppice::studio_internal {
+namespace {
+
+/// Figures that are numbers or true and false; groups as objects of such.
+template <class Group>
+Json json_of(const Group& group) {
+    Json out = Json::object();
+    visit_figures(group, [&](const std::string& name, const auto& value) {
+        if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>) {
+            out[name] = value;
+        } else if constexpr (requires { visit_figures(value, [](const auto&, const auto&) {}); }) {
+            out[name] = json_of(value);
+        }
+    });
+    return out;
+}
+
+std::string verdict_of(const SurfaceReport& report) {
+    if (report.crossing_places && report.crossing_places->total > 0)
+        return fmt::format("It crosses itself at {} places.", report.crossing_places->total);
+    if (!report.sound()) return "It is not closed, or its faces do not fit together.";
+    if (!report.covers_skeleton()) return "Branches of its skeleton are missing.";
+    if (!report.is_whole()) return "It is in more parts than there are trees.";
+    if (!report.holds_volume()) return "It lacks volume that its skeleton has.";
+    return "It is closed, does not cross itself, and has all branches.";
+}
+
+Json check(Studio& studio, const Request& request) {
+    constexpr int kPlaces = 100;
+    constexpr float kMade = 0.5f;  // of the time
+    const ObjectPtr object = studio.object(request.kind(), request.text("name"));
+    const ObjectPtr made = surface_of(studio, {object->kind(), request.text("name")},
+                                      surface_options(request), part_of(request.ctx, 0, kMade));
+    const auto* surface = std::get_if<Surface>(&made->value);
+    if (surface == nullptr)
+        throw InvalidInput("meshes, skeletons and solids can be checked, and nothing else");
+    CheckOptions options;
+    options.most_places = kPlaces;
+    const std::string judge = request.text("skeleton", "");
+    const ObjectPtr judged = judge.empty() ? object : studio.object(ObjectKind::skeleton, judge);
+    const auto* tree = std::get_if<Skeleton>(&judged->value);
+    const SurfaceReport report =
+        check_surface(polygons_of(*surface), tree, options, part_of(request.ctx, kMade, 1));
+    Json places = Json::array();
+    if (report.crossing_places) {
+        for (const CrossingPlace& p : report.crossing_places->largest)
+            places.push_back({p.place.x, p.place.y, p.place.z});
+    }
+    const bool good = report.sound() && report.covers_skeleton() && report.is_whole() &&
+                      report.holds_volume() && places.empty();
+    return {
+        {"figures", json_of(report)}, {"good", good}, {"verdict", verdict_of(report)}, {"crossings", places}};
+}
+
+}  // namespace
+
+std::map<std::string, Handler> check_requests() { return {{"check", check}}; }
+
+}  // namespace coppice::studio_internal

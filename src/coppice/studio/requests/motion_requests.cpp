@@ -1,0 +1,267 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "coppice/base/error.h"
+#include "coppice/base/progress.h"
+#include "coppice/scene/animation/animation.h"
+#include "coppice/scene/mesh_memory.h"
+#include "coppice/studio/session_internal.h"
+
+namespace coppice::studio_internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kShareOfMesh = 0.1f;  // of the progress of an animation
+constexpr double kCarriedOfMade = 2;  // memory of a surface that is carried, as a part of that of making it
+
+/// The names of members with something before them: "wind_speed".
+template <class Options>
+std::map<std::string, std::string> prefixed(const std::string& path, const std::string& prefix) {
+    std::map<std::string, std::string> names;
+    const Options options;
+    visit_members(options, path, [&](const std::string& at, const Field& field, const auto&) {
+        names[at] = fmt::format("{}_{}", prefix, field.name);
+    });
+    return names;
+}
+
+/// The options of `coppice animate`, as those of a command of scenes.
+SceneCommand animation_command() {
+    SceneCommand c{.name = "animate"};
+    c.arguments = {
+        {.name = "grow", .help = "grows up from its root", .type = ArgumentType::flag, .initial = "false"}};
+    add_options(c.arguments, AnimateOptions{}, "run");
+    add_options(c.arguments, GrowingOptions{}, "growing", {}, prefixed<GrowingOptions>("growing", "grow"));
+    add_options(c.arguments, WindOptions{}, "wind", {}, prefixed<WindOptions>("wind", "wind"));
+    add_options(c.arguments, MeshOptions{}, "mesh", {},
+                {{"mesh.project.method", "project_method"},
+                 {"mesh.project.tolerance", "project_tolerance"},
+                 {"mesh.field.width", "field_width"}});
+    add_options(c.arguments, RenderOptions{}, "picture");
+    return c;
+}
+
+std::vector<SceneWord> words_of(const Json& options) {
+    std::vector<SceneWord> words;
+    for (const auto& [name, value] : options.items())
+        words.push_back({name, value.is_string() ? value.get<std::string>() : value.dump()});
+    return words;
+}
+
+/// What a request says of the motion that it wants.
+class MotionWish {
+  public:
+    MotionWish(const Studio& studio, const Request& request)
+        : studio_(studio),
+          ctx_(request.ctx),
+          name_(request.text("name")),
+          object_(studio.object(ObjectKind::skeleton, name_)),
+          keys_(request.text("keys", "")),
+          words_(words_of(request.fields.value("options", Json::object()))),
+          call_(bind_command(table(), words_, studio.document.scene().state(),
+                             studio.document.scene().settings(), ctx_)) {
+        options_.grow = call_.flag("grow");
+        options_.run = call_.options<AnimateOptions>("run");
+        options_.growing = call_.options<GrowingOptions>("growing");
+        options_.wind = call_.options<WindOptions>("wind");
+        options_.mesh = call_.options<MeshOptions>("mesh");
+        options_.picture = call_.options<RenderOptions>("picture");
+        check_animation(options_, has_keys());
+    }
+
+    const std::string& name() const { return name_; }
+    const ObjectPtr& object() const { return object_; }
+    const Skeleton& tree() const { return std::get<Skeleton>(object_->value); }
+    const AnimationOptions& options() const { return options_; }
+    /// The same of two wishes that are for the same motion of trees that are alike.
+    std::string text() const { return call_.typed() + "\n" + keys_; }
+    void reserve(double bytes) const { call_.reserve(bytes); }
+
+    Motion motion() const {
+        std::optional<Keyframes> keys;
+        if (has_keys()) keys.emplace(tree(), keys_, "key", studio_.options.scene, ctx_);
+        return Motion(tree(), std::move(keys), options_);
+    }
+    CarriedMesh carried(const Context& ctx) const {
+        reserve(kCarriedOfMade * memory_of_mesh(tree(), options_.mesh));
+        return CarriedMesh(tree(), options_.mesh, ctx);
+    }
+    MeshResult grown(const Skeleton& tree, const Context& ctx) const {
+        reserve(memory_of_mesh(tree, options_.mesh));
+        return mesh_skeleton(tree, options_.mesh, ctx);
+    }
+
+  private:
+    static const SceneCommand& table() {
+        static const SceneCommand command = animation_command();
+        return command;
+    }
+    bool has_keys() const { return keys_.find_first_not_of(" \t\r\n") != std::string::npos; }
+
+    const Studio& studio_;
+    const Context& ctx_;
+    std::string name_;
+    ObjectPtr object_;
+    std::string keys_;
+    std::vector<SceneWord> words_;
+    SceneCall call_;
+    AnimationOptions options_;
+};
+
+/// The files of frames. Those that were not there before go where the frames are not finished.
+class FrameFiles {
+  public:
+    FrameFiles(const Studio& studio, const Request& request, std::size_t count)
+        : names_(frame_files(request.text("file"), count)),
+          path_(studio.jail().to_write(request.text("file"))) {
+        std::error_code ignored;
+        for (const fs::path& name : names_) {
+            paths_.push_back(path_to_write(studio, request, name.generic_string()));
+            if (!fs::exists(paths_.back(), ignored)) new_.push_back(paths_.back());
+        }
+    }
+    ~FrameFiles() {
+        std::error_code ignored;
+        for (const fs::path& path : new_) fs::remove(path, ignored);
+    }
+    FrameFiles(const FrameFiles&) = delete;
+    FrameFiles& operator=(const FrameFiles&) = delete;
+
+    const fs::path& path() const { return path_; }  ///< that the sink is given
+    Json written() {
+        new_.clear();
+        Json names = Json::array();
+        std::uintmax_t bytes = 0;
+        std::error_code ignored;
+        for (std::size_t i = 0; i < names_.size(); ++i) {
+            names.push_back(names_[i].generic_string());
+            bytes += fs::file_size(paths_[i], ignored);
+        }
+        return {{"files", names}, {"file", names.front()}, {"bytes", bytes}};
+    }
+
+  private:
+    std::vector<fs::path> names_;
+    fs::path path_;
+    std::vector<fs::path> paths_, new_;
+};
+
+FrameSinks sinks_to(const FrameFiles& files, const FrameSeries& series, const QuadMesh& frame,
+                    const MotionWish& wish) {
+    wish.reserve(memory_of_sink(files.path(), series, frame));
+    FrameSinks sinks;
+    sinks.push_back(open_sink(files.path(), series));
+    return sinks;
+}
+
+Json animate_growth(const Studio& studio, const Request& request, const MotionWish& wish) {
+    const GrowthFrames frames = growth_frames(wish.options().run);
+    FrameFiles files(studio, request, frames.frames);
+    const MeshResult last = wish.grown(wish.tree(), part_of(request.ctx, 0, kShareOfMesh));
+    const QuadMesh& surface = last.quads().mesh;
+    const FrameSeries series = series_of(surface, frames, wish.options());
+    const FrameSinks sinks = sinks_to(files, series, surface, wish);
+    make_frames(wish.tree(), frames, wish.options(), sinks, part_of(request.ctx, kShareOfMesh, 1));
+    Json out = files.written();
+    out["frames"] = frames.frames;
+    out["held"] = 0;
+    out["says"] = text_of_growth(frames.frames, surface.quads.size());
+    return out;
+}
+
+Json animate_motion(const Studio& studio, const Request& request, const MotionWish& wish) {
+    const Motion motion = wish.motion();
+    FrameFiles files(studio, request, motion.frames());
+    CarriedMesh mesh = wish.carried(part_of(request.ctx, 0, kShareOfMesh));
+    const FrameSeries series = series_of(mesh, motion, wish.options());
+    const FrameSinks sinks = sinks_to(files, series, *series.rest, wish);
+    const MotionReport report = make_frames(mesh, motion, sinks, part_of(request.ctx, kShareOfMesh, 1));
+    Json out = files.written();
+    out["frames"] = motion.frames();
+    out["held"] = report.held;
+    out["says"] = text_of(report, motion.frames(), series.rest->quads.size());
+    return out;
+}
+
+/// Writes a tree that moves, as `coppice animate` does.
+Json animate(Studio& studio, const Request& request) {
+    const MotionWish wish(studio, request);
+    const bool grows = wish.options().grow;
+    check_frames_name(request.text("file"), !grows);
+    return grows ? animate_growth(studio, request, wish) : animate_motion(studio, request, wish);
+}
+
+}  // namespace
+
+/// A motion that is looked at, ready for any moment.
+class KeptMotion {
+  public:
+    KeptMotion(const MotionWish& wish, const Context& ctx) : object_(wish.object()), text_(wish.text()) {
+        if (wish.options().grow) {
+            const GrowthFrames frames = growth_frames(wish.options().run);
+            seconds_ = frames.seconds;
+            frames_ = frames.frames;
+            growing_.emplace(wish.tree(), wish.options().growing);
+        } else {
+            motion_ = wish.motion();
+            seconds_ = motion_->seconds();
+            frames_ = motion_->frames();
+            mesh_ = wish.carried(ctx);
+        }
+    }
+
+    bool is_of(const MotionWish& wish) const { return object_ == wish.object() && text_ == wish.text(); }
+    double seconds() const { return seconds_; }
+    std::size_t frames() const { return frames_; }
+
+    /// Where branches would fold or cross they do: a film holds them back, which takes the frames before.
+    QuadMesh at(double time, const MotionWish& wish, const Context& ctx) {
+        if (growing_) {
+            MeshResult made = wish.grown(growing_->at(time / seconds_), ctx);
+            return std::move(made.quads().mesh);
+        }
+        QuadMesh out = mesh_->made().quads().mesh;
+        out.positions = mesh_->carry(motion_->at(time), {}, ctx).positions;
+        return out;
+    }
+
+  private:
+    ObjectPtr object_;
+    std::string text_;
+    double seconds_ = 0;
+    std::size_t frames_ = 0;
+    std::optional<Motion> motion_;
+    std::optional<CarriedMesh> mesh_;
+    std::optional<GrowingTree> growing_;
+};
+
+namespace {
+
+/// The surface of a tree that moves, at one moment.
+Json frame(Studio& studio, const Request& request) {
+    const MotionWish wish(studio, request);
+    if (!studio.motion || !studio.motion->is_of(wish)) {
+        studio.motion.reset();  // before the next one takes memory
+        studio.motion = std::make_shared<KeptMotion>(wish, request.ctx);
+    }
+    KeptMotion& motion = *studio.motion;
+    const double time = std::clamp(request.number("time"), 0.0, motion.seconds());
+    const SceneObject object{Surface{motion.at(time, wish, request.ctx)}, 0};
+    const GeometryHead head{ObjectKind::skeleton, wish.name(), studio.notes.of(wish.object()).version, {}};
+    std::string blob = encode_object(object, head, 1, StudioColor::plain, request.ctx);
+    return {{"key", studio.blobs.offer(std::move(blob))},
+            {"time", time},
+            {"duration", motion.seconds()},
+            {"frames", motion.frames()}};
+}
+
+}  // namespace
+
+std::map<std::string, Handler> motion_requests() { return {{"animate", animate}, {"frame", frame}}; }
+
+}  // namespace coppice::studio_internal

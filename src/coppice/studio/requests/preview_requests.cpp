@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <utility>
+
+#include "coppice/base/error.h"
+#include "coppice/scene/script/statements.h"
+#include "coppice/scene/words.h"
+#include "coppice/studio/requests/surface_wish_internal.h"
+
+namespace coppice::studio_internal {
+namespace {
+
+constexpr std::uint32_t kMostAxes = 40'000;  // nodes of a skeleton that is sent with every preview
+
+bool is_shape(ObjectKind kind) {
+    return kind == ObjectKind::solid || kind == ObjectKind::path || kind == ObjectKind::profile;
+}
+
+/// Whether every command of a statement makes or changes solids and what they are made of.
+bool shapes_solids(const std::string& text) {
+    const std::vector<SceneLine> lines = scene_lines(text, "preview");
+    const auto commands = commands_of(lines);
+    return commands && !commands->empty() && std::ranges::all_of(*commands, [](const SceneCommand* c) {
+               return c->makes && is_shape(*c->makes);
+           });
+}
+
+/// What there would be with a line that is not in the document.
+struct Preview {
+    Scene scene;
+    std::set<Document::Name> changed;  ///< by the line, or made of what is
+};
+
+/// Makes what stands behind the line again as far as it is solids.
+void follow_solids(const Studio& studio, std::size_t from, Preview& preview, const Context& ctx) {
+    const auto statements = studio.document.statements();
+    for (std::size_t k = from; k < studio.document.ran(); ++k) {
+        const std::string& text = statements[k].text;
+        if (!shapes_solids(text)) continue;
+        const SceneObjects before = preview.scene.state().objects;
+        const bool follows = std::ranges::any_of(
+            preview.changed, [&](const Document::Name& name) { return mentions(text, name.second); });
+        try {
+            run_piece(preview.scene, text, 1, "preview", ctx);
+        } catch (const InvalidInput&) {
+            continue;  // shown as far as it goes: running the line says what is wrong
+        }
+        if (!follows) continue;
+        for (const Document::Name& name : changed_objects(before, preview.scene.state().objects))
+            preview.changed.insert(name);
+    }
+}
+
+Preview previewed(const Studio& studio, const Request& request) {
+    const std::size_t at = studio.document.place_for(request.about());
+    const auto before = studio.document.scene_behind(at, request.ctx);
+    Preview preview{*before, {}};
+    preview.scene.forbid_outputs();
+    run_piece(preview.scene, request.text("line"), 1, "preview", request.ctx);
+    for (const Document::Name& name : changed_objects(before->state().objects, preview.scene.state().objects))
+        preview.changed.insert(name);
+    follow_solids(studio, at, preview, request.ctx);
+    return preview;
+}
+
+void send(Studio& studio, const Request& request, std::string frame) {
+    studio.frames(request.client, std::make_shared<const std::string>(std::move(frame)));
+}
+
+void send_skeleton(Studio& studio, const Request& request, const std::string& name, const ObjectPtr& object,
+                   std::optional<std::uint64_t> seq) {
+    // The axes first: they are there at once, however long the surface takes.
+    if (std::get<Skeleton>(object->value).size() <= kMostAxes) {
+        const GeometryHead head{ObjectKind::skeleton, name, studio.notes.of(object).version, seq};
+        send(studio, request, encode_object(*object, head, kCoarseCells, StudioColor::plain, request.ctx));
+    }
+    if (!request.fields.contains("surface")) return;
+    const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_wish(request), request.ctx);
+    auto frame = encode_since(shown, have_of(request), seq, StudioColor::plain, request.ctx);
+    if (frame) send(studio, request, std::move(*frame));
+}
+
+void send_object(Studio& studio, const Request& request, const Document::Name& name, const ObjectPtr& object,
+                 std::optional<std::uint64_t> seq) {
+    if (name.first == ObjectKind::skeleton) return send_skeleton(studio, request, name.second, object, seq);
+    const GeometryHead head{name.first, name.second, studio.notes.of(object).version, seq};
+    send(studio, request, encode_object(*object, head, kCoarseCells, StudioColor::plain, request.ctx));
+}
+
+Json preview(Studio& studio, const Request& request) {
+    const auto seq = static_cast<std::uint64_t>(request.count("seq", 0));
+    const Preview preview = previewed(studio, request);
+    const SceneObjects& made = preview.scene.state().objects;
+    for (const Document::Name& name : preview.changed) {
+        const auto found = made.find(name);
+        if (found == made.end() || name.first == ObjectKind::mesh)
+            continue;  // gone, or made of what is shown
+        send_object(studio, request, name, found->second, seq);
+        studio.previewed.insert(name);
+    }
+    return {{"seq", seq}};
+}
+
+/// What previews changed goes back to what it is.
+Json endpreview(Studio& studio, const Request& request) {
+    const SceneObjects& now = studio.document.scene().state().objects;
+    for (const Document::Name& name : std::exchange(studio.previewed, {})) {
+        const auto found = now.find(name);
+        if (found != now.end()) send_object(studio, request, name, found->second, std::nullopt);
+    }
+    return Json::object();
+}
+
+}  // namespace
+
+std::map<std::string, Handler> preview_requests() {
+    return {{"preview", preview}, {"endpreview", endpreview}};
+}
+
+}  // namespace coppice::studio_internal

@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "coppice/base/error.h"
+#include "coppice/scene/mesh_memory.h"
+#include "coppice/scene/script/statements.h"
+#include "coppice/scene/words.h"
+#include "coppice/studio/requests/surface_wish_internal.h"
+#include "coppice/studio/show/slice.h"
+
+namespace coppice::studio_internal {
+namespace {
+
+constexpr int kFineCells = 56;  // along the longest side of a solid
+
+StudioColor color_of(const Request& request) {
+    const std::string name = request.text("color", "plain");
+    const auto found = std::ranges::find(EnumNames<StudioColor>::names, name);
+    if (found == EnumNames<StudioColor>::names.end())
+        throw InvalidInput(
+            fmt::format("'{}' is no colour that is shown; use plain, radius, order, deviation or evidence",
+                        name.substr(0, 40)));
+    return static_cast<StudioColor>(found - EnumNames<StudioColor>::names.begin());
+}
+
+Json show_surface(Studio& studio, const Request& request, const ObjectPtr& object) {
+    const std::string& name = request.text("name");
+    const LiveSurfaces::Shown& shown = follow(studio, name, object, surface_wish(request), request.ctx);
+    auto blob = encode_since(shown, have_of(request), {}, color_of(request), request.ctx);
+    Json out{{"number", shown.number}, {"key", nullptr}};
+    if (blob) out["key"] = studio.blobs.offer(std::move(*blob));
+    return out;
+}
+
+/// Offers what is made of an object, on demand and for as long as the object is anywhere.
+template <class Make>
+Json offer(Studio& studio, const std::string& key, const ObjectPtr& object, const Make& make) {
+    studio.blobs.offer(key, [of = std::weak_ptr(object), make]() -> std::optional<std::string> {
+        const ObjectPtr there = of.lock();
+        if (!there) return std::nullopt;
+        return make(*there);
+    });
+    return {{"key", key}};
+}
+
+MeshOptions cage_options() {
+    MeshOptions options;
+    options.levels = 0;
+    return options;
+}
+
+/// The control mesh: the surface before it is subdivided.
+std::string encode_cage(const Skeleton& tree, const GeometryHead& head) {
+    MeshResult result = mesh_skeleton(tree, cage_options(), {});
+    Surface cage;
+    std::visit([&](auto& made) { cage.mesh = std::move(made.mesh); }, result.surface);
+    const SceneObject object{std::move(cage), 0};
+    return encode_object(object, head, kCoarseCells, StudioColor::plain, {});
+}
+
+/// Geometry takes about as much as what it is of.
+void check_size(const Studio& studio, std::uint64_t bytes, const std::string& name) {
+    constexpr std::uint64_t kAtOnce = 4;  // two that are made, and as much that is kept
+    constexpr double kMebibyte = 1 << 20;
+    const std::uint64_t most = studio.shares.blobs / kAtOnce;
+    if (bytes <= most) return;
+    throw InvalidInput(fmt::format(
+        "'{}' would take {:.1f} MiB to show, and {:.1f} may be used; give the studio more with --max-memory",
+        name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(most) / kMebibyte));
+}
+
+Json show(Studio& studio, const Request& request) {
+    const ObjectKind kind = request.kind();
+    const std::string& name = request.text("name");
+    const ObjectPtr object = studio.object(kind, name);
+    const std::string form = request.text("form", "coarse");
+    if (kind == ObjectKind::skeleton && form == "surface") return show_surface(studio, request, object);
+    check_size(studio, object->bytes, name);
+    const StudioColor color = color_of(request);
+    const GeometryHead head{kind, name, studio.notes.of(object).version, {}};
+    const std::string key = fmt::format("{}-{}-{}", head.version, form, name_of(color));
+    if (kind == ObjectKind::skeleton && form == "cage") {
+        studio.reserve(memory_of_mesh(std::get<Skeleton>(object->value), cage_options()));
+        return offer(studio, key, object, [head](const SceneObject& tree) {
+            return encode_cage(std::get<Skeleton>(tree.value), head);
+        });
+    }
+    const int cells = form == "fine" ? kFineCells : kCoarseCells;
+    return offer(studio, key, object,
+                 [=](const SceneObject& shown) { return encode_object(shown, head, cells, color, {}); });
+}
+
+/// The field of a solid in a plane.
+Json slice(Studio& studio, const Request& request) {
+    if (request.kind() != ObjectKind::solid)
+        throw InvalidInput("solids have a field to slice, and nothing else");
+    const std::string& name = request.text("name");
+    const ObjectPtr object = studio.object(ObjectKind::solid, name);
+    SliceOptions options;
+    const std::string& axis = request.text("axis");
+    const auto found = std::ranges::find(EnumNames<SliceAxis>::names, axis);
+    if (found == EnumNames<SliceAxis>::names.end())
+        throw InvalidInput(fmt::format("'{}' is no axis; use x, y or z", axis.substr(0, 40)));
+    options.axis = static_cast<SliceAxis>(found - EnumNames<SliceAxis>::names.begin());
+    options.at = request.number("at");
+    options.size = static_cast<int>(request.count("size", static_cast<std::size_t>(options.size)));
+    check_slice(options);
+    check_size(studio, sizeof(float) * static_cast<std::uint64_t>(options.size * options.size),
+               "a slice of " + name);
+    const GeometryHead head{ObjectKind::solid, name, studio.notes.of(object).version, {}};
+    const std::string key = fmt::format("{}-slice-{}-{}-{}", head.version, axis, options.at, options.size);
+    return offer(studio, key, object, [=](const SceneObject& shown) {
+        return encode_slice(std::get<Solid>(shown.value), options, head, {});
+    });
+}
+
+/// What a line would make, of which nothing is kept: for pictures of seeds side by side.
+Json trial(Studio& studio, const Request& request) {
+    const ObjectKind kind = request.kind();
+    const std::string& name = request.text("name");
+    const std::string form = request.text("form", "coarse");
+    const bool surface = kind == ObjectKind::skeleton && form == "surface";
+    Scene scene = studio.document.scene();
+    scene.forbid_outputs();
+    const std::string says = run_piece(scene, request.text("line"), 1, "trial", request.ctx);
+    if (surface)
+        scene.run(fmt::format("mesh {0} {0}{1}", quoted_word(name), surface_options(request)), {},
+                  request.ctx);
+    const auto found = scene.state().objects.find({surface ? ObjectKind::mesh : kind, name});
+    if (found == scene.state().objects.end())
+        throw InvalidInput(
+            fmt::format("the line makes no {} called '{}'", name_of(kind), name.substr(0, 80)));
+    const GeometryHead head{kind, name, studio.notes.of(found->second).version, {}};
+    const int cells = form == "fine" ? kFineCells : kCoarseCells;
+    return {{"says", says},
+            {"key",
+             studio.blobs.offer(encode_object(*found->second, head, cells, color_of(request), request.ctx))}};
+}
+
+}  // namespace
+
+std::map<std::string, Handler> view_requests() {
+    return {{"show", show}, {"slice", slice}, {"trial", trial}};
+}
+
+}  // namespace coppice::studio_internal

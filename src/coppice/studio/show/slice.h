@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "coppice/base/context.h"
+#include "coppice/base/fields.h"
+#include "coppice/implicit/solid/solid.h"
+#include "coppice/studio/show/geometry.h"
+
+namespace coppice {
+
+/// The direction across a slice.
+enum class SliceAxis { x, y, z };
+
+template <>
+struct EnumNames<SliceAxis> {
+    static constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
+};
+
+/// Where a field is cut.
+struct SliceOptions {
+    SliceAxis axis = SliceAxis::y;  ///< across the plane
+    double at = 0;                  ///< [m] on that axis
+    int size = 192;                 ///< samples along the longer side; in [2, 1024]
+};
+
+/// Throws InvalidInput for a place that is not finite or a size out of range.
+void check_slice(const SliceOptions& options);
+
+/// The values of a solid's field in a plane, as far as the field goes, in the form of
+/// docs/library/studio-protocol.md. Throws as check_slice(); Cancelled.
+std::string encode_slice(const Solid& solid, const SliceOptions& options, const GeometryHead& head,
+                         const Context& ctx);
+
+}  // namespace coppice

@@ -1,0 +1,113 @@
+#include "coppice/scene/animation/animation.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/base/error.h"
+#include "errors.h"
+
+namespace coppice {
+namespace {
+
+// A trunk with one branch, of two segments, along x.
+Skeleton fork() {
+    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
+            {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {1, 0, 2}, {2, 0, 2}},
+            {0.2f, 0.2f, 0.15f, 0.1f, 0.1f}};
+}
+
+AnimationOptions options() {
+    AnimationOptions out;
+    out.run.rate = 10;
+    out.mesh.levels = 1;
+    return out;
+}
+
+/// Keeps what it is given.
+class Recorder : public FrameSink {
+  public:
+    struct Seen {
+        std::vector<QuadMesh> frames;
+        int finished = 0;
+    };
+    explicit Recorder(Seen& seen) : seen_(seen) {}
+    void add(const QuadMesh& frame, const Context&) override { seen_.frames.push_back(frame); }
+    void finish(const Context&) override { ++seen_.finished; }
+
+  private:
+    Seen& seen_;
+};
+
+FrameSinks recording(Recorder::Seen& seen) {
+    FrameSinks sinks;
+    sinks.push_back(std::make_unique<Recorder>(seen));
+    return sinks;
+}
+
+TEST(Animation, LastsAsLongAsItsKeysOrAsAsked) {
+    AnimationOptions o = options();
+    const auto keys = [] { return Keyframes(fork(), "0.5: rotate 3 30", "k"); };
+    EXPECT_EQ(Motion(fork(), keys(), o).seconds(), 0.5);
+    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 6u);  // the last moment too
+    EXPECT_EQ(Motion(fork(), keys(), o).keys(), 2u);    // at rest before it
+    o.wind.speed = 8;
+    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 5u);  // begins anew
+    EXPECT_EQ(Motion(fork(), std::nullopt, o).seconds(), 4);
+    o.run.duration = 0.2f;
+    EXPECT_EQ(Motion(fork(), keys(), o).frames(), 2u);
+    EXPECT_EQ(growth_frames(o.run).frames, 2u);
+    o.run.duration = 3600;
+    EXPECT_NE(test::error_of<InvalidInput>([&] { Motion(fork(), keys(), o); }).find("make 36000 frames"),
+              std::string::npos);
+    EXPECT_THROW(growth_frames(o.run), InvalidInput);
+}
+
+TEST(Animation, SomethingHasToMove) {
+    AnimationOptions o = options();
+    EXPECT_THROW(check_animation(o, false), InvalidInput);
+    EXPECT_NO_THROW(check_animation(o, true));
+    o.grow = true;
+    EXPECT_NO_THROW(check_animation(o, false));
+    EXPECT_THROW(check_animation(o, true), InvalidInput);
+    o.mesh.method = MeshMethod::cylinders;
+    EXPECT_THROW(check_animation(o, false), InvalidInput);
+    o = options();
+    o.wind.speed = 1;
+    EXPECT_NO_THROW(check_animation(o, false));
+}
+
+TEST(Animation, EveryFrameGoesToTheSinks) {
+    const AnimationOptions o = options();
+    const Motion motion(fork(), Keyframes(fork(), "0.3: rotate 3 30", "k"), o);
+    CarriedMesh mesh(fork(), o.mesh);
+    const FrameSeries series = series_of(mesh, motion, o);
+    EXPECT_EQ(series.count, 4u);
+    Recorder::Seen seen;
+    const MotionReport report = make_frames(mesh, motion, recording(seen), {});
+    ASSERT_EQ(seen.frames.size(), 4u);
+    EXPECT_EQ(seen.finished, 1);
+    EXPECT_EQ(report.held, 0u);
+    EXPECT_EQ(seen.frames[0].quads, series.rest->quads);
+    EXPECT_NE(seen.frames[3].positions, seen.frames[0].positions);
+    EXPECT_EQ(text_of(report, 4, 1000), "4 frames of 1,000 quads");
+}
+
+TEST(Animation, HeldFramesAreTold) {
+    MotionReport report;
+    report.held = 3;
+    EXPECT_EQ(text_of(report, 1200, 37376),
+              "1,200 frames of 37,376 quads; 3 held back where branches would fold or cross");
+}
+
+TEST(Animation, AGrowingTreeEndsWhole) {
+    AnimationOptions o = options();
+    o.grow = true;
+    o.run.duration = 0.3f;
+    const Skeleton tree = fork();
+    Recorder::Seen seen;
+    EXPECT_EQ(make_frames(tree, growth_frames(o.run), o, recording(seen), {}), 0u);
+    ASSERT_EQ(seen.frames.size(), 3u);
+    EXPECT_EQ(seen.frames.back().positions, mesh_skeleton(tree, o.mesh).quads().mesh.positions);
+}
+
+}  // namespace
+}  // namespace coppice

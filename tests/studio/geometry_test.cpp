@@ -1,0 +1,137 @@
+#include "coppice/studio/show/geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "coppice/base/error.h"
+#include "coppice/scene/scene.h"
+
+namespace coppice {
+namespace {
+
+struct Decoded {
+    Json header;
+    std::string body;
+
+    template <class T>
+    std::vector<T> array(const std::string& name) const {
+        for (const Json& a : header["arrays"]) {
+            if (a["name"] != name) continue;
+            std::vector<T> out(a["count"].get<std::size_t>() * a["size"].get<std::size_t>());
+            std::memcpy(out.data(), body.data() + a["offset"].get<std::size_t>(), out.size() * sizeof(T));
+            return out;
+        }
+        return {};
+    }
+};
+
+Decoded decoded(const std::string& blob) {
+    EXPECT_EQ(blob.substr(0, 4), "CPB1");
+    EXPECT_EQ(blob.size() % 4, 0u);
+    std::uint32_t length = 0;
+    std::memcpy(&length, blob.data() + 4, 4);
+    EXPECT_EQ(length % 4, 0u);
+    return {Json::parse(blob.substr(8, length)), blob.substr(8 + length)};
+}
+
+Scene scene_of(const std::string& text) {
+    Scene scene;
+    scene.run_text(text, "test");
+    return scene;
+}
+
+Decoded shown(const Scene& scene, ObjectKind kind, const std::string& name,
+              StudioColor color = StudioColor::plain) {
+    return decoded(
+        encode_object(*scene.state().objects.at({kind, name}), {kind, name, 3, {}}, 24, color, {}));
+}
+
+TEST(Geometry, OfASolidIsASurfaceWithNormalsOutward) {
+    const Scene scene = scene_of("sphere s radius=2 center=1,0,0\n");
+    const Decoded d = shown(scene, ObjectKind::solid, "s");
+    EXPECT_EQ(d.header["kind"], "surface");
+    EXPECT_EQ(d.header["version"], 3);
+    const auto p = d.array<float>("position");
+    const auto n = d.array<std::int8_t>("normal");
+    ASSERT_GT(p.size(), 300u);
+    ASSERT_EQ(n.size() / 4, p.size() / 3);
+    for (std::size_t i = 0; i < p.size() / 3; ++i) {
+        const float outward = (p[3 * i] - 1) * static_cast<float>(n[4 * i]) +
+                              p[3 * i + 1] * static_cast<float>(n[4 * i + 1]) +
+                              p[3 * i + 2] * static_cast<float>(n[4 * i + 2]);
+        EXPECT_GT(outward, 200) << i;  // of 2 times 127
+    }
+}
+
+TEST(Geometry, OfASkeletonHasIdsAndOrders) {
+    const Scene scene = scene_of("limb t 0,0,0 0,0,1 0,0,2\nedit draw t 0,0,1 1,0,1.5 radius=0.02\n");
+    const Decoded d = shown(scene, ObjectKind::skeleton, "t", StudioColor::order);
+    const auto parents = d.array<std::uint32_t>("parent");
+    const auto orders = d.array<std::uint8_t>("order");
+    EXPECT_EQ(parents[0], 0xffffffffu);
+    EXPECT_EQ(*std::ranges::max_element(orders), 1);
+    EXPECT_EQ(d.header["high"], 1);
+    EXPECT_EQ(d.array<float>("value").size(), parents.size());
+}
+
+TEST(Geometry, IsColouredByTheEvidenceThatTheFileHad) {
+    const Skeleton tree({NodeId(), NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}},
+                        {0.1f, 0.1f, 0.1f});
+    const SceneObject bare{tree, 0};
+    const GeometryHead head{ObjectKind::skeleton, "t", 1, {}};
+    EXPECT_THROW(encode_object(bare, head, 1, StudioColor::evidence, {}), InvalidInput);
+    const SceneObject measured{tree, 0, {{"evidence", {0.2f, 0.5f, 1.0f}}}};
+    const Decoded axes = decoded(encode_object(measured, head, 1, StudioColor::evidence, {}));
+    EXPECT_EQ(axes.array<float>("value"), (std::vector<float>{0.2f, 0.5f, 1.0f}));
+    const LiveSurface surface(tree, {});
+    const Decoded skin = decoded(encode_live_surface(surface, measured, head, StudioColor::evidence, {}));
+    EXPECT_EQ(skin.array<float>("value").size(), surface.positions().size());
+    const Decoded off = decoded(encode_live_surface(surface, measured, head, StudioColor::deviation, {}));
+    EXPECT_LT(std::abs(off.header["high"].get<float>()), 0.2f);
+}
+
+TEST(Geometry, OtherKindsHaveNoRadiiToColour) {
+    const Scene scene = scene_of("sphere s\n");
+    EXPECT_THROW(shown(scene, ObjectKind::solid, "s", StudioColor::radius), InvalidInput);
+}
+
+TEST(Geometry, PatchesMakeOfTheOldSurfaceTheNewOne) {
+    Scene scene = scene_of(
+        "limb t 0,0,0 0,0,1 0,0,2 0,0,3 0,0,4 0,0,5 0,0,6\nedit draw t 0,0,1 1,0,1.5 2,0,2 radius=0.02\n");
+    const auto tree = [&] {
+        return std::get<Skeleton>(scene.state().objects.at({ObjectKind::skeleton, "t"})->value);
+    };
+    const auto object = [&]() -> const SceneObject& {
+        return *scene.state().objects.at({ObjectKind::skeleton, "t"});
+    };
+    MeshOptions options;
+    options.levels = 1;
+    LiveSurface surface(tree(), options);
+    const GeometryHead head{ObjectKind::skeleton, "t", 1, {}};
+    auto before = decoded(encode_live_surface(surface, object(), head, StudioColor::plain, {}));
+    const Skeleton old = tree();
+    scene.run("edit rotate t order(1) 20");
+    std::vector<StableId> changed;
+    for (const NodeId n : nodes(old)) changed.push_back(old.stable_id(n));
+    const SurfaceChange change = surface.update(tree(), changed);
+    const Decoded patch = decoded(encode_patch(surface, change, head, 1));
+    const Decoded after = decoded(encode_live_surface(surface, object(), head, StudioColor::plain, {}));
+    auto position = before.array<float>("position");
+    position.resize(3 * patch.header["vertices"].get<std::size_t>());
+    const auto part = patch.array<float>("position");
+    std::size_t from = 0;
+    for (const Json& range : patch.header["ranges"]["vertices"]) {
+        const std::size_t count = 3 * range[1].get<std::size_t>();
+        std::copy_n(part.begin() + static_cast<std::ptrdiff_t>(from), count,
+                    position.begin() + 3 * range[0].get<std::ptrdiff_t>());
+        from += count;
+    }
+    EXPECT_EQ(from, part.size());
+    EXPECT_EQ(position, after.array<float>("position"));
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,55 @@
+// The tool in hand: one at a time, and what it is told.
+import { type Signal, signal } from "@preact/signals-core";
+import type { App, ToolPointer, ToolRun } from "./app";
+
+const kSelect = "select";
+
+export class Hand {
+    /** Null where no tool of that name exists. */
+    readonly run: Signal<ToolRun | null> = signal(null);
+    /** Changes after each event that the tool was told, since its status may have. */
+    readonly told = signal(0);
+
+    constructor(private readonly app: () => App) {}
+
+    take(id: string): void {
+        const app = this.app();
+        const tool = app.tools.find((one) => one.id === id);
+        this.run.peek()?.stop();
+        this.run.value = null;
+        app.view.setOrbit(true);
+        app.store.tool.value = tool ? id : kSelect;
+        const taken = tool ?? app.tools.find((one) => one.id === kSelect);
+        this.run.value = taken ? taken.start(app) : null;
+        app.view.requestDraw();
+    }
+
+    pointer(event: ToolPointer): boolean {
+        return this.tell((run) => run.pointer?.(event));
+    }
+
+    wheel(delta: number, event: ToolPointer): boolean {
+        return this.tell((run) => run.wheel?.(delta, event));
+    }
+
+    key(event: KeyboardEvent): boolean {
+        if (this.tell((run) => run.key?.(event))) {
+            return true;
+        }
+        if (event.key === "Escape" && this.app().store.tool.peek() !== kSelect) {
+            this.take(kSelect);
+            return true;
+        }
+        return false;
+    }
+
+    private tell(what: (run: ToolRun) => boolean | undefined): boolean {
+        const run = this.run.peek();
+        if (!run) {
+            return false;
+        }
+        const taken = what(run) ?? false;
+        ++this.told.value;
+        return taken;
+    }
+}

@@ -1,0 +1,115 @@
+// The key that is chosen, and where new ones come from.
+import type { Signal } from "@preact/signals-core";
+import type { VNode } from "preact";
+import type { App } from "../../../app";
+import { useValue } from "../../../use";
+import { withEnding, writing } from "../folder";
+import { Amount } from "./amount";
+import type { Player } from "./player";
+import { type Film, freeTime, kEasings, type Key, keysText, lastEdit, withKey, withoutKey } from "./timeline";
+
+interface EditorProps {
+    app: App;
+    film: Signal<Film>;
+    chosen: Signal<Key | null>;
+    player: Player;
+}
+
+export function KeyEditor({ app, film, chosen, player }: EditorProps): VNode {
+    const now = useValue(film);
+    const key = useValue(chosen);
+    const { statements, revision } = useValue(app.store.state);
+    const last = lastEdit(statements, now.tree);
+    const isThere = key !== null && now.keys.includes(key);
+    const add = (edits: string) => {
+        const next: Key = { time: freeTime(now, player.time.peek()), easing: "smooth", edits };
+        film.value = withKey(now, next);
+        chosen.value = next;
+    };
+    // The edit leaves the scene: else the tree at rest would have it too.
+    const turn = async () => {
+        if (!last) {
+            return;
+        }
+        const text = statements.filter((_, at) => at !== last.statement).map((statement) => `${statement.text}\n`).join("");
+        try {
+            await app.engine.request("text", { text, revision, name: "turning an edit into a key" });
+            add(last.edits);
+        } catch (error) {
+            app.store.say((error as Error).message, "error");
+        }
+    };
+    return (
+        <section class="animation-part" aria-label="Keys of the film">
+            <div class="animation-row">
+                <button type="button" onClick={() => add("rest")}>Add a key here</button>
+                <button
+                    type="button"
+                    disabled={!last}
+                    title={last ? `Takes "edit ${last.edits}" out of the scene and makes it a key` : "Bend, turn or move a branch of this tree first"}
+                    onClick={() => void turn()}
+                >
+                    Turn the last edit into a key
+                </button>
+                <button type="button" disabled={now.keys.length === 0} onClick={() => void saveKeys(app, now)}>Save keys</button>
+            </div>
+            {isThere ? (
+                <ChosenKey key={String(key.time)} film={film} chosen={chosen} mine={key} />
+            ) : (
+                <p class="hint">{now.keys.length > 0 ? "Choose a key on the track to change it." : "A key is edits of the tree at a moment, or rest."}</p>
+            )}
+        </section>
+    );
+}
+
+function ChosenKey({ film, chosen, mine }: { film: Signal<Film>; chosen: Signal<Key | null>; mine: Key }): VNode {
+    const set = (change: Partial<Key>) => {
+        const next = { ...mine, ...change };
+        film.value = withKey(film.peek(), next, mine);
+        chosen.value = next;
+    };
+    return (
+        <div class="animation-row">
+            <Amount label="At [s]" value={mine.time} low={0} high={3600} step="any" set={(time) => set({ time: freeTime(film.peek(), time, mine) })} />
+            <label>
+                <span>The way to it</span>
+                <select value={mine.easing} onChange={(event) => set({ easing: event.currentTarget.value as Key["easing"] })}>
+                    {kEasings.map(([easing, label]) => <option key={easing} value={easing}>{label}</option>)}
+                </select>
+            </label>
+            <label class="key-edits">
+                <span>Edits</span>
+                <input
+                    type="text"
+                    value={mine.edits}
+                    spellcheck={false}
+                    placeholder="rest"
+                    title="Edits as of coppice edit, with semicolons between them: bend near(0,0,3) 20; twist roots 40"
+                    onChange={(event) => set({ edits: event.currentTarget.value.trim() || "rest" })}
+                />
+            </label>
+            <button
+                type="button"
+                onClick={() => {
+                    film.value = withoutKey(film.peek(), mine);
+                    chosen.value = null;
+                }}
+            >
+                Remove
+            </button>
+        </div>
+    );
+}
+
+/** As a file that `coppice animate --keys` reads. */
+async function saveKeys(app: App, film: Film): Promise<void> {
+    const file = withEnding(`${film.tree}.keys`, ".txt");
+    try {
+        const text = new Blob([keysText(film.keys)], { type: "text/plain" });
+        if (await writing(app, file, (overwrite) => app.engine.upload(file, text, overwrite))) {
+            app.store.say(`Saved ${file}: coppice animate ${film.tree}.swc --keys ${file} -o ${film.tree}.gif`);
+        }
+    } catch (error) {
+        app.store.say((error as Error).message, "error");
+    }
+}

@@ -1,0 +1,205 @@
+// Shows moments of a film in the view: fetches frames one after the other, keeps them, and plays as far as they come.
+import { effect, type Signal, signal } from "@preact/signals-core";
+import type { App, Geometry } from "../../../app";
+import { type Film, frameAt, frameCount, motionFields, moves, timeOf } from "./timeline";
+
+const kMostBytes = 256 * 1024 * 1024; // of frames that are kept
+const kAtOnce = 2;
+const kFirstState = 500_000_000; // pictures are numbered from here on: no state of a surface that the engine counts has such a number
+
+function bytesOf({ arrays }: Geometry): number {
+    return Object.values(arrays).reduce((sum, array) => sum + array.byteLength, 0);
+}
+
+export class Player {
+    readonly time = signal(0); // [s]
+    readonly playing = signal(false);
+    readonly open = signal(false); // whether a moment is shown, and not the tree at rest
+    readonly fetched = signal(0); // frames that are kept
+    readonly trouble = signal("");
+    private readonly frames = new Map<number, Geometry>();
+    private bytes = 0;
+    private about = ""; // what the frames were made for
+    private version = -1; // of the tree then
+    private coming = new Set<number>(); // frames that are asked for
+    private shown = -1; // frame
+    private state = 0; // number of the picture that is drawn
+    private from = 0; // [ms] when a film that plays would have begun
+    private readonly stopWatching: () => void;
+
+    constructor(private readonly app: App, private readonly film: Signal<Film>) {
+        this.stopWatching = effect(() => {
+            void this.film.value;
+            const tree = this.app.store.state.value.objects.find(({ kind, name }) => kind === "skeleton" && name === this.film.value.tree);
+            this.follow(JSON.stringify(motionFields(this.film.value)), tree?.version ?? 0);
+        });
+    }
+
+    /** Shows a moment. */
+    seek(time: number): void {
+        this.time.value = Math.min(Math.max(time, 0), this.film.peek().duration);
+        this.open.value = true;
+        this.from = performance.now() - this.time.peek() * 1000;
+        this.show();
+        this.fetch();
+    }
+
+    play(): void {
+        if (!moves(this.film.peek())) {
+            return;
+        }
+        const isOver = this.time.peek() >= this.film.peek().duration - 1e-6;
+        this.seek(isOver ? 0 : this.time.peek());
+        this.playing.value = true;
+        requestAnimationFrame(() => this.tick());
+    }
+
+    pause(): void {
+        this.playing.value = false;
+    }
+
+    /** Back to the tree at rest. */
+    close(): void {
+        this.playing.value = false;
+        if (this.open.peek()) {
+            this.open.value = false;
+            this.shown = -1;
+            this.app.view.settle();
+        }
+    }
+
+    dispose(): void {
+        this.close();
+        this.stopWatching();
+    }
+
+    // Another film, or another tree: what was fetched is of no use. A tree that was changed is to be seen as it is.
+    private follow(motion: string, version: number): void {
+        const about = `${version} ${motion}`;
+        if (about !== this.about) {
+            if (version !== this.version) {
+                this.close();
+            }
+            this.version = version;
+            this.about = about;
+            this.frames.clear();
+            this.coming = new Set();
+            this.bytes = 0;
+            this.shown = -1;
+            this.fetched.value = 0;
+            this.trouble.value = "";
+            if (this.open.peek()) {
+                this.fetch();
+            }
+        }
+    }
+
+    private tick(): void {
+        if (!this.playing.peek()) {
+            return;
+        }
+        const film = this.film.peek();
+        const now = (performance.now() - this.from) / 1000;
+        const length = timeOf(film, frameCount(film));
+        if (now >= length) {
+            this.from += Math.floor(now / length) * length * 1000; // once more
+        }
+        this.time.value = Math.min((performance.now() - this.from) / 1000, film.duration);
+        this.show();
+        this.fetch();
+        requestAnimationFrame(() => this.tick());
+    }
+
+    // The frame of the moment, or while a film plays and that is not here, the newest before it.
+    private show(): void {
+        const film = this.film.peek();
+        let frame = frameAt(film, this.time.peek());
+        while (this.playing.peek() && frame > 0 && !this.frames.has(frame)) {
+            --frame;
+        }
+        const geometry = this.frames.get(frame);
+        if (!geometry || frame === this.shown || !this.open.peek()) {
+            return;
+        }
+        this.shown = frame;
+        const { position, normal } = geometry.arrays;
+        const drawn = this.app.view.geometry(geometry.header.object, "surface")?.header.version;
+        const base = kFirstState + this.state;
+        const header = { ...geometry.header, seq: 0, version: kFirstState + ++this.state };
+        if (drawn !== base || film.grow) { // a tree that grows has other faces each time
+            // Patches are written into what is drawn.
+            this.app.view.receive({ header, arrays: { ...geometry.arrays, position: position.slice(), normal: normal.slice() } });
+            return;
+        }
+        const vertices = position.length / 3;
+        const quads = geometry.arrays.quads.length / 4;
+        const all: [number, number][] = [[0, vertices]];
+        this.app.view.receive({
+            header: { ...header, kind: "patch", base, ranges: { vertices: all, quads: [] }, vertices, quads },
+            arrays: { position, normal },
+        });
+    }
+
+    /** The frame to be fetched next: that of the moment, then while a film plays those after it. */
+    private wanted(): number | null {
+        const film = this.film.peek();
+        const now = frameAt(film, this.time.peek());
+        if (!this.open.peek() || !moves(film)) {
+            return null;
+        }
+        const isMissing = (frame: number) => !this.frames.has(frame) && !this.coming.has(frame);
+        if (isMissing(now)) {
+            return now;
+        }
+        const count = frameCount(film);
+        for (let ahead = 1; this.playing.peek() && ahead < count && this.bytes < kMostBytes; ++ahead) {
+            if (isMissing((now + ahead) % count)) {
+                return (now + ahead) % count;
+            }
+        }
+        return null;
+    }
+
+    // One is made while the one before is on its way.
+    private fetch(): void {
+        for (let frame = this.wanted(); frame !== null && this.coming.size < kAtOnce; frame = this.wanted()) {
+            void this.fetchOne(frame);
+        }
+    }
+
+    private async fetchOne(frame: number): Promise<void> {
+        const { about, coming } = this;
+        coming.add(frame);
+        const film = this.film.peek();
+        try {
+            const { key } = await this.app.engine.request<{ key: string }>("frame", { ...motionFields(film), time: timeOf(film, frame) });
+            const geometry = await this.app.engine.blob(key);
+            if (about === this.about) {
+                this.keep(frame, geometry);
+                this.show();
+            }
+        } catch (error) {
+            if (about === this.about) {
+                this.trouble.value = (error as Error).message;
+                this.close();
+            }
+        } finally {
+            coming.delete(frame);
+            this.fetch();
+        }
+    }
+
+    private keep(frame: number, geometry: Geometry): void {
+        if (this.bytes >= kMostBytes) {
+            this.frames.clear();
+            this.bytes = 0;
+        }
+        const { position, normal, quads } = geometry.arrays;
+        const alike = this.film.peek().grow ? undefined : [...this.frames.values()][0]?.arrays.quads;
+        // Copies: the arrays are views of all that was received, of which a film needs the faces once.
+        const kept = { header: geometry.header, arrays: { position: position.slice(), normal: normal.slice(), quads: alike ?? quads.slice() } };
+        this.frames.set(frame, kept);
+        this.bytes += bytesOf(kept) - (alike?.byteLength ?? 0);
+        this.fetched.value = this.frames.size;
+    }
+}

@@ -1,0 +1,151 @@
+// Dialogs that are asked for and awaited.
+import { signal } from "@preact/signals-core";
+import type { ComponentChildren, VNode } from "preact";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { EngineError } from "../../app";
+import { useValue } from "../../use";
+
+type End<T> = (answer: T | null) => void;
+
+interface Asked {
+    number: number;
+    draw(): VNode;
+}
+
+const kAsked = signal<readonly Asked[]>([]);
+let kLast = 0;
+
+/** Shows a dialog and waits for its answer: null where the user wanted nothing of it. */
+export function ask<T>(draw: (end: End<T>) => VNode): Promise<T | null> {
+    return new Promise((resolve) => {
+        const number = ++kLast;
+        const end = (answer: T | null) => {
+            kAsked.value = kAsked.peek().filter((one) => one.number !== number);
+            resolve(answer);
+        };
+        kAsked.value = [...kAsked.peek(), { number, draw: () => draw(end) }];
+    });
+}
+
+/** Where dialogs appear; once in the page. */
+export function Dialogs(): VNode {
+    return <>{useValue(kAsked).map((one) => <Drawn key={one.number} draw={one.draw} />)}</>;
+}
+
+function Drawn({ draw }: { draw(): VNode }): VNode {
+    return draw();
+}
+
+interface DialogProps {
+    title: string;
+    wide?: boolean;
+    close(): void; // Esc
+    accept?(): void; // Enter, and the button that submits
+    children: ComponentChildren;
+    buttons: ComponentChildren;
+}
+
+/** A modal dialog, open as long as it is drawn. */
+export function Dialog({ title, wide, close, accept, children, buttons }: DialogProps): VNode {
+    const element = useRef<HTMLDialogElement>(null);
+    useLayoutEffect(() => {
+        const dialog = element.current;
+        dialog?.showModal();
+        return () => {
+            dialog?.close(); // gives the focus back to what had it
+            const below = [...document.querySelectorAll("dialog[open]")].at(-1);
+            if (below && !below.contains(document.activeElement)) {
+                below.querySelector<HTMLElement>("[autofocus]")?.focus(); // that cannot take it: it is disabled while something is done
+            }
+        };
+    }, []);
+    return (
+        <dialog
+            class={wide ? "dialog file-dialog wide" : "dialog file-dialog"}
+            ref={element}
+            aria-label={title}
+            onCancel={(event) => {
+                event.preventDefault();
+                close();
+            }}
+        >
+            <form
+                onSubmit={(event) => {
+                    event.preventDefault();
+                    accept?.();
+                }}
+                onKeyDown={(event) => {
+                    if (event.key === "Enter" && event.target instanceof HTMLSelectElement) {
+                        event.preventDefault(); // of all fields only lists do not submit by themselves
+                        accept?.();
+                    }
+                }}
+            >
+                <h2>{title}</h2>
+                <div class="dialog-body">{children}</div>
+                <div class="dialog-buttons">{buttons}</div>
+            </form>
+        </dialog>
+    );
+}
+
+type Answers<T> = readonly (readonly [T, string])[];
+
+/** A question with one button for each answer; the first is the one that Enter gives, or none where care is needed. */
+export function choose<T extends string>(title: string, text: string, answers: Answers<T>, careful = false): Promise<T | null> {
+    return ask<T>((end) => (
+        <Dialog
+            title={title}
+            close={() => end(null)}
+            buttons={
+                <>
+                    {answers.map(([answer, label], at) => (
+                        <button key={answer} type="button" class={at === 0 ? "primary" : ""} autofocus={at === 0 && !careful} onClick={() => end(answer)}>
+                            {label}
+                        </button>
+                    ))}
+                    <button type="button" autofocus={careful} onClick={() => end(null)}>Cancel</button>
+                </>
+            }
+        >
+            <p>{text}</p>
+        </Dialog>
+    ));
+}
+
+/** A question about what cannot be taken back: Enter alone does not say yes. */
+export async function confirm(title: string, text: string, yes: string): Promise<boolean> {
+    return (await choose(title, text, [["yes", yes]], true)) === "yes";
+}
+
+/** Text to be read, as a program printed it. */
+export function tell(title: string, text: string): Promise<null> {
+    return ask<null>((end) => (
+        <Dialog title={title} wide close={() => end(null)} buttons={<button type="button" autofocus onClick={() => end(null)}>Close</button>}>
+            <pre class="printed" tabIndex={0} aria-label={title}>{text}</pre>
+        </Dialog>
+    ));
+}
+
+/** What a dialog does while it is open: one thing at a time, and what went wrong. */
+export function useWork(): { busy: boolean; trouble: string; work(what: () => Promise<void>): Promise<void> } {
+    const [busy, setBusy] = useState(false);
+    const [trouble, setTrouble] = useState("");
+    const work = async (what: () => Promise<void>) => {
+        setBusy(true);
+        setTrouble("");
+        try {
+            await what();
+        } catch (error) {
+            const stopped = error instanceof EngineError && error.kind === "cancelled";
+            setTrouble(stopped ? "Stopped." : (error as Error).message);
+        } finally {
+            setBusy(false);
+        }
+    };
+    return { busy, trouble, work };
+}
+
+export function Trouble({ text }: { text: string }): VNode {
+    return <p class="error" role="alert">{text}</p>;
+}

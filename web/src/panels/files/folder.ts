@@ -1,0 +1,108 @@
+// Files of the folder that is open: their names, and the question before one is replaced.
+import { type App, EngineError } from "../../app";
+import { confirm } from "./dialog";
+
+export interface FolderFile {
+    name: string;
+    bytes: number;
+}
+
+const kMostLetters = 200;
+
+/** Largest first unit that leaves a number of at least 1: "12.3 MB". */
+export function bytesText(bytes: number): string {
+    const units = ["bytes", "KB", "MB", "GB"];
+    let value = bytes;
+    let unit = 0;
+    while (value >= 1000 && unit < units.length - 1) {
+        value /= 1000;
+        ++unit;
+    }
+    return `${unit === 0 || value >= 100 ? Math.round(value) : value.toFixed(1)} ${units[unit]}`;
+}
+
+/** The ending in small letters, ".ply"; those of two parts that the program knows are one. */
+export function endingOf(name: string): string {
+    const lower = name.toLowerCase();
+    return lower.endsWith(".sketch.json") ? ".sketch.json" : (/\.[a-z0-9]+$/.exec(lower)?.[0] ?? "");
+}
+
+/** Without the folders it lies in. */
+export function baseOf(name: string): string {
+    return name.slice(name.lastIndexOf("/") + 1);
+}
+
+export function stemOf(name: string): string {
+    const base = baseOf(name);
+    return base.slice(0, base.length - endingOf(base).length) || base;
+}
+
+export function withEnding(name: string, ending: string): string {
+    return name === "" || endingOf(name) === ending ? name : name + ending;
+}
+
+/** What is wrong with a name that a file of the folder shall have; empty where nothing is. */
+export function nameTrouble(name: string): string {
+    if (name === "") {
+        return "Give the file a name.";
+    }
+    if (name.startsWith("/") || /^[a-z]:/i.test(name) || name.includes("\\")) {
+        return "Name a file of the folder that is open, with / between a folder in it and the file.";
+    }
+    if (name.split("/").some((part) => part === "" || part.startsWith("."))) {
+        return "No part of the name may be empty or begin with a dot.";
+    }
+    if ([...name].some((letter) => letter < " ")) {
+        return "The name has letters that cannot be seen.";
+    }
+    return name.length > kMostLetters ? `A name may have ${kMostLetters} letters.` : "";
+}
+
+/** A name that no file has: oak.swc, oak-2.swc, ... */
+export function freeFile(name: string, taken: ReadonlySet<string>): string {
+    const ending = endingOf(name);
+    const stem = name.slice(0, name.length - ending.length);
+    let free = name;
+    for (let n = 2; taken.has(free); ++n) {
+        free = `${stem}-${n}${ending}`;
+    }
+    return free;
+}
+
+/** A name for an object, made of that of a file: letters, digits, _ - and . behind a letter. */
+export function objectName(file: string): string {
+    const letters = stemOf(file).normalize("NFD").replace(/\p{M}/gu, ""); // without accents
+    const plain = letters.replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^[^A-Za-z]+/, "");
+    return plain.replace(/[_.-]+$/, "").slice(0, 60) || "object";
+}
+
+export async function listFiles(app: App, ending = ""): Promise<FolderFile[]> {
+    return (await app.engine.request<{ files: FolderFile[] }>("files", { ending })).files;
+}
+
+/**
+ * Writes a file. Where one of that name is there, the user is asked before it is replaced; null where that is not wished.
+ * `written` are the names that come of it, where they are others than the one asked for.
+ */
+export async function writing<R>(app: App, name: string, write: (overwrite: boolean) => Promise<R>, written?: RegExp): Promise<R | null> {
+    try {
+        return await write(false);
+    } catch (error) {
+        const isThere = async () => (await listFiles(app)).some((file) => file.name === name || written?.test(file.name));
+        if (!(error instanceof EngineError) || error.kind !== "files" || !(await isThere())) {
+            throw error;
+        }
+        const text = `There is a file ${name} in the folder already. What it holds now would be lost.`;
+        return (await confirm("Replace the file?", text, "Replace it")) ? write(true) : null;
+    }
+}
+
+/** Gives a file of the folder to the browser, which asks where to or puts it to its downloads. */
+export async function download(app: App, name: string): Promise<void> {
+    const url = URL.createObjectURL(await app.engine.file(name));
+    const link = document.createElement("a");
+    link.href = url;
+    link.download = baseOf(name);
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(url), 60_000);
+}

@@ -1,0 +1,53 @@
+// Formats that are written, and what of each kind of object they hold.
+import type { Kind } from "../../protocol";
+
+export type Holds = "surface" | "skeleton" | "points";
+
+export interface Format {
+    id: string; // "surface.ply": PLY holds surfaces, skeletons and points
+    holds: Holds;
+    ending: string;
+    label: string;
+}
+
+function format(holds: Holds, ending: string, label: string): Format {
+    return { id: holds + ending, holds, ending, label };
+}
+
+export const kFormats: readonly Format[] = [
+    format("surface", ".glb", "GLB: triangles, for games, the web and most programs"),
+    format("surface", ".ply", "PLY: quads, exact"),
+    format("surface", ".obj", "OBJ: quads, for modelling"),
+    format("surface", ".stl", "STL: triangles, for printing"),
+    format("surface", ".usda", "USD: quads, for film"),
+    format("skeleton", ".swc", "SWC: nodes with radii"),
+    format("skeleton", ".json", "JSON: Coppice's own, with all that is known"),
+    format("skeleton", ".obj", "OBJ: lines"),
+    format("skeleton", ".ply", "PLY: vertices and edges"),
+    format("skeleton", ".csv", "CSV: a table of cylinders"),
+    format("skeleton", ".rsml", "RSML: a root system"),
+    format("skeleton", ".mtg", "MTG: for OpenAlea"),
+    format("points", ".xyz", "XYZ: text"),
+    format("points", ".ply", "PLY: binary"),
+];
+
+const kHolds: Record<Kind, readonly Holds[]> = {
+    solid: ["surface"],
+    skeleton: ["surface", "skeleton"],
+    mesh: ["surface"],
+    points: ["points"],
+    path: [],
+    profile: [],
+};
+
+/** Whether objects of a kind can be written at all. */
+export function isWritten(kind: Kind): boolean {
+    return kHolds[kind].length > 0;
+}
+
+/** The formats that can hold something of every one of these kinds. */
+export function formatsOf(kinds: readonly Kind[]): readonly Format[] {
+    return kFormats.filter(({ holds }) => kinds.every((kind) => kHolds[kind].includes(holds)));
+}
+
+export const kHoldsLabels: Record<Holds, string> = { surface: "Surfaces", skeleton: "Skeletons", points: "Points" };

@@ -1,0 +1,284 @@
+// Files that come from outside: dropped on the page or chosen. They are put into the folder, and become what they hold.
+import { signal } from "@preact/signals-core";
+import type { VNode } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import type { App } from "../../app";
+import type { Kind, ObjectName } from "../../protocol";
+import { joined, readLine } from "../../script/words";
+import { readSketch } from "../../sketch/model";
+import { layOutSketch } from "../../sketch/tool";
+import { runLine } from "../../tools/kit/gesture";
+import { commandLine } from "../../tools/kit/words";
+import { useValue } from "../../use";
+import { selectWhenThere } from "./arrival";
+import { ask, choose, Dialog } from "./dialog";
+import { bytesText, freeFile, listFiles, objectName } from "./folder";
+import { type Content, contentOf, kReadEndings, NotRead } from "./kinds";
+import { openFile } from "./scenes";
+
+/** What becomes of a file: a command of scenes, or something that the page does with it. */
+type Use = "loadtree" | "loadmesh" | "pointset load" | "extract" | "open" | "sketch" | "keep";
+
+const kUses: Record<Content, readonly Use[]> = {
+    skeleton: ["loadtree"],
+    mesh: ["loadmesh", "extract"],
+    points: ["pointset load", "extract"],
+    scene: ["keep"], // or opened, where the user wants that
+    sketch: ["sketch"],
+    library: ["keep"],
+    photograph: ["keep"],
+};
+
+const kUseLabels: Partial<Record<Use, string>> = {
+    loadmesh: "Take the mesh as it is",
+    "pointset load": "Take the points as they are",
+    extract: "Find the tree's skeleton in it",
+};
+
+const kMakes: Partial<Record<Use, Kind>> = { loadtree: "skeleton", loadmesh: "mesh", "pointset load": "points", extract: "skeleton" };
+
+const kKept: Partial<Record<Content, string>> = {
+    library: "The library panel shows its branches.",
+    photograph: "The tool Sketch can draw over it.",
+};
+
+interface Coming {
+    file: File;
+    content: Content;
+    use: Use;
+    isThere: boolean; // in the folder already
+}
+
+/** What is done at the moment, for the status line of imports; empty where nothing is. */
+const kUnderway = signal("");
+
+/** Takes in a file of the folder, unless the scene uses it already. */
+export async function importNamed(app: App, name: string): Promise<void> {
+    if (!isUsed(app, name)) {
+        await importFiles(app, [new File([await app.engine.file(name)], name)], true);
+    }
+}
+
+/** Takes in files, one after the other; says of each that cannot be taken why. */
+export async function importFiles(app: App, files: readonly File[], areThere = false): Promise<void> {
+    try {
+        const coming = await decided(app, await told(app, files, areThere));
+        for (const one of coming) {
+            await takeIn(app, one);
+        }
+    } catch (error) {
+        app.store.say((error as Error).message, "error");
+    } finally {
+        kUnderway.value = "";
+    }
+}
+
+async function told(app: App, files: readonly File[], isThere: boolean): Promise<Coming[]> {
+    const coming: Coming[] = [];
+    for (const file of files) {
+        try {
+            const content = await contentOf(file.name, file);
+            coming.push({ file, content, use: kUses[content][0], isThere });
+        } catch (error) {
+            const why = error instanceof NotRead ? error.message : "cannot be read; is it a folder, or gone?";
+            app.store.say(`${file.name} ${why}.`, "error");
+        }
+    }
+    return coming;
+}
+
+/** Asks where a file may become one thing or another. A scene comes last, and what came with it are its files. */
+async function decided(app: App, coming: readonly Coming[]): Promise<readonly Coming[]> {
+    const scenes = coming.filter(({ content }) => content === "scene");
+    const scene = scenes.length === 1 ? await decidedScene(app, scenes[0]) : null;
+    if (scenes.length === 1 && !scene) {
+        return [];
+    }
+    const others = coming.filter(({ content }) => content !== "scene");
+    if (scene?.use === "open") {
+        return [...others.map((one): Coming => ({ ...one, use: "keep" })), scene];
+    }
+    const open = others.filter(({ content }) => kUses[content].length > 1);
+    const answers = open.length > 0 ? await askUses(open) : [];
+    return answers === null ? [] : [...(scene ? [scene] : scenes), ...others.map((one) => answers[open.indexOf(one)] ?? one)];
+}
+
+async function decidedScene(app: App, scene: Coming): Promise<Coming | null> {
+    if (app.store.state.peek().statements.length === 0) {
+        return { ...scene, use: "open" };
+    }
+    const text = "It takes the place of the scene that is open; undo brings that back.";
+    const use = await choose<Use>(`Open ${scene.file.name}?`, text, [["open", "Open it"], ["keep", "Only put it into the folder"]]);
+    return use && { ...scene, use };
+}
+
+function askUses(coming: readonly Coming[]): Promise<readonly Coming[] | null> {
+    return ask((end) => <UsesDialog coming={coming} end={end} />);
+}
+
+function UsesDialog({ coming, end }: { coming: readonly Coming[]; end(answer: readonly Coming[] | null): void }): VNode {
+    const [uses, setUses] = useState(coming.map(({ use }) => use));
+    return (
+        <Dialog
+            title={coming.length === 1 ? `What shall become of ${coming[0].file.name}?` : "What shall become of these files?"}
+            close={() => end(null)}
+            accept={() => end(coming.map((one, at) => ({ ...one, use: uses[at] })))}
+            buttons={
+                <>
+                    <button type="submit" class="primary">Import</button>
+                    <button type="button" onClick={() => end(null)}>Cancel</button>
+                </>
+            }
+        >
+            {coming.map(({ file, content }, at) => (
+                <fieldset class="file-uses" key={file.name}>
+                    <legend>{`${file.name}: ${content === "points" ? "points" : `a ${content}`}, ${bytesText(file.size)}`}</legend>
+                    {kUses[content].map((use, n) => (
+                        <label key={use} class="file-check">
+                            <input
+                                type="radio"
+                                name={`use-${at}`}
+                                checked={uses[at] === use}
+                                autofocus={at === 0 && n === 0}
+                                onChange={() => setUses(uses.map((old, k) => (k === at ? use : old)))}
+                            />
+                            <span>{kUseLabels[use]}</span>
+                        </label>
+                    ))}
+                </fieldset>
+            ))}
+        </Dialog>
+    );
+}
+
+async function takeIn(app: App, { file, content, use, isThere }: Coming): Promise<void> {
+    const placed = isThere ? { name: file.name, replaced: false } : await place(app, file);
+    if (!placed) {
+        return;
+    }
+    const { name, replaced } = placed;
+    if (replaced && (await app.engine.request<{ found: boolean }>("rerun", { file: name })).found) {
+        app.store.say(`${name} was replaced, and what the scene makes of it was made again.`);
+        return;
+    }
+    const makes = kMakes[use];
+    if (makes) {
+        kUnderway.value = use === "extract" ? `Looking for the skeleton in ${name}…` : `Reading ${name}…`;
+        await make(app, use, { kind: makes, name: app.store.freeName(objectName(name)) }, name);
+    } else if (use === "open") {
+        await openFile(app, name);
+    } else if (use === "sketch") {
+        layOutSketch(app, readSketch(await file.text()));
+    } else {
+        app.store.say(`${name} is in the folder. ${kKept[content] ?? ""}`.trim());
+    }
+}
+
+/** Puts a file into the folder. Null where the user wants neither to replace the one that is there nor another name. */
+async function place(app: App, file: File): Promise<{ name: string; replaced: boolean } | null> {
+    const there = await listFiles(app);
+    const same = there.find(({ name }) => name === file.name);
+    if (same && same.bytes === file.size && (await isAlike(await app.engine.file(file.name), file))) {
+        return { name: file.name, replaced: false };
+    }
+    const answer = same ? await askReplace(app, file.name) : "new";
+    if (answer === null) {
+        return null;
+    }
+    const name = answer === "both" ? freeFile(file.name, new Set(there.map((one) => one.name))) : file.name;
+    kUnderway.value = `Putting ${name} into the folder: ${bytesText(file.size)}…`;
+    await app.engine.upload(name, file, answer === "replace");
+    return { name, replaced: answer === "replace" };
+}
+
+function isUsed(app: App, name: string): boolean {
+    const names = (line: string) => readLine(line).words.some(({ text }) => text === name);
+    return app.store.state.peek().statements.some(({ text }) => joined(text).split("\n").some(names));
+}
+
+function askReplace(app: App, name: string): Promise<"replace" | "both" | null> {
+    const used = isUsed(app, name);
+    const then = used ? " The scene uses it, and runs again from there when it is replaced." : "";
+    const answers = [["replace", "Replace it"], ["both", "Keep both"]] as const;
+    const text = `There is another file ${name} in the folder already.${then}`;
+    return choose("Replace the file?", text, used ? answers : answers.toReversed());
+}
+
+async function isAlike(a: Blob, b: Blob): Promise<boolean> {
+    const [left, right] = [new Uint8Array(await a.arrayBuffer()), new Uint8Array(await b.arrayBuffer())];
+    return left.length === right.length && left.every((byte, at) => byte === right[at]);
+}
+
+async function make(app: App, use: Use, { kind, name }: ObjectName, file: string): Promise<void> {
+    const line = commandLine([...use.split(" "), name, file]);
+    if ((await runLine(app, line)) !== null && (await selectWhenThere(app, (object) => object.kind === kind && object.name === name))) {
+        app.view.frame([{ kind, name }]);
+    }
+}
+
+/** Lets the user choose files. */
+export function chooseFiles(app: App): void {
+    const input = document.createElement("input");
+    input.type = "file";
+    input.multiple = true;
+    input.accept = kReadEndings.join(",");
+    input.onchange = () => void importFiles(app, [...(input.files ?? [])]);
+    input.click();
+}
+
+/** The files of a drop. Folders are told by name: what is in them has to be dropped itself. */
+function filesOf(app: App, data: DataTransfer): File[] {
+    const files: File[] = [];
+    for (const item of data.items) {
+        const file = item.kind === "file" ? item.getAsFile() : null;
+        if (item.webkitGetAsEntry?.()?.isDirectory) {
+            app.store.say(`${file?.name ?? "This"} is a folder; drop the files in it, or open it by: coppice studio FOLDER`, "error");
+        } else if (file) {
+            files.push(file);
+        }
+    }
+    return files;
+}
+
+/** Takes files that are dropped anywhere on the page, and shows what an import does. */
+export function DropZone({ app }: { app: App }): VNode {
+    const [over, setOver] = useState(false);
+    const underway = useValue(kUnderway);
+    useEffect(() => {
+        const holdsFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
+        const drag = (event: DragEvent) => {
+            if (holdsFiles(event)) {
+                event.preventDefault();
+                setOver(document.querySelector("dialog[open]") === null);
+            }
+        };
+        const leave = (event: DragEvent) => {
+            if (event.relatedTarget === null) {
+                setOver(false);
+            }
+        };
+        const drop = (event: DragEvent) => {
+            if (holdsFiles(event) && event.dataTransfer) {
+                event.preventDefault(); // a browser would leave the page for the file
+                setOver(false);
+                if (!document.querySelector("dialog[open]")) {
+                    void importFiles(app, filesOf(app, event.dataTransfer));
+                }
+            }
+        };
+        addEventListener("dragover", drag);
+        addEventListener("dragleave", leave);
+        addEventListener("drop", drop);
+        return () => {
+            removeEventListener("dragover", drag);
+            removeEventListener("dragleave", leave);
+            removeEventListener("drop", drop);
+        };
+    }, []);
+    return (
+        <>
+            {over && <div class="drop-zone" aria-hidden="true"><p>Drop trees, meshes, points, scenes or pictures</p></div>}
+            <p class="import-status" role="status" hidden={underway === ""}>{underway}</p>
+        </>
+    );
+}

@@ -1,0 +1,161 @@
+// Pictures by the path tracer: what is seen in the view, with sun, sky and shadow.
+import { type Signal, signal } from "@preact/signals-core";
+import type { VNode } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import type { App } from "../../app";
+import type { Kind, ObjectName, SceneObject } from "../../protocol";
+import { CheckField, NumberField } from "../../tools/kit/fields";
+import { useValue } from "../../use";
+import { keyOf } from "../../view/shown";
+import { eyeOf, sunOptions } from "./camera";
+import { ask, Dialog, Trouble, useWork } from "./dialog";
+import { download, freeFile, listFiles, nameTrouble, withEnding, writing } from "./folder";
+import { ObjectChecks } from "./object_checks";
+import { RequestProgress } from "./progress";
+
+interface Settings {
+    width: Signal<number>;
+    height: Signal<number>;
+    samples: Signal<number>;
+    asSeen: Signal<boolean>;
+    ground: Signal<boolean>;
+    transparent: Signal<boolean>;
+    wireframe: Signal<boolean>;
+}
+
+/** What was chosen last, while the page is open; the height goes by the view when a dialog opens. */
+const kSettings: Settings = {
+    width: signal(1024),
+    height: signal(768),
+    samples: signal(32),
+    asSeen: signal(true),
+    ground: signal(true),
+    transparent: signal(false),
+    wireframe: signal(false),
+};
+
+const kDrawn: readonly Kind[] = ["skeleton", "mesh", "solid", "points"];
+
+export async function makePicture(app: App): Promise<void> {
+    const canvas = app.view.element();
+    const { width, height } = kSettings;
+    height.value = Math.max(Math.round((width.peek() * canvas.clientHeight) / Math.max(canvas.clientWidth, 1)), 16);
+    await ask<null>((end) => <PictureDialog app={app} end={() => end(null)} />);
+}
+
+/** What a picture is of at first: trees and meshes that are not hidden, or else whatever is not. */
+function drawnAtFirst(objects: readonly SceneObject[], hidden: ReadonlySet<string>): ObjectName[] {
+    const shown = objects.filter((object) => !hidden.has(keyOf(object)));
+    const trees = shown.filter(({ kind }) => kind === "skeleton" || kind === "mesh");
+    return (trees.length > 0 ? trees : shown).map(({ kind, name }) => ({ kind, name }));
+}
+
+function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
+    const all = app.store.state.peek().objects.filter(({ kind }) => kDrawn.includes(kind));
+    const [objects, setObjects] = useState<readonly ObjectName[]>(() => drawnAtFirst(all, app.store.hidden.peek()));
+    const [typed, setTyped] = useState("picture.png");
+    const [made, setMade] = useState<{ file: string; url: string } | null>(null);
+    const { busy, trouble, work } = useWork();
+    const file = withEnding(typed.trim(), ".png");
+    const wrong = objects.length === 0 ? "Choose what shall be in the picture." : nameTrouble(file);
+    const proposeName = () =>
+        work(async () => setTyped(freeFile("picture.png", new Set((await listFiles(app, ".png")).map(({ name }) => name)))));
+    useEffect(() => void proposeName(), []);
+    useEffect(() => () => (made ? URL.revokeObjectURL(made.url) : undefined), [made]);
+    const draw = () =>
+        void work(async () => {
+            const { hour, north } = app.view.display;
+            const seen = kSettings.asSeen.peek();
+            const options = { ...optionsNow(), ...(seen ? sunOptions(hour.peek(), north.peek()) : {}) };
+            const fields = { objects, camera: seen ? eyeOf(app.view.camera()) : undefined, options, file };
+            if (await writing(app, file, (overwrite) => app.engine.request("picture", { ...fields, overwrite }))) {
+                setMade({ file, url: URL.createObjectURL(await app.engine.file(file)) });
+            }
+        });
+    if (made) {
+        const again = () => {
+            setMade(null);
+            void proposeName();
+        };
+        return <MadeDialog app={app} made={made} again={again} end={end} />;
+    }
+    return (
+        <Dialog
+            title="Picture by the path tracer"
+            wide
+            close={busy ? () => app.engine.cancel() : end}
+            accept={wrong || busy ? undefined : draw}
+            buttons={
+                <>
+                    <button type="submit" class="primary" disabled={wrong !== "" || busy}>Draw</button>
+                    {busy ? (
+                        <button type="button" onClick={() => app.engine.cancel()}>Stop</button>
+                    ) : (
+                        <button type="button" onClick={end}>Cancel</button>
+                    )}
+                </>
+            }
+        >
+            <div class="file-columns">
+                <ObjectChecks all={all} chosen={objects} set={setObjects} />
+                <div>
+                    <label class="file-field">
+                        <span>File in the folder</span>
+                        <input type="text" value={typed} autofocus spellcheck={false} onInput={(event) => setTyped(event.currentTarget.value)} />
+                    </label>
+                    <NumberField label="Width" unit="px" value={kSettings.width} low={16} high={16384} step={1} />
+                    <NumberField label="Height" unit="px" value={kSettings.height} low={16} high={16384} step={1} />
+                    <NumberField label="Rays for each pixel" value={kSettings.samples} low={1} high={4096} step={1} />
+                    <CheckField label="As seen in the view; else all of it, from the front" value={kSettings.asSeen} />
+                    <CheckField label="Ground with shadow" value={kSettings.ground} />
+                    <CheckField label="Edges of the faces" value={kSettings.wireframe} />
+                    <CheckField label="Without background" value={kSettings.transparent} />
+                </div>
+            </div>
+            {busy && <RequestProgress app={app} label="Drawing the picture" />}
+            <Trouble text={wrong || trouble} />
+        </Dialog>
+    );
+}
+
+function optionsNow(): Record<string, number | boolean> {
+    const { width, height, samples, ground, transparent, wireframe } = kSettings;
+    return {
+        width: width.peek(),
+        height: height.peek(),
+        samples: samples.peek(),
+        ground: ground.peek(),
+        transparent: transparent.peek(),
+        wireframe: wireframe.peek(),
+    };
+}
+
+interface MadeProps {
+    app: App;
+    made: { file: string; url: string };
+    again(): void;
+    end(): void;
+}
+
+function MadeDialog({ app, made: { file, url }, again, end }: MadeProps): VNode {
+    const folder = useValue(app.store.folder);
+    const { trouble, work } = useWork();
+    return (
+        <Dialog
+            title={file}
+            wide
+            close={end}
+            buttons={
+                <>
+                    <button type="button" class="primary" autofocus onClick={end}>Close</button>
+                    <button type="button" onClick={() => void work(() => download(app, file))}>Download</button>
+                    <button type="button" onClick={again}>Another picture</button>
+                </>
+            }
+        >
+            <img class="made-picture" src={url} alt={`The picture ${file}`} />
+            <p class="hint">It lies in <code>{folder}</code></p>
+            <Trouble text={trouble} />
+        </Dialog>
+    );
+}

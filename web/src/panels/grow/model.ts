@@ -1,0 +1,237 @@
+// The steps from a crown to a surface: what each makes ready, by what there is and what is selected.
+import { effect, type Signal, signal, untracked } from "@preact/signals-core";
+import type { App } from "../../app";
+import type { Command, Kind, ObjectName, SceneObject, State } from "../../protocol";
+import { keyOf } from "../../view/shown";
+import { commandLine } from "../../tools/kit/words";
+import { check } from "../display/checks";
+import { kDefaults } from "../scene/defaults";
+import { Attractors } from "./attractors";
+import { Card, type CardOptions, makerOf, setShown } from "./card";
+import { Extraction } from "./extraction";
+import { GrowthWatch } from "./growing";
+import type { Balls, RadiusName } from "./balls";
+import { growthValues, rounded, tipRadius } from "./suggest";
+import type { Values } from "../../script/values";
+import { numberOf } from "./values";
+
+export type StepName = "points" | "tree" | "surface" | "scan";
+
+const kFirstCount = 2000;
+const kLook = 150; // [ms] from one look to the next whether a surface has come
+const kTipOfInternode = 1 / 20; // radius of tips over the length of segments, of trees by rules
+
+/** The selected object of a kind, else the newest that is not hidden. */
+export function objectOf(app: App, kind: Kind, name?: string): SceneObject | undefined {
+    const { objects } = app.store.state.value;
+    const selected = app.store.selection.value.object;
+    const hidden = app.store.hidden.peek();
+    const all = objects.filter((object) => object.kind === kind).sort((a, b) => b.statement - a.statement);
+    return (
+        all.find((object) => object.name === name) ??
+        all.find((object) => selected?.kind === kind && object.name === selected.name) ??
+        all.find((object) => !hidden.has(keyOf(object))) ??
+        all[0]
+    );
+}
+
+function named(object: SceneObject | undefined, what: string): Values {
+    return object ? { [what]: [object.name] } : {};
+}
+
+function pointValues(app: App, command: string, given: Values): Values {
+    const solid = objectOf(app, "solid", given.solid?.[0]);
+    if (command === "pointset near") {
+        const mesh = objectOf(app, "mesh", given.mesh?.[0]);
+        return { ...named(mesh, "mesh"), count: [String(kFirstCount)], name: [app.store.freeName("shell")] };
+    }
+    if (command === "pointset generate") {
+        const taken = solid && app.store.find("points", solid.name);
+        return { ...named(solid, "solid"), count: [String(kFirstCount)], ...(taken ? { name: [app.store.freeName("points")] } : {}) };
+    }
+    const points = objectOf(app, "points", given.points?.[0]);
+    const change: Values = command === "pointset thin" ? { percent: ["50"] } : { count: ["200"] };
+    return { ...named(points, "points"), ...named(solid, "solid"), ...change };
+}
+
+function treeValues(app: App, command: string, given: Values): Values {
+    const name = { tree: [app.store.freeName("tree")] };
+    const points = objectOf(app, "points", given.points?.[0]);
+    if (command === "sprout" || !points) {
+        return name;
+    }
+    return { ...name, points: [points.name], jitter: ["0.1"], ...growthValues(points.bounds, points.count) };
+}
+
+/** Radii and smoothing: without them a tree has no trunk to be seen. */
+export function finishing(command: Command, values: Values): string[] {
+    const tree = values.tree?.[0] ?? "";
+    const isSprouted = command.name === "sprout";
+    const tip = isSprouted ? rounded(numberOf(command, values, "internode") * kTipOfInternode) : tipRadius(numberOf(command, values, "step"));
+    const radii = commandLine(["radii", tree], { tip_radius: tip });
+    return isSprouted ? [radii] : [radii, commandLine(["tidy", tree])]; // smoothing would change the angles that rules made
+}
+
+export class GrowthModel {
+    readonly open: Signal<StepName | null> = signal("points");
+    readonly radius: Signal<RadiusName | null> = signal(null); // whose balls are shown
+    readonly growth: GrowthWatch;
+    readonly attractors: Attractors;
+    readonly points: Card;
+    readonly tree: Card;
+    readonly surface: Card;
+    readonly scan: Extraction;
+    private selected = "";
+    private begun = false; // there was something already
+
+    constructor(readonly app: App) {
+        this.growth = new GrowthWatch(app);
+        this.attractors = new Attractors(app);
+        const card = (options: Omit<CardOptions, "ran">, step: StepName) =>
+            new Card(app, { ...options, ran: (target) => this.ran(step, target) });
+        this.points = card(
+            { commands: ["pointset generate", "pointset near", "pointset thin", "pointset densify"], suggest: pointValues, shows: true },
+            "points",
+        );
+        this.tree = card(
+            {
+                commands: ["grow", "sprout"],
+                suggest: treeValues,
+                shows: true,
+                also: finishing,
+                perform: (text, bound, target) => this.growth.perform(text, bound, target),
+                stopped: () => this.growth.stopped(),
+            },
+            "tree",
+        );
+        this.surface = card(
+            { commands: ["mesh"], suggest: (_, __, given) => named(objectOf(app, "skeleton", given.tree?.[0]), "tree"), shows: false },
+            "surface",
+        );
+        this.scan = new Extraction(app, (target) => this.select(target));
+        effect(() => this.follow());
+    }
+
+    /** Shows balls as long as a field of a radius is in use; gives what ends it. */
+    showBalls(balls: Balls): () => void {
+        return effect(() => {
+            const name = this.radius.value;
+            const command = this.tree.schema;
+            const values = this.tree.values.value;
+            if (name && command?.name === "grow") {
+                balls.show(this.attractors.of(values.points?.[0]), command, values, name, this.app.store.hover.value?.point ?? null);
+            } else {
+                balls.clear();
+            }
+        });
+    }
+
+    private get cards(): Card[] {
+        return [this.points, this.tree, this.surface];
+    }
+
+    // Cards follow the document and the selection: what is selected and was made by one is changed by it.
+    private follow(): void {
+        const state = this.app.store.state.value;
+        const schema = this.app.store.schema.value;
+        const { object } = this.app.store.selection.value;
+        void kDefaults.value;
+        if (schema.length === 0 || state.running !== null || this.growth.now.peek()?.phase === "running") {
+            return;
+        }
+        untracked(() => this.followSelection(state, object));
+    }
+
+    private followSelection(state: State, object: ObjectName | null): void {
+        const schema = this.app.store.schema.peek();
+        const key = object ? keyOf(object) : "";
+        const isNew = key !== this.selected;
+        this.selected = key;
+        const found = object && this.app.store.find(object.kind, object.name);
+        const isFirst = !this.begun && state.objects.length > 0;
+        this.begun ||= isFirst;
+        for (const card of this.cards) {
+            const about = isFirst && !found ? newestMade(state, schema, card) : isNew ? found : undefined;
+            const made = about ? makerOf(state, schema, about, card.options.commands) : null;
+            if (made && !card.busy.peek()) {
+                card.endPreview();
+                card.bind(made);
+            } else if (isNew && found && card.bound.peek() && isAboutAnother(card, found)) {
+                card.renew();
+            } else {
+                card.follow(state);
+            }
+        }
+        this.scan.follow();
+        if (isNew && object) {
+            this.open.value = stepOf(object.kind, this.scan.isAbout(object));
+        }
+    }
+
+    private ran(step: StepName, target: ObjectName | null): void {
+        this.growth.end();
+        this.open.value = step;
+        if (target) {
+            this.select(target);
+        }
+        if (step === "tree") {
+            this.hide("points", this.tree.values.peek().points?.[0]);
+        } else if (step === "surface" && target) {
+            void this.finish(target, this.surface.values.peek().tree?.[0]);
+        }
+    }
+
+    // The tree makes room for its surface once that can be seen; then it is judged.
+    private async finish(target: ObjectName, tree: string | undefined): Promise<void> {
+        const { store, view } = this.app;
+        const isComing = () => store.find(target.kind, target.name) && !store.hidden.peek().has(keyOf(target)) && !view.geometry(target, "surface");
+        while (isComing()) {
+            await new Promise((resolve) => setTimeout(resolve, kLook));
+        }
+        const surface = store.find(target.kind, target.name);
+        if (surface) {
+            this.hide("skeleton", tree);
+            await check(this.app, surface);
+        }
+    }
+
+    private hide(kind: Kind, name: string | undefined): void {
+        if (name) {
+            setShown(this.app, { kind, name }, false);
+        }
+    }
+
+    private select(target: ObjectName): void {
+        this.selected = keyOf(target); // its card has it already
+        this.app.store.selection.value = { ...this.app.store.selection.peek(), object: target, nodes: [] };
+    }
+}
+
+/** Whether what is selected is other stuff for a new line than what the card changes. */
+function isAboutAnother(card: Card, object: SceneObject): boolean {
+    const inputs = card.arguments.filter(({ type }) => type === "object");
+    const takes = inputs.filter(({ kind, required }) => required && kind === object.kind);
+    return takes.some(({ name }) => card.values.peek()[name]?.[0] !== object.name);
+}
+
+/** What a card changes when the page is opened on a scene. */
+function newestMade(state: State, schema: readonly Command[], card: Card): SceneObject | undefined {
+    const made = state.objects.filter((object) => makerOf(state, schema, object, card.options.commands));
+    return made.sort((a, b) => b.statement - a.statement)[0];
+}
+
+function stepOf(kind: Kind, isScan: boolean): StepName | null {
+    if (isScan) {
+        return "scan";
+    }
+    const steps: Partial<Record<Kind, StepName>> = { solid: "points", points: "tree", skeleton: "surface", mesh: "surface" };
+    return steps[kind] ?? null;
+}
+
+const models = new WeakMap<App, GrowthModel>();
+
+export function growthModel(app: App): GrowthModel {
+    const known = models.get(app) ?? new GrowthModel(app);
+    models.set(app, known);
+    return known;
+}

@@ -1,0 +1,107 @@
+// Small pictures of skeletons, made when they come into sight and kept.
+import type { VNode } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Geometry } from "../../app";
+import { type Silhouette, silhouetteOf } from "./silhouette";
+
+const kSize = 96; // [px]
+const kMostKept = 4000;
+const kAtOnce = 4;
+
+export type Load = () => Promise<Geometry>;
+
+interface Wish {
+    key: string;
+    load: Load;
+    resolve(picture: Silhouette): void;
+    reject(error: Error): void;
+}
+
+/** Pictures by key. The newest wish is done first, since that is what is looked at. */
+class Pictures {
+    private readonly kept = new Map<string, Promise<Silhouette>>();
+    private readonly wishes: Wish[] = [];
+    private running = 0;
+
+    get(key: string, load: Load): Promise<Silhouette> {
+        const known = this.kept.get(key);
+        if (known) {
+            return known;
+        }
+        const picture = new Promise<Silhouette>((resolve, reject) => this.wishes.push({ key, load, resolve, reject }));
+        picture.catch(() => this.kept.delete(key)); // another time it may work
+        this.kept.set(key, picture);
+        if (this.kept.size > kMostKept) {
+            this.kept.delete(this.kept.keys().next().value ?? "");
+        }
+        this.next();
+        return picture;
+    }
+
+    /** Wishes that nobody has any more are left out. */
+    drop(key: string): void {
+        const at = this.wishes.findIndex((wish) => wish.key === key);
+        if (at >= 0) {
+            this.wishes.splice(at, 1);
+            this.kept.delete(key);
+        }
+    }
+
+    private next(): void {
+        const wish = this.running < kAtOnce ? this.wishes.pop() : undefined;
+        if (wish) {
+            ++this.running;
+            wish.load()
+                .then((geometry) => wish.resolve(silhouetteOf(geometry, kSize)), wish.reject)
+                .finally(() => {
+                    --this.running;
+                    this.next();
+                });
+        }
+    }
+}
+
+const pictures = new Pictures();
+
+export function Strokes({ picture }: { picture: Silhouette }): VNode {
+    return (
+        <svg class="silhouette" viewBox={`0 0 ${picture.size} ${picture.size}`} aria-hidden="true">
+            {picture.strokes.map(({ width, path }) => (
+                <path key={width} d={path} stroke-width={width} />
+            ))}
+        </svg>
+    );
+}
+
+/** A picture that is asked for when it comes into sight. */
+export function Picture({ id, load }: { id: string; load: Load }): VNode {
+    const place = useRef<HTMLDivElement>(null);
+    const [picture, setPicture] = useState<Silhouette | null>(null);
+    const [trouble, setTrouble] = useState("");
+    useEffect(() => {
+        let wanted = true;
+        setTrouble("");
+        const watch = new IntersectionObserver((entries) => {
+            if (entries.some((entry) => entry.isIntersecting)) {
+                watch.disconnect();
+                pictures.get(id, load).then(
+                    (made) => wanted && setPicture(made),
+                    (error: Error) => wanted && setTrouble(error.message),
+                );
+            }
+        });
+        if (place.current) {
+            watch.observe(place.current);
+        }
+        return () => {
+            wanted = false;
+            watch.disconnect();
+            pictures.drop(id);
+        };
+    }, [id]);
+    return (
+        <div class="picture-box" ref={place} title={trouble || undefined}>
+            {trouble ? <span class="error">no picture</span> : picture ? <Strokes picture={picture} /> : <span class="hint" aria-hidden="true">…</span>}
+        </div>
+    );
+}

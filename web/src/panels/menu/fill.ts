@@ -1,0 +1,123 @@
+// Lines of menu items: what the page puts into them before they run.
+import type { Argument, Command, Kind } from "../../protocol";
+import { bind, findCommand, kindsOf, numbersIn } from "../../script/commands";
+import { written } from "../../script/values";
+import { isComputed, readLine } from "../../script/words";
+
+export type Part =
+    | { is: "text"; text: string }
+    | { is: "new"; base: string }
+    | { is: "object" }
+    | { is: "ask"; label: string; value: string; argument?: Argument }; // the value proposed; the argument that it is for
+
+const kHole = /(?<!\$)\$\{(?:(new)\s+([A-Za-z][\w.-]*)|(object)|(ask)\s+([^,}]+?)\s*(?:,\s*([^}]*?)\s*)?)\}/g;
+
+/** A line with its holes `${new BASE}`, `${object}` and `${ask LABEL, DEFAULT}`; other `${...}` are the scene's own. */
+export function partsOf(line: string): Part[] {
+    const parts: Part[] = [];
+    let at = 0;
+    for (const match of line.matchAll(kHole)) {
+        parts.push({ is: "text", text: line.slice(at, match.index) });
+        if (match[1]) {
+            parts.push({ is: "new", base: match[2] });
+        } else if (match[3]) {
+            parts.push({ is: "object" });
+        } else {
+            parts.push({ is: "ask", label: match[5], value: match[6] ?? "" });
+        }
+        at = match.index + match[0].length;
+    }
+    parts.push({ is: "text", text: line.slice(at) });
+    return parts.filter((part) => part.is !== "text" || part.text !== "");
+}
+
+/** The argument that each part stands for, where the schema knows the command; nothing for text. */
+export function argumentsOf(schema: readonly Command[], parts: readonly Part[]): (Argument | undefined)[] {
+    const mark = (at: number) => `hole-${at}-`; // begins as a name, so that it may stand wherever one may
+    const { words } = readLine(parts.map((part, at) => (part.is === "text" ? part.text : mark(at))).join(""));
+    const found = findCommand(schema, words);
+    const bound = found ? bind(found.command, words.slice(found.used)).bound : [];
+    return parts.map((part, at) =>
+        part.is === "text" ? undefined : bound.find((one) => one.words.some(({ text }) => text.includes(mark(at))))?.argument,
+    );
+}
+
+/** The kinds of which the selected object has to be; null where the line does not ask for one. */
+export function kindsWanted(schema: readonly Command[], line: string): readonly Kind[] | null {
+    const parts = partsOf(line);
+    const found = argumentsOf(schema, parts).filter((_, at) => parts[at].is === "object");
+    const kinds = found.map((argument) => (argument ? kindsOf(argument) : null));
+    return found.length === 0 ? null : (kinds.find((some) => some !== null && some.length > 0) ?? ["solid", "path", "profile", "points", "skeleton", "mesh"]);
+}
+
+export interface Filling {
+    object: string; // name of the selected one
+    freeName(base: string): string;
+    answers: readonly string[]; // to each ${ask}, in order
+}
+
+const kQuoted = new Set<Argument["type"]>(["word", "input_file", "output_file", "properties"]);
+
+/** The line to run, and the names that it gives. The same base is the same name throughout. */
+export function filled(parts: readonly Part[], filling: Filling, schema: readonly Command[]): { line: string; made: string[] } {
+    const names = new Map<string, string>();
+    const stands = argumentsOf(schema, parts);
+    let asked = 0;
+    const words = parts.map((part, at) => {
+        switch (part.is) {
+            case "text":
+                return part.text;
+            case "object":
+                return filling.object;
+            case "new":
+                if (!names.has(part.base)) {
+                    names.set(part.base, filling.freeName(part.base));
+                }
+                return names.get(part.base);
+            case "ask": {
+                const answer = filling.answers[asked++]?.trim() ?? "";
+                const type = stands[at]?.type;
+                return type && kQuoted.has(type) ? written(answer) : answer;
+            }
+        }
+    });
+    return { line: words.join(""), made: [...names.values()] };
+}
+
+/** What is wrong with an answer; empty where nothing is that can be seen before the line runs. */
+export function answerTrouble(answer: string, argument: Argument | undefined, objects: readonly { kind: Kind; name: string }[]): string {
+    const text = answer.trim();
+    if (text === "") {
+        return "Give a value.";
+    }
+    if (!argument || isComputed(text)) {
+        return "";
+    }
+    const limits = argument.low !== undefined && argument.high !== undefined ? ` from ${argument.low} to ${argument.high}` : "";
+    const within = (value: number) => value >= (argument.low ?? -Infinity) && value <= (argument.high ?? Infinity);
+    switch (argument.type) {
+        case "number":
+            return numbersIn(text) === 1 && within(Number(text)) ? "" : `This takes a number${limits}.`;
+        case "whole":
+            return numbersIn(text) === 1 && Number.isInteger(Number(text)) && within(Number(text)) ? "" : `This takes a whole number${limits}.`;
+        case "tuple": {
+            const count = numbersIn(text.replace(/\s*,\s*|\s+/g, ","));
+            return count > 0 && (argument.sizes ?? [count]).includes(count) ? "" : `This takes ${(argument.sizes ?? []).join(" or ")} numbers with commas between them.`;
+        }
+        case "choice": {
+            const { choices = [] } = argument;
+            const meant = choices.includes(text) ? 1 : choices.filter((choice) => choice.startsWith(text)).length;
+            return meant === 1 ? "" : `This takes one of ${choices.join(", ")}.`;
+        }
+        case "flag":
+            return text === "true" || text === "false" ? "" : "This takes true or false.";
+        case "new_name":
+            return /^[A-Za-z][\w.-]{0,63}$/.test(text) ? "" : "A name is a letter, and then letters, digits, _, - and dots.";
+        case "object": {
+            const kinds = kindsOf(argument);
+            return objects.some((object) => object.name === text && kinds.includes(object.kind)) ? "" : `There is no ${kinds.length > 2 ? "object" : kinds.join(" or ")} ${text}.`;
+        }
+        default:
+            return "";
+    }
+}

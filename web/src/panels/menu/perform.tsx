@@ -1,0 +1,146 @@
+// Does what a menu item says, or tells why it cannot be done now.
+import type { App } from "../../app";
+import type { Kind, ObjectName } from "../../protocol";
+import { runLine } from "../../tools/kit/gesture";
+import { selectWhenThere } from "../files/arrival";
+import { confirm, tell } from "../files/dialog";
+import { kDefaults, setDefault } from "../scene/defaults";
+import { askAnswers } from "./ask";
+import { filled, kindsWanted, partsOf } from "./fill";
+import { type MenuItem, settingOf } from "./items";
+
+/** Why commands of the page itself can do nothing now; those that are not here always can. */
+const kNeeds: Record<string, (app: App) => string> = {
+    undo: ({ store }) => (store.state.peek().undo.length > 0 ? "" : "There is nothing to undo."),
+    redo: ({ store }) => (store.state.peek().redo.length > 0 ? "" : "There is nothing to redo."),
+    cancel: ({ store }) => (store.state.peek().running !== null ? "" : "Nothing runs."),
+    export: ({ store }) => (store.state.peek().objects.length > 0 ? "" : "There is no object to export yet."),
+    picture: ({ store }) => (store.state.peek().objects.length > 0 ? "" : "There is nothing to draw yet."),
+};
+
+const kAboutSelection = ["hide", "delete", "rename", "duplicate"];
+
+/** Why an item cannot be done now; empty where it can. */
+export function unready(app: App, item: MenuItem, hasCommand: (id: string) => boolean): string {
+    const { store } = app;
+    const { object } = store.selection.peek();
+    if (store.connection.peek() !== "ready" && item.does !== "set") {
+        return "The studio is not connected.";
+    }
+    switch (item.does) {
+        case "tool": {
+            const tool = app.tools.find(({ id }) => id === item.text);
+            return !tool ? `There is no tool ${item.text}.` : !tool.enabled || tool.enabled(app) ? "" : "Select what the tool works on first.";
+        }
+        case "page":
+            if (!hasCommand(item.text)) {
+                return `The page has no command ${item.text}.`;
+            }
+            return kAboutSelection.includes(item.text) && !object ? "Select an object first." : (kNeeds[item.text]?.(app) ?? "");
+        case "line":
+            return objectTrouble(app, item.text);
+        case "set":
+            return settingOf(item.text) ? "" : "This item should say COMMAND.ARGUMENT VALUE.";
+        case "program":
+            return !object && /\$\{(object|file\.\w+)\}/.test(item.text) ? "Select an object first." : "";
+        default:
+            return "";
+    }
+}
+
+function objectTrouble(app: App, line: string): string {
+    const kinds = kindsWanted(app.store.schema.peek(), line);
+    if (!kinds || objectFor(app, kinds)) {
+        return "";
+    }
+    return `Select ${kinds.length > 2 ? "an object" : kinds.map((kind) => (kind === "points" ? "points" : `a ${kind}`)).join(" or ")} first.`;
+}
+
+/** What an item works on: the selected object, or where that is of another kind the only one of these kinds. */
+function objectFor(app: App, kinds: readonly Kind[]): ObjectName | undefined {
+    const { object } = app.store.selection.peek();
+    const all = app.store.state.peek().objects.filter(({ kind }) => kinds.includes(kind));
+    return object && kinds.includes(object.kind) ? object : all.length === 1 ? { kind: all[0].kind, name: all[0].name } : undefined;
+}
+
+export function isChecked(item: MenuItem): boolean {
+    const setting = settingOf(item.text);
+    return setting !== null && kDefaults.peek().get(setting.key) === setting.value;
+}
+
+export function perform(app: App, item: MenuItem): void {
+    switch (item.does) {
+        case "tool":
+            app.take(item.text);
+            break;
+        case "page":
+            app.command(item.text);
+            break;
+        case "line":
+            void performLine(app, item);
+            break;
+        case "set": {
+            const setting = settingOf(item.text);
+            if (setting) {
+                setDefault(setting.key, isChecked(item) ? null : setting.value);
+            }
+            break;
+        }
+        case "program":
+            void performProgram(app, item);
+            break;
+        case "separator":
+            break;
+    }
+}
+
+async function performLine(app: App, item: MenuItem): Promise<void> {
+    const parts = partsOf(item.text);
+    const schema = app.store.schema.peek();
+    const kinds = kindsWanted(schema, item.text);
+    const about = kinds ? objectFor(app, kinds) : undefined;
+    const fill = (answers: readonly string[]) => filled(parts, { object: about?.name ?? "", freeName: app.store.freeName, answers }, schema);
+    if (!parts.some(({ is }) => is === "ask")) {
+        const { line, made } = fill([]);
+        if ((await runLine(app, line, about)) !== null) {
+            await selectMade(app, made);
+        }
+        return;
+    }
+    const made = await askAnswers(app, item.label, parts, async (answers) => {
+        const { line, made } = fill(answers);
+        const { says } = await app.engine.run(line, about);
+        if (says) {
+            app.store.say(says);
+        }
+        return made;
+    });
+    await selectMade(app, made ?? []);
+}
+
+// The next item works on what this one made.
+async function selectMade(app: App, made: readonly string[]): Promise<void> {
+    if (made.length > 0) {
+        await selectWhenThere(app, ({ name }) => name === made.at(-1));
+    }
+}
+
+const kAllowed = new Set<string>(); // programs that were started since the page was opened
+
+async function performProgram(app: App, item: MenuItem): Promise<void> {
+    const text = `The menu's item "${item.label}" starts another program:\n${item.text}`;
+    if (!kAllowed.has(item.text) && !(await confirm("Start this program?", text, "Start it"))) {
+        return;
+    }
+    kAllowed.add(item.text);
+    try {
+        app.store.say(`${item.label} runs…`);
+        const fields = { item: item.number, ...app.store.selection.peek().object };
+        const { text, status } = await app.engine.request<{ text: string; status: number | null }>("program", fields);
+        if (text.trim() || status) {
+            await tell(item.label, status ? `${text}\nIt ended with status ${status}.`.trim() : text.trim());
+        }
+    } catch (error) {
+        app.store.say((error as Error).message, "error");
+    }
+}

@@ -1,0 +1,161 @@
+// What is typed becomes the document's text when the hands rest and the line is whole. What others do to the document meanwhile
+// is taken in, and nothing that was typed is lost.
+import { signal } from "@preact/signals-core";
+import type { App } from "../../../app";
+import type { State } from "../../../protocol";
+import { difference } from "../../../script/merge";
+import { piecesOf, textOf } from "../../../script/pieces";
+import { normal, Sync } from "./sync";
+
+export interface Status {
+    kind: "same" | "typed" | "applying" | "conflict";
+    theirs: string; // lines that the document has now, of a conflict
+}
+
+/** Where it is typed. */
+export interface Typist {
+    text(): string;
+    write(text: string): void; // puts what the document has now in its place
+    isHalfTyped(): boolean; // then it is no error yet
+    changed(): void; // what is known of the document or of what is asked for
+}
+
+const kRest = 1000; // [ms] without a key after which what was typed is applied
+const kNote = 6000; // [ms]
+
+export class Applying {
+    readonly status = signal<Status>({ kind: "same", theirs: "" });
+    readonly note = signal(""); // what happened to the document from elsewhere
+
+    private readonly sync = new Sync();
+    private timer: ReturnType<typeof setTimeout> | undefined;
+    private noteTimer: ReturnType<typeof setTimeout> | undefined;
+    private known = false; // whether a document has come at all
+
+    constructor(
+        private readonly app: App,
+        private readonly typist: Typist,
+    ) {}
+
+    /** Whether something is typed that the document does not have. */
+    get isTyped(): boolean {
+        return this.sync.isTyped(this.typist.text());
+    }
+
+    /** What the engine is asked to take at the moment. */
+    get sent(): string | null {
+        return this.sync.sent;
+    }
+
+    /** Takes in what the document is now. */
+    receive(state: State): void {
+        const before = this.sync.base;
+        this.typist.write(this.sync.receive(textOf(state.statements), this.typist.text()));
+        const changed = this.sync.base !== before || this.sync.theirs !== null;
+        if (changed && this.known && state.by !== "" && state.by !== this.app.engine.client) {
+            this.say("The scene was changed in another tab.");
+        }
+        this.known = state.revision > 0;
+        if (!this.isTyped) {
+            clearTimeout(this.timer);
+        } else if (changed) {
+            this.soon();
+        }
+        this.tell();
+        this.typist.changed();
+    }
+
+    /** Something was typed, or the cursor went elsewhere. */
+    typed(): void {
+        this.tell();
+        this.soon();
+    }
+
+    soon(): void {
+        clearTimeout(this.timer);
+        if (!this.isTyped) {
+            return;
+        }
+        this.timer = setTimeout(() => {
+            if (!this.typist.isHalfTyped()) {
+                void this.apply();
+            }
+        }, kRest);
+    }
+
+    /** Makes what is typed the document's text, run to behind `count` statements, or as far as it can be. */
+    async apply(count?: number): Promise<void> {
+        clearTimeout(this.timer);
+        const text = normal(this.typist.text());
+        const { store, engine } = this.app;
+        if (!this.sync.isTyped(text) || this.sync.theirs !== null || store.connection.peek() !== "ready") {
+            return;
+        }
+        if (this.sync.sent !== null) {
+            this.hurry(text);
+            return;
+        }
+        const { revision } = store.state.peek();
+        this.sync.sent = text;
+        this.tell();
+        let again = false;
+        try {
+            await engine.request("text", { text, revision, count, name: this.nameOf(text), joins: true });
+        } catch (error) {
+            again = store.state.peek().revision !== revision; // then what is new has been taken in
+            if (!again && normal(this.typist.text()) === text) {
+                store.say((error as Error).message, "error");
+            }
+        }
+        this.sync.sent = null;
+        this.tell();
+        this.typist.changed();
+        if (again || normal(this.typist.text()) !== text) {
+            this.soon();
+        }
+    }
+
+    // A newer text waits for what runs, unless it changes that or something before it.
+    private hurry(text: string): void {
+        const { running } = this.app.store.state.peek();
+        const sent = this.sync.sent ?? "";
+        const [first] = difference(sent.split("\n"), text.split("\n"));
+        const piece = running === null ? undefined : piecesOf(sent)[running];
+        if (first && piece && first.from + 1 < piece.line + piece.text.split("\n").length) {
+            this.app.engine.cancel();
+        }
+    }
+
+    // What undo calls the change; changes of one line that follow each other are one.
+    private nameOf(text: string): string {
+        const [first] = difference(this.sync.base.split("\n"), text.split("\n"));
+        return `change in line ${(first?.from ?? 0) + 1}`;
+    }
+
+    /** Ends a conflict: where both changed the same lines, these or those are kept. */
+    settle(prefer: "mine" | "theirs"): void {
+        this.typist.write(this.sync.settle(this.typist.text(), prefer));
+        this.tell();
+        this.typist.changed();
+        void this.apply();
+    }
+
+    private say(text: string): void {
+        this.note.value = text;
+        clearTimeout(this.noteTimer);
+        this.noteTimer = setTimeout(() => {
+            this.note.value = "";
+        }, kNote);
+    }
+
+    private tell(): void {
+        const { theirs, base, sent } = this.sync;
+        const kind = theirs !== null ? "conflict" : sent !== null ? "applying" : this.isTyped ? "typed" : "same";
+        const lines = theirs === null ? [] : difference(base.split("\n"), theirs.split("\n")).flatMap((hunk) => hunk.lines);
+        const now: Status = { kind, theirs: lines.join("\n") };
+        const { kind: before, theirs: shown } = this.status.peek();
+        if (now.kind !== before || now.theirs !== shown) {
+            this.status.value = now;
+        }
+    }
+}

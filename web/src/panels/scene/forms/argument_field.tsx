@@ -1,0 +1,271 @@
+// One argument of a command as a field: its label, what it is, and the widget that suits it.
+import type { ComponentChildren, VNode } from "preact";
+import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
+import type { Argument, Kind } from "../../../protocol";
+import { defaultText, kindsOf, shortUnit, spoken, takes } from "../../../script/commands";
+import { defaultWord, type Values, wordOf } from "../../../script/values";
+import { isComputed } from "../../../script/words";
+import { type Slider, sliderOf } from "../../grow/suggest";
+import { ListField, PickList } from "./list_field";
+import { TupleField } from "./tuple_field";
+
+export interface FieldContext {
+    values: Values;
+    /** `done`: the hand has let go; before, it is only looked at. */
+    set(name: string, words: readonly string[], done: boolean): void;
+    names(kinds: readonly Kind[]): string[]; // of objects that there are
+    usual?(name: string): number | undefined; // where sliders have their middle; the default where not said
+    focus?(name: string | null): void;
+    files?(): string[]; // of the folder
+    selected?(): Promise<string | null>; // the nodes selected in the 3D view, as a selection
+}
+
+export interface Props {
+    argument: Argument;
+    context: FieldContext;
+}
+
+/** A field within its row: `id` is its label's and, with "-help", its help's. */
+export type Inner = Props & { id: string };
+
+/** Help, and what the argument takes. */
+function helpText(argument: Argument): string {
+    const text = argument.help.replace(/\.$/, "");
+    const bounded = argument.low !== undefined && ["number", "whole", "tuple"].includes(argument.type);
+    const range = bounded || argument.type === "selection" ? ` Takes ${takes(argument)}.` : "";
+    const otherwise = argument.default?.startsWith("@") ? ` Else ${defaultText(argument)}.` : "";
+    return `${text[0].toUpperCase()}${text.slice(1)}.${range}${otherwise}`;
+}
+
+function isGiven({ argument, context }: Props): boolean {
+    return (context.values[argument.name] ?? []).length > 0;
+}
+
+/** Attributes that all fields have: what is not given looks like what it is, a default. */
+export function fieldProps(props: Inner): Record<string, unknown> {
+    const { argument, id } = props;
+    return {
+        "aria-describedby": `${id}-help`,
+        "aria-required": argument.required || undefined,
+        class: isGiven(props) ? undefined : "is-default",
+    };
+}
+
+export function fits({ low, high, type }: Argument, value: number): boolean {
+    return Number.isFinite(value) && value >= (low ?? -Infinity) && value <= (high ?? Infinity) && (type !== "whole" || Number.isInteger(value));
+}
+
+/** A step that changes a number by a tenth of its size or so. */
+export function stepOf({ type }: Argument, value: number): number {
+    const size = Math.abs(value);
+    return type === "whole" ? 1 : size > 0 ? 10 ** Math.floor(Math.log10(size) - 0.3) : 0.1;
+}
+
+const kTurn = 180; // [degree]
+const kMostEven = 360; // wider ranges to both sides of 0 are for numbers alone
+
+/** A slider where it helps: angles within half a turn to both sides. */
+function sliderFor(argument: Argument, usual: number): Slider | null {
+    const { low = 0, high = 0, unit } = argument;
+    const range = unit === "degree" ? { ...argument, low: Math.max(low, -kTurn), high: Math.min(high, kTurn) } : argument;
+    return low < -1 && unit !== "degree" && high - low > kMostEven ? null : sliderOf(range, usual);
+}
+
+interface SliderProps {
+    label: string;
+    slider: Slider;
+    word: string;
+    take(value: number, done: boolean): void;
+}
+
+/** The thumb is not set while it is dragged: browsers end the drag then. */
+function SliderInput({ label, slider, word, take }: SliderProps): VNode {
+    const input = useRef<HTMLInputElement>(null);
+    const held = useRef(false);
+    useLayoutEffect(() => {
+        if (input.current && !held.current) {
+            input.current.value = String(slider.toStep(Number(word)));
+        }
+    });
+    const move = (event: Event, done: boolean) => {
+        held.current = !done;
+        take(slider.toValue((event.currentTarget as HTMLInputElement).valueAsNumber), done);
+    };
+    return (
+        <input
+            ref={input}
+            type="range"
+            aria-label={label}
+            aria-valuetext={word}
+            min={0}
+            max={slider.steps}
+            onInput={(event) => move(event, false)}
+            onChange={(event) => move(event, true)}
+        />
+    );
+}
+
+function NumberField(props: Inner): VNode {
+    const { argument, context, id } = props;
+    const word = wordOf(argument, context.values);
+    const [bad, setBad] = useState(false);
+    const [middle, setMiddle] = useState(Number(word) || Number(argument.default) || 1); // stays while the slider is dragged
+    const slider = sliderFor(argument, context.usual?.(argument.name) ?? middle);
+    const take = (value: number, done: boolean) => {
+        setBad(!fits(argument, value));
+        if (fits(argument, value)) {
+            context.set(argument.name, [String(value)], done);
+        }
+        if (done && value !== 0 && Math.abs(Math.log10(Math.abs(value / middle))) > 1) {
+            setMiddle(Math.abs(value));
+        }
+    };
+    return (
+        <>
+            {slider && <SliderInput label={`${spoken(argument.name)}, slider`} slider={slider} word={word} take={take} />}
+            <input
+                {...fieldProps(props)}
+                id={id}
+                type="number"
+                class={`${slider ? "" : "wide"} ${isGiven(props) ? "" : "is-default"}`}
+                aria-invalid={bad || undefined}
+                placeholder={argument.required ? "needed" : "none"}
+                value={word}
+                step={stepOf(argument, Number(word))}
+                onInput={(event) => event.currentTarget.value !== "" && take(event.currentTarget.valueAsNumber, false)}
+                onChange={(event) => {
+                    if (event.currentTarget.value === "") {
+                        setBad(event.currentTarget.validity.badInput);
+                        context.set(argument.name, [], true); // back to the default
+                    } else {
+                        take(event.currentTarget.valueAsNumber, true);
+                    }
+                }}
+            />
+        </>
+    );
+}
+
+function ChoiceField(props: Inner & { choices: readonly (readonly [string, string])[] }): VNode {
+    const { argument, context, id, choices } = props;
+    const word = wordOf(argument, context.values);
+    const known = choices.some(([value]) => value === word);
+    return (
+        <select
+            {...fieldProps(props)}
+            id={id}
+            class={`wide ${isGiven(props) ? "" : "is-default"}`}
+            value={word}
+            onChange={(event) => context.set(argument.name, [event.currentTarget.value], true)}
+        >
+            {!known && <option value={word}>{word === "" ? (argument.required ? "choose…" : "none") : `${word} (is not there)`}</option>}
+            {choices.map(([value, text]) => <option key={value} value={value}>{text}</option>)}
+        </select>
+    );
+}
+
+function FlagField(props: Inner): VNode {
+    const { argument, context, id } = props;
+    return (
+        <input
+            {...fieldProps(props)}
+            id={id}
+            type="checkbox"
+            checked={/^(?:true|yes|on|1)$/.test(wordOf(argument, context.values))}
+            onChange={(event) => context.set(argument.name, [String(event.currentTarget.checked)], true)}
+        />
+    );
+}
+
+function TextField(props: Inner): VNode {
+    const { argument, context, id } = props;
+    const files = argument.type.endsWith("_file") || argument.type === "properties" ? context.files?.() : undefined;
+    const take = (event: Event, done: boolean) => context.set(argument.name, [(event.currentTarget as HTMLInputElement).value.trim()], done);
+    return (
+        <>
+            <input
+                {...fieldProps(props)}
+                id={id}
+                type="text"
+                class="wide"
+                spellcheck={false}
+                autocomplete="off"
+                list={files ? `${id}-files` : undefined}
+                placeholder={argument.required ? "needed" : defaultWord(argument, context.values) || "none"}
+                value={(context.values[argument.name] ?? []).join(" ")}
+                onInput={(event) => take(event, false)}
+                onChange={(event) => take(event, true)}
+            />
+            {files && <datalist id={`${id}-files`}>{files.map((name) => <option key={name} value={name} />)}</datalist>}
+        </>
+    );
+}
+
+/** A selection of nodes: typed, or what is selected in the 3D view. */
+function SelectionField(props: Inner): VNode {
+    const { argument, context } = props;
+    const take = async () => {
+        const text = await context.selected?.();
+        if (text) {
+            context.set(argument.name, [text], true);
+        }
+    };
+    return (
+        <>
+            <TextField {...props} />
+            {context.selected && <button type="button" class="wide" onClick={() => void take()}>Take what is selected in the view</button>}
+        </>
+    );
+}
+
+function fieldOf(props: Inner): VNode {
+    const { argument, context } = props;
+    const words = context.values[argument.name] ?? [];
+    const names = () => context.names(kindsOf(argument));
+    if (argument.repeats) {
+        return argument.type === "object" ? <PickList {...props} names={names()} /> : <ListField {...props} />;
+    }
+    if (words.some(isComputed)) {
+        return <TextField {...props} />;
+    }
+    switch (argument.type) {
+        case "number":
+        case "whole":
+            return <NumberField {...props} />;
+        case "flag":
+            return <FlagField {...props} />;
+        case "choice":
+            return <ChoiceField {...props} choices={(argument.choices ?? []).map((word) => [word, word.replaceAll("_", " ")])} />;
+        case "object": {
+            const none = argument.required ? [] : [["", "none"] as const];
+            return <ChoiceField {...props} choices={[...none, ...names().map((name) => [name, name] as const)]} />;
+        }
+        case "tuple":
+            return <TupleField {...props} />;
+        case "selection":
+            return <SelectionField {...props} />;
+        default:
+            return <TextField {...props} />;
+    }
+}
+
+function Row({ argument, id, children }: { argument: Argument; id: string; children: ComponentChildren }): VNode {
+    const unit = argument.unit ? ` [${shortUnit(argument)}]` : "";
+    const single = !argument.repeats && argument.type !== "tuple";
+    return (
+        <div class="argument" title={helpText(argument)}>
+            {single ? <label for={id}>{spoken(argument.name) + unit}</label> : <span class="argument-label" id={`${id}-label`}>{spoken(argument.name) + unit}</span>}
+            {children}
+            <p class="hint" id={`${id}-help`}>{helpText(argument)}</p>
+        </div>
+    );
+}
+
+export function ArgumentField({ argument, context }: Props): VNode {
+    const id = useId();
+    return (
+        <div onFocusIn={() => context.focus?.(argument.name)} onFocusOut={() => context.focus?.(null)}>
+            <Row argument={argument} id={id}>{fieldOf({ argument, context, id })}</Row>
+        </div>
+    );
+}

@@ -1,0 +1,54 @@
+// What fields know of the page: names of objects, files of the folder, what is selected in the 3D view.
+import { signal } from "@preact/signals-core";
+import type { App } from "../../../app";
+import type { Kind } from "../../../protocol";
+import type { Values } from "../../../script/values";
+import { anchored } from "../../../tools/kit/naming";
+import type { FieldContext } from "./argument_field";
+
+const kFiles = signal<readonly string[]>([]);
+let kAsked = false;
+
+/** The files of the folder, asked for when a field first wants them, and again when a form is opened. */
+function files(app: App): string[] {
+    if (!kAsked) {
+        kAsked = true;
+        app.engine.request<{ files: { name: string }[] }>("files").then(
+            (reply) => {
+                kFiles.value = reply.files.map(({ name }) => name);
+            },
+            () => undefined, // then names are typed without help
+        );
+    }
+    return [...kFiles.value];
+}
+
+export function askFilesAgain(): void {
+    kAsked = false;
+}
+
+const kFunctions = { node: "", branch: "axis", subtree: "subtree", tree: "tree", connected: "" };
+
+/** The selection of the 3D view in words that hold when the tree is made anew; null where no nodes are selected. */
+async function selectedNodes(app: App): Promise<string | null> {
+    const { object, nodes, extent } = app.store.selection.peek();
+    if (object?.kind !== "skeleton" || nodes.length === 0) {
+        app.store.say("Select nodes or branches of a skeleton in the 3D view first.");
+        return null;
+    }
+    const text = await anchored(app, object.name, nodes);
+    return kFunctions[extent] === "" ? text : `${kFunctions[extent]}(${text})`;
+}
+
+export function fieldContext(app: App, values: Values, set: FieldContext["set"]): FieldContext {
+    return {
+        values,
+        set,
+        names: (kinds: readonly Kind[]) => {
+            const { objects } = app.store.state.value;
+            return [...new Set(kinds.flatMap((kind) => objects.filter((object) => object.kind === kind).map(({ name }) => name)))];
+        },
+        files: () => files(app),
+        selected: () => selectedNodes(app),
+    };
+}

@@ -1,0 +1,36 @@
+// The fields of a command: what has to be given and what matters first, the rest below.
+import type { VNode } from "preact";
+import type { Argument, Command } from "../../../protocol";
+import type { Values } from "../../../script/values";
+import { ArgumentField, type FieldContext } from "./argument_field";
+
+const kMostAtOnce = 7;
+
+/** The arguments that are shown at once: those needed, those given, and the first of the others. */
+export function foremost({ arguments: all }: Command, given: Values): Argument[] {
+    const wanted = all.filter((argument) => argument.required || argument.name in given);
+    const rest = all.filter((argument) => !wanted.includes(argument)).slice(0, Math.max(kMostAtOnce - wanted.length, 0));
+    return all.filter((argument) => wanted.includes(argument) || rest.includes(argument));
+}
+
+interface Props {
+    command: Command;
+    first: readonly Argument[];
+    context: FieldContext;
+}
+
+export function Fields({ command, first, context }: Props): VNode {
+    const rest = command.arguments.filter((argument) => !first.includes(argument));
+    const field = (argument: Argument) => <ArgumentField key={`${command.name}.${argument.name}`} argument={argument} context={context} />;
+    return (
+        <>
+            {first.map(field)}
+            {rest.length > 0 && (
+                <details class="all-options">
+                    <summary>{`${rest.length} more options`}</summary>
+                    {rest.map(field)}
+                </details>
+            )}
+        </>
+    );
+}

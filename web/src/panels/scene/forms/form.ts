@@ -1,0 +1,210 @@
+// A command that is being filled in: shown while it changes, and run at the end; or a statement of the document, which is written anew.
+import { signal } from "@preact/signals-core";
+import type { App } from "../../../app";
+import type { Argument, Command, Kind, ObjectName } from "../../../protocol";
+import { kindsOf } from "../../../script/commands";
+import { changedBy } from "../../../script/names";
+import { textOf } from "../../../script/pieces";
+import { type Call, lineOf, missing, type Values, withValue, wordOf } from "../../../script/values";
+import { setting } from "../../../settings";
+import { defaultsOf } from "../defaults";
+import { askFilesAgain } from "./context";
+import { suggested } from "./suggest";
+
+/** The statement that a form changes, and the object that it is about. */
+export interface Place {
+    statement: number;
+    text: string; // as it stood when it was read
+    comment: string;
+    object: ObjectName;
+    shows: boolean; // whether the new line, run behind the object, shows what the change will do
+}
+
+const kSlow = new Set(["grow", "sprout", "compose", "extract", "mesh", "polygonize"]);
+const kPatience = 250; // [ms] without a change after which a statement is written anew
+
+/** Whether a line of the command can be shown before it is run. */
+export function canShow(command: Command): boolean {
+    const files = command.arguments.some(({ type }) => type.endsWith("_file"));
+    const does = changedBy(command) !== undefined || command.arguments.some(({ type }) => type === "new_name");
+    return does && !files && !kSlow.has(command.name);
+}
+
+/** The object that a command changes. */
+export function changedObject(app: App, command: Command, values: Values): ObjectName | undefined {
+    const argument = changedBy(command);
+    const name = argument ? wordOf(argument, values) : "";
+    const said = values.kind?.[0];
+    const kinds = argument ? kindsOf(argument).filter((kind) => !said || kind === said) : [];
+    const kind = kinds.find((one: Kind) => app.store.find(one, name));
+    return kind && { kind, name };
+}
+
+export class Form {
+    readonly command = signal<Command | null>(null);
+    readonly values = signal<Values>({});
+    readonly place = signal<Place | null>(null);
+    readonly trouble = signal(""); // what the engine says against the line
+    readonly broken = signal(""); // what later lines say against the statement as it is now
+    readonly busy = signal(false);
+    readonly live = setting("form.live", true); // lines are shown while they change
+
+    private open = false; // something is shown that is not in the document
+    private again = false; // another change came while one was on its way
+    private timer: ReturnType<typeof setTimeout> | undefined;
+
+    constructor(private readonly app: App) {}
+
+    get line(): string {
+        const command = this.command.value;
+        return command ? lineOf(command, this.values.value, this.place.value?.comment) : "";
+    }
+
+    get missing(): Argument[] {
+        const command = this.command.value;
+        return command ? missing(command, this.values.value) : [];
+    }
+
+    get shows(): boolean {
+        const command = this.command.value;
+        return command !== null && this.live.value && canShow(command) && (this.place.value?.shows ?? true);
+    }
+
+    /** Begins a line of its own; without a command the form is put away. */
+    begin(command: Command | null): void {
+        this.cancel();
+        this.broken.value = "";
+        askFilesAgain();
+        this.place.value = null;
+        const given = command ? defaultsOf(command.name) : {};
+        this.values.value = command ? { ...suggested(this.app, command, given), ...given } : {};
+        this.command.value = command;
+    }
+
+    /** Begins to change a statement. */
+    change({ command, values }: Call, place: Place): void {
+        this.cancel();
+        this.broken.value = "";
+        this.place.value = place;
+        this.values.value = values;
+        this.command.value = command;
+    }
+
+    set(name: string, words: readonly string[], done: boolean): void {
+        const argument = this.command.peek()?.arguments.find((one) => one.name === name);
+        if (!argument) {
+            return;
+        }
+        this.values.value = withValue(argument, this.values.peek(), words);
+        clearTimeout(this.timer);
+        if (this.missing.length > 0) {
+            return;
+        }
+        if (this.place.peek() && (done || !this.shows)) {
+            this.timer = setTimeout(() => void this.run(), done ? 0 : kPatience);
+        } else if (this.shows) {
+            this.preview();
+        }
+    }
+
+    private preview(): void {
+        const command = this.command.peek();
+        if (!command) {
+            return;
+        }
+        this.open = true;
+        const about = this.place.peek()?.object ?? changedObject(this.app, command, this.values.peek());
+        this.app.engine.preview(this.line, about).then(
+            (shown) => {
+                this.trouble.value = shown ? "" : this.trouble.peek();
+            },
+            (error: Error) => {
+                this.trouble.value = error.message;
+            },
+        );
+    }
+
+    /** Takes back what is shown and not run. */
+    cancel(): void {
+        clearTimeout(this.timer);
+        this.trouble.value = "";
+        if (this.open) {
+            this.open = false;
+            this.app.engine.endPreview().catch(() => undefined);
+        }
+    }
+
+    /** Runs the line, or writes its statement anew. Tells whether that was done. */
+    async run(): Promise<boolean> {
+        clearTimeout(this.timer);
+        const command = this.command.peek();
+        if (!command || this.missing.length > 0) {
+            return false;
+        }
+        if (this.busy.peek()) {
+            this.again = true;
+            return false;
+        }
+        this.busy.value = true;
+        try {
+            await (this.place.peek() ? this.rewrite() : this.append(command));
+            this.trouble.value = "";
+            return true;
+        } catch (error) {
+            this.trouble.value = (error as Error).message;
+            this.takeBack();
+            return false;
+        } finally {
+            this.busy.value = false;
+            if (this.again) {
+                this.again = false;
+                void this.run();
+            }
+        }
+    }
+
+    private takeBack(): void {
+        if (this.open) {
+            this.open = false;
+            this.app.engine.endPreview().catch(() => undefined);
+        }
+    }
+
+    private async append(command: Command): Promise<void> {
+        const { engine, store } = this.app;
+        const { statement, says } = await engine.run(this.line, changedObject(this.app, command, this.values.peek()));
+        this.open = false;
+        const made = store.state.peek().objects.find((object) => object.statement === statement);
+        if (made) {
+            store.selection.value = { ...store.selection.peek(), object: { kind: made.kind, name: made.name }, nodes: [] };
+        }
+        if (says.trim() !== "") {
+            store.say(says.trim());
+        }
+    }
+
+    private async rewrite(): Promise<void> {
+        const place = this.place.peek();
+        const { statements, revision } = this.app.store.state.peek();
+        const line = this.line;
+        if (!place || line === place.text) {
+            this.takeBack();
+            return;
+        }
+        if (statements[place.statement]?.text !== place.text) {
+            throw new Error("The scene has changed meanwhile; look at the line again.");
+        }
+        const text = textOf(statements.map((one, i) => (i === place.statement ? { text: line } : one)));
+        const before = this.app.store.state.peek().error?.message;
+        this.place.value = { ...place, text: line };
+        try {
+            await this.app.engine.request("text", { text, revision, name: `parameters of ${place.object.name}`, joins: true });
+        } catch (error) {
+            this.place.value = place;
+            throw error;
+        }
+        const { error } = this.app.store.state.peek();
+        this.broken.value = error && (error.message !== before || this.broken.peek() !== "") ? `Line ${error.line}: ${error.message}` : "";
+        this.takeBack();
+    }
+}

@@ -1,0 +1,114 @@
+// What can be done with an object; each ends as a line of the scene, or as another name in all of them.
+import type { App } from "../../../app";
+import type { Kind, ObjectName } from "../../../protocol";
+import { isObjectName, renamed } from "../../../script/names";
+import { textOf } from "../../../script/pieces";
+import { runLine } from "../../../tools/kit/gesture";
+import { commandLine, kindOption } from "../../../tools/kit/words";
+import { editorOf } from "../editor/session";
+import { idOf } from "./model";
+import { askName } from "./rename";
+
+const kAll: readonly Kind[] = ["solid", "path", "profile", "points", "skeleton", "mesh"];
+
+function kindOf(app: App, object: ObjectName): { kind?: Kind } {
+    return kindOption(app.store.state.peek().objects, object, kAll);
+}
+
+export function isHidden(app: App, object: ObjectName): boolean {
+    return app.store.hidden.value.has(idOf(object));
+}
+
+export function toggleHidden(app: App, object: ObjectName): void {
+    const hidden = new Set(app.store.hidden.peek());
+    if (!hidden.delete(idOf(object))) {
+        hidden.add(idOf(object));
+    }
+    app.store.hidden.value = hidden;
+}
+
+export function select(app: App, { kind, name }: ObjectName): void {
+    const { extent } = app.store.selection.peek();
+    app.store.selection.value = { object: { kind, name }, nodes: [], extent };
+}
+
+export async function remove(app: App, object: ObjectName): Promise<void> {
+    await runLine(app, commandLine(["delete", object.name], kindOf(app, object)));
+}
+
+/** The name with the next number that no object has. */
+export function nextName(name: string, taken: (name: string) => boolean): string {
+    const [, base, digits] = /^(.*?)(\d*)$/.exec(name) ?? [name, name, ""];
+    let number = Number(digits || 1) + 1;
+    while (taken(`${base}${number}`)) {
+        ++number;
+    }
+    return `${base}${number}`;
+}
+
+export async function duplicate(app: App, object: ObjectName): Promise<void> {
+    const { objects } = app.store.state.peek();
+    const name = nextName(object.name, (one) => objects.some((other) => other.name === one));
+    if ((await runLine(app, commandLine(["copy", object.name, name], kindOf(app, object)))) !== null) {
+        select(app, { kind: object.kind, name });
+    }
+}
+
+/** What speaks against a name; empty where nothing does. */
+export function refusal(app: App, from: string, to: string): string {
+    const taken = app.store.state.peek().objects.find(({ name }) => name === to);
+    if (to === from || to === "") {
+        return "";
+    }
+    if (!isObjectName(to)) {
+        return "A name has letters, digits, _, - and . after a letter, at most 64.";
+    }
+    return taken ? `A ${taken.kind} is called ${to} already; take another name.` : "";
+}
+
+/** Puts another name into all lines that have this one. */
+export async function rename(app: App, object: ObjectName): Promise<void> {
+    await editorOf(app).document.apply();
+    const others = app.store.state.peek().objects.filter(({ name, kind }) => name === object.name && kind !== object.kind).map(({ kind }) => kind);
+    const to = await askName(object, others, (name) => refusal(app, object.name, name));
+    if (!to || to === object.name) {
+        return;
+    }
+    const { statements, revision } = app.store.state.peek();
+    const { text, lines } = renamed(app.store.schema.peek(), textOf(statements), object.name, to);
+    const made = app.store.find(object.kind, object.name)?.statement ?? -1;
+    if (!lines.has(made)) {
+        app.store.say(`The name ${object.name} is put together by a loop or a variable; change it in the scene's text.`, "warning");
+        return;
+    }
+    try {
+        await app.engine.request("text", { text, revision, name: `rename ${object.name} to ${to}` });
+        select(app, { kind: object.kind, name: to });
+    } catch (error) {
+        app.store.say((error as Error).message, "error");
+    }
+}
+
+export function showLine(app: App, object: ObjectName): void {
+    const state = app.store.state.peek();
+    const made = app.store.find(object.kind, object.name)?.statement ?? -1;
+    const line = state.statements[made]?.line;
+    if (line !== undefined) {
+        editorOf(app).goTo(line);
+    }
+}
+
+/** The same for what is selected, for the menu and shortcuts. */
+export function addObjectCommands(app: App): void {
+    const commands = { hide: toggleHidden, delete: remove, rename, duplicate, "show-line": showLine };
+    for (const [id, run] of Object.entries(commands)) {
+        app.menuCommand(id, () => {
+            const { object } = app.store.selection.peek();
+            if (object) {
+                void run(app, object);
+            } else {
+                app.store.say("Select an object first.");
+            }
+        });
+    }
+}

@@ -1,0 +1,84 @@
+// The sketch as a tool: panes with the pictures on the left, the tree beside them in the view.
+import type { VNode } from "preact";
+import type { App, Tool, ToolRun } from "../app";
+import { Beside } from "../tools/kit/beside";
+import { Tracked } from "../use";
+import { SketchForms } from "./forms";
+import { Pane } from "./pane";
+import type { Sketch } from "./model";
+import "./sketch.css";
+import { SketchWork } from "./work";
+
+// What was drawn stays when another tool is taken, until it is in the scene.
+let kept: Sketch | null = null;
+
+/** Takes the tool with a sketch that comes from elsewhere. */
+export function layOutSketch(app: App, sketch: Sketch): void {
+    app.take("select");
+    kept = sketch;
+    app.take("sketch");
+}
+
+class SketchRun implements ToolRun {
+    private readonly work: SketchWork;
+    private readonly beside: Beside;
+
+    constructor(private readonly app: App) {
+        this.work = new SketchWork(app);
+        if (kept) {
+            void this.work.layOut(kept);
+        }
+        this.beside = new Beside(app, "sketch-panes");
+        this.beside.render(<Tracked draw={() => this.panes()} />);
+    }
+
+    stop(): void {
+        kept = this.work.sketch.peek();
+        this.beside.stop();
+        this.work.stop();
+    }
+
+    // Letters that are shortcuts elsewhere would put the sketch aside.
+    key(event: KeyboardEvent): boolean {
+        return this.beside.element.contains(document.activeElement) && event.key.length === 1 && !event.ctrlKey && !event.metaKey;
+    }
+
+    status(): string {
+        const trouble = this.work.trouble.value;
+        return (
+            trouble || "Draw each branch in both views; a click chooses a stroke; Ctrl and the wheel change the width."
+        );
+    }
+
+    panel(): VNode {
+        return <SketchForms work={this.work} done={() => this.done()} leave={() => this.app.take("select")} />;
+    }
+
+    private done(): void {
+        this.app.take("select");
+        kept = null;
+    }
+
+    private panes(): VNode {
+        return (
+            <>
+                {this.work.sketch.value.views.map((view, index) => (
+                    <figure key={index} class="sketch-pane">
+                        <figcaption>{view.name}</figcaption>
+                        <Pane work={this.work} index={index} />
+                    </figure>
+                ))}
+            </>
+        );
+    }
+}
+
+export const sketchTools: Tool[] = [
+    {
+        id: "sketch",
+        label: "Sketch",
+        group: "branch",
+        help: "Draws a tree into two pictures of it or more: each branch in both, and the tree stands beside them at once.",
+        start: (app) => new SketchRun(app),
+    },
+];

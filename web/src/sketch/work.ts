@@ -1,0 +1,298 @@
+// The sketch that is worked on: its history, what the engine makes of it, and how it becomes a part of the scene.
+import { type Signal, signal } from "@preact/signals-core";
+import type { App } from "../app";
+import { runLine } from "../tools/kit/gesture";
+import { commandLine } from "../tools/kit/words";
+import {
+    canReconstruct,
+    changeView,
+    emptySketch,
+    levelIn,
+    type Pixel,
+    readSketch,
+    type Sketch,
+    type SketchView,
+    withPicture,
+    writtenSketch,
+} from "./model";
+import { SketchTree } from "./tree";
+
+export interface Fit {
+    name: string;
+    refused: string; // why; empty where the branch was found
+    length_m: number;
+    matched: number;
+}
+
+/** What the pointer is at, and where that is looked for. */
+interface Looked {
+    view: SketchView;
+    other: SketchView;
+    at: Pixel;
+}
+
+const kMostSteps = 500;
+
+export class SketchWork {
+    readonly sketch: Signal<Sketch> = signal(emptySketch());
+    readonly chosen: Signal<string | null> = signal(null);
+    readonly point = signal(-1);
+    readonly fits: Signal<readonly Fit[]> = signal([]);
+    readonly trouble = signal("");
+    readonly name = signal("tree");
+    readonly width = signal(12); // [px] of a new stroke
+    readonly line: Signal<{ view: string; points: readonly Pixel[] } | null> = signal(null);
+    readonly pictures: Signal<ReadonlyMap<string, ImageBitmap>> = signal(new Map());
+    readonly files: Signal<readonly string[]> = signal([]); // of the folder
+    readonly canUndo = signal(false);
+    readonly canRedo = signal(false);
+    private before: Sketch[] = [];
+    private after: Sketch[] = [];
+    private readonly tree: SketchTree;
+    private asked = 0;
+    private asking = false;
+    private looked: Looked | null = null;
+    private askingLine = false;
+
+    constructor(readonly app: App) {
+        this.tree = new SketchTree(app);
+        this.name.value = app.store.freeName("tree");
+        void this.list();
+    }
+
+    private async list(): Promise<void> {
+        try {
+            const { files } = await this.app.engine.request<{ files: { name: string }[] }>("files", {});
+            this.files.value = files.map(({ name }) => name);
+        } catch {
+            // then there is nothing to choose from
+        }
+    }
+
+    stop(): void {
+        ++this.asked;
+        this.lookAway();
+        this.tree.stop();
+        this.pictures.peek().forEach((picture) => picture.close());
+    }
+
+    /** Another sketch, which can be taken back; the same step while a drag goes on, where `step` is false. */
+    set(next: Sketch, step = true): void {
+        if (next === this.sketch.peek()) {
+            return;
+        }
+        if (step) {
+            this.keep();
+        }
+        this.sketch.value = next;
+    }
+
+    private keep(): void {
+        this.before = [...this.before, this.sketch.peek()].slice(-kMostSteps);
+        this.after = [];
+        this.marks();
+    }
+
+    undo(): void {
+        const last = this.before.pop();
+        if (last) {
+            this.after.push(this.sketch.peek());
+            this.sketch.value = last;
+            this.marks();
+            void this.rebuild();
+        }
+    }
+
+    redo(): void {
+        const next = this.after.pop();
+        if (next) {
+            this.before.push(this.sketch.peek());
+            this.sketch.value = next;
+            this.marks();
+            void this.rebuild();
+        }
+    }
+
+    private marks(): void {
+        this.canUndo.value = this.before.length > 0;
+        this.canRedo.value = this.after.length > 0;
+    }
+
+    /** Asks for the tree; while that is under way, the newest sketch waits. */
+    async rebuild(): Promise<void> {
+        const mine = ++this.asked;
+        if (this.asking) {
+            return;
+        }
+        const sketch = this.sketch.peek();
+        if (!canReconstruct(sketch)) {
+            this.fits.value = [];
+            this.trouble.value = "";
+            this.tree.clear();
+            return;
+        }
+        this.asking = true;
+        try {
+            const { key, branches } = await this.app.engine.request<{ key: string; branches: Fit[] }>("sketch", {
+                sketch: writtenSketch(sketch),
+            });
+            const geometry = await this.app.engine.blob(key);
+            if (mine === this.asked) {
+                this.fits.value = branches;
+                this.trouble.value = "";
+                this.tree.show(geometry);
+            }
+        } catch (error) {
+            if (mine === this.asked) {
+                this.trouble.value = (error as Error).message;
+                this.tree.clear();
+            }
+        } finally {
+            this.asking = false;
+        }
+        if (mine !== this.asked) {
+            await this.rebuild();
+        }
+    }
+
+    /** Where things that a view shows at a pixel lie in another. */
+    lookAlong(view: SketchView, at: Pixel): void {
+        const other = this.sketch.peek().views.find(({ name }) => name !== view.name);
+        if (!other) {
+            return;
+        }
+        const level = levelIn(view, other, at);
+        if (level === null) {
+            this.looked = { view, other, at };
+            void this.askLine();
+            return;
+        }
+        const points: Pixel[] = [
+            [-1e4, level],
+            [1e4, level],
+        ];
+        this.line.value = { view: other.name, points };
+    }
+
+    /** The pointer left. */
+    lookAway(): void {
+        this.looked = null;
+        this.line.value = null;
+    }
+
+    // One at a time: where the pointer went meanwhile is asked for next.
+    private async askLine(): Promise<void> {
+        if (this.askingLine) {
+            return;
+        }
+        this.askingLine = true;
+        while (this.looked) {
+            const asked = this.looked;
+            const line = await this.lineOf(asked);
+            this.line.value = this.looked && line;
+            this.looked = this.looked === asked ? null : this.looked;
+        }
+        this.askingLine = false;
+    }
+
+    private async lineOf({ view, other, at }: Looked): Promise<{ view: string; points: readonly Pixel[] } | null> {
+        try {
+            const fields = { sketch: writtenSketch(this.sketch.peek()), view: view.name, point: at, other: other.name };
+            const { line } = await this.app.engine.request<{ line: Pixel[] }>("epipolar", fields);
+            return { view: other.name, points: line };
+        } catch {
+            return null; // cameras that are not yet complete; the sketch itself says so
+        }
+    }
+
+    /** Strokes proposed by the silhouettes in the pictures. */
+    async trace(): Promise<void> {
+        try {
+            const { sketch } = await this.app.engine.request<{ sketch: Sketch }>("trace", {
+                sketch: writtenSketch({ ...this.sketch.peek(), branches: [] }),
+            });
+            await this.layOut(readSketch(JSON.stringify(sketch)));
+        } catch (error) {
+            this.app.store.say((error as Error).message, "error");
+        }
+    }
+
+    async loadPicture(image: string): Promise<ImageBitmap | null> {
+        const known = this.pictures.peek().get(image);
+        if (known) {
+            return known;
+        }
+        try {
+            const picture = await createImageBitmap(await this.app.engine.file(image));
+            this.pictures.value = new Map([...this.pictures.peek(), [image, picture]]);
+            return picture;
+        } catch (error) {
+            this.app.store.say(`The picture ${image} cannot be shown: ${(error as Error).message}`, "error");
+            return null;
+        }
+    }
+
+    /** Puts a picture of the folder under the strokes of a view. */
+    async setPicture(index: number, image: string): Promise<void> {
+        const picture = await this.loadPicture(image);
+        if (picture) {
+            this.set(changeView(this.sketch.peek(), index, withPicture(this.sketch.peek().views[index], image, picture)));
+            await this.rebuild();
+        }
+    }
+
+    /** A picture from elsewhere: it goes into the folder. */
+    async addPicture(index: number, file: File): Promise<void> {
+        try {
+            await this.list();
+            if (!this.files.peek().includes(file.name)) {
+                await this.app.engine.upload(file.name, file);
+                await this.list();
+            }
+            await this.setPicture(index, file.name);
+        } catch (error) {
+            this.app.store.say((error as Error).message, "error");
+        }
+    }
+
+    /** Shows another sketch with its pictures. */
+    async layOut(sketch: Sketch): Promise<void> {
+        this.set(sketch);
+        this.chosen.value = null;
+        await Promise.all(sketch.views.map(({ image }) => (image ? this.loadPicture(image) : null)));
+        await this.rebuild();
+    }
+
+    async open(file: string): Promise<void> {
+        try {
+            const text = await (await this.app.engine.file(file)).text();
+            this.name.value = file.replace(/^.*\//, "").replace(/\.sketch\.json$/, "");
+            await this.layOut(readSketch(text));
+        } catch (error) {
+            this.app.store.say((error as Error).message, "error");
+        }
+    }
+
+    /** Writes the sketch and runs it; where the scene has it already, it is run again. */
+    async commit(): Promise<boolean> {
+        const { engine, store } = this.app;
+        const name = this.name.peek();
+        const file = `${name}.sketch.json`;
+        const text = JSON.stringify(writtenSketch(this.sketch.peek()), null, 1);
+        try {
+            await engine.upload(file, new Blob([text], { type: "application/json" }), true);
+            const line = commandLine(["sketch", name, file]);
+            if (store.state.peek().statements.some((statement) => statement.text.trim() === line)) {
+                await engine.request("rerun", { file });
+            } else if ((await runLine(this.app, line)) === null) {
+                return false;
+            }
+        } catch (error) {
+            store.say((error as Error).message, "error");
+            return false;
+        }
+        this.tree.clear();
+        store.selection.value = { ...store.selection.peek(), object: { kind: "skeleton", name }, nodes: [] };
+        return true;
+    }
+}

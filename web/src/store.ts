@@ -1,0 +1,71 @@
+// What the page knows of the document and of what is looked at.
+import { signal } from "@preact/signals-core";
+import type { Connection, Message, Pick, Selection, Store } from "./app";
+import type { Command, State } from "./protocol";
+
+const kMostMessages = 50;
+
+export const kEmptyState: State = {
+    revision: 0,
+    by: "",
+    statements: [],
+    ran: 0,
+    running: null,
+    doing: "",
+    error: null,
+    objects: [],
+    undo: [],
+    redo: [],
+    file: "",
+    saved: true,
+    recovered: false,
+};
+
+export function createStore(): Store {
+    const state = signal<State>(kEmptyState);
+    const messages = signal<Message[]>([]);
+    const store: Store = {
+        state,
+        messages,
+        schema: signal<Command[]>([]),
+        connection: signal<Connection>("connecting"),
+        folder: signal(""),
+        progress: signal(null),
+        grown: signal(null),
+        keepsGrown: signal(false),
+        selection: signal<Selection>({ object: null, nodes: [], extent: "branch" }),
+        hover: signal<Pick | null>(null),
+        hidden: signal<ReadonlySet<string>>(new Set<string>()),
+        tool: signal("select"),
+        say(text, level = "info") {
+            messages.value = [...messages.peek(), { level, text }].slice(-kMostMessages);
+        },
+        find(kind, name) {
+            return state.peek().objects.find((object) => object.kind === kind && object.name === name);
+        },
+        freeName(base) {
+            const taken = new Set(state.peek().objects.map((object) => object.name));
+            let name = base;
+            for (let n = 2; taken.has(name); ++n) {
+                name = `${base}${n}`;
+            }
+            return name;
+        },
+    };
+    return store;
+}
+
+/** The state with the line that failed, within a block too: messages begin with it, as "tree.coppice:12: ". */
+export function placed(state: State): State {
+    const { error } = state;
+    const [, line, message] = /^[^\n]*?:(\d+): ([^]*)$/.exec(error?.message ?? "") ?? [];
+    return error && Number(line) >= error.line ? { ...state, error: { ...error, line: Number(line), message } } : state;
+}
+
+/** Forgets what of the selection no longer is. */
+export function keepSelectionTrue(store: Store): void {
+    const { object } = store.selection.peek();
+    if (object && !store.find(object.kind, object.name)) {
+        store.selection.value = { ...store.selection.peek(), object: null, nodes: [] };
+    }
+}

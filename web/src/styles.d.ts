@@ -1,0 +1,2 @@
+// The bundler gathers style sheets into app.css.
+declare module "*.css";

@@ -1,0 +1,22 @@
+// A part of the page that stands beside the 3D view, which makes room for it.
+import type { ComponentChildren } from "preact";
+import { render } from "preact";
+import type { App } from "../../app";
+
+export class Beside {
+    readonly element = document.createElement("div");
+
+    constructor(app: App, className: string) {
+        this.element.className = `beside ${className}`;
+        app.view.element().closest(".picture-frame")?.append(this.element);
+    }
+
+    render(children: ComponentChildren): void {
+        render(children, this.element);
+    }
+
+    stop(): void {
+        render(null, this.element);
+        this.element.remove();
+    }
+}

@@ -1,0 +1,76 @@
+// One gesture: the same line shown while it goes on, and run once at its end.
+import { signal } from "@preact/signals-core";
+import type { App } from "../../app";
+import type { ObjectName } from "../../protocol";
+
+export class Gesture {
+    private shown = "";
+    private readonly trouble = signal("");
+    private open = false;
+
+    constructor(
+        readonly app: App,
+        readonly about?: ObjectName,
+    ) {}
+
+    /** What the engine says against the line last shown; empty where nothing. */
+    get refusal(): string {
+        return this.trouble.value;
+    }
+
+    get line(): string {
+        return this.shown;
+    }
+
+    preview(line: string): void {
+        if (line === this.shown) {
+            return;
+        }
+        this.shown = line;
+        this.open = true;
+        this.app.engine.preview(line, this.about).then(
+            (shown) => {
+                if (shown) {
+                    this.trouble.value = "";
+                }
+            },
+            (error: Error) => {
+                this.trouble.value = error.message;
+            },
+        );
+    }
+
+    /** Runs the line; says why where that is refused. Tells the number of the statement, or null. */
+    async run(line: string): Promise<number | null> {
+        const had = this.open;
+        this.open = false;
+        this.shown = "";
+        try {
+            const { statement, says } = await this.app.engine.run(line, this.about);
+            if (says) {
+                this.app.store.say(says);
+            }
+            return statement;
+        } catch (error) {
+            this.app.store.say((error as Error).message, "error");
+            if (had) {
+                await this.app.engine.endPreview().catch(() => undefined);
+            }
+            return null;
+        }
+    }
+
+    /** Takes back what was shown. */
+    cancel(): void {
+        if (this.open) {
+            this.open = false;
+            this.shown = "";
+            this.app.engine.endPreview().catch(() => undefined);
+        }
+    }
+}
+
+/** Runs one line that needs no preview. */
+export function runLine(app: App, line: string, about?: ObjectName): Promise<number | null> {
+    return new Gesture(app, about).run(line);
+}

@@ -1,0 +1,282 @@
+// A skeleton as tools look at it: who grows from whom, and what a selection holds.
+import type { App, Geometry, Selection } from "../../app";
+import type { Point } from "../../protocol";
+import { toSegment } from "./vector";
+
+const kNone = 0xffffffff;
+
+export type Extent = Selection["extent"];
+export const kExtents: readonly Extent[] = ["node", "branch", "subtree", "tree", "connected"];
+
+/** Indices count nodes of this value; ids are what lines name. Parents come before their children. */
+export class Skeleton {
+    readonly size: number;
+    readonly children: number[][];
+    private readonly indexOf = new Map<number, number>();
+    private readonly position: ArrayLike<number>;
+    private readonly origin: Point;
+
+    constructor(
+        position: ArrayLike<number>,
+        readonly radius: ArrayLike<number>,
+        private readonly parents: ArrayLike<number>,
+        readonly ids: ArrayLike<number>,
+        origin: Point = [0, 0, 0],
+    ) {
+        this.position = position;
+        this.origin = origin;
+        this.size = radius.length;
+        this.children = Array.from({ length: this.size }, () => []);
+        for (let n = 0; n < this.size; ++n) {
+            this.indexOf.set(ids[n], n);
+            if (parents[n] !== kNone) {
+                this.children[parents[n]].push(n);
+            }
+        }
+    }
+
+    static of(geometry: Geometry): Skeleton {
+        const { position, radius, parent, id } = geometry.arrays;
+        return new Skeleton(position, radius, parent, id, geometry.header.origin);
+    }
+
+    /** -1 where no node has the id. */
+    index(id: number): number {
+        return this.indexOf.get(id) ?? -1;
+    }
+
+    at(n: number): Point {
+        const [x, y, z] = this.origin;
+        return [this.position[3 * n] + x, this.position[3 * n + 1] + y, this.position[3 * n + 2] + z];
+    }
+
+    /** -1 of a root. */
+    parent(n: number): number {
+        return this.parents[n] === kNone ? -1 : this.parents[n];
+    }
+
+    /** The child that the axis goes on with: the thickest, the first of several; -1 at a tip. */
+    leader(n: number): number {
+        let best = -1;
+        for (const child of this.children[n]) {
+            if (best < 0 || this.radius[child] > this.radius[best]) {
+                best = child;
+            }
+        }
+        return best;
+    }
+
+    /** The first node of the axis that n is on: a root, or a node that is not its parent's leader. */
+    axisStart(n: number): number {
+        for (let parent = this.parent(n); parent >= 0 && this.leader(parent) === n; parent = this.parent(n)) {
+            n = parent;
+        }
+        return n;
+    }
+
+    /** From the first node of the axis of n to its tip. */
+    axis(n: number): number[] {
+        const nodes: number[] = [];
+        for (let at = this.axisStart(n); at >= 0; at = this.leader(at)) {
+            nodes.push(at);
+        }
+        return nodes;
+    }
+
+    subtree(n: number): number[] {
+        const nodes = [n];
+        for (let i = 0; i < nodes.length; ++i) {
+            nodes.push(...this.children[nodes[i]]);
+        }
+        return nodes;
+    }
+
+    root(n: number): number {
+        for (let parent = this.parent(n); parent >= 0; parent = this.parent(n)) {
+            n = parent;
+        }
+        return n;
+    }
+
+    roots(): number[] {
+        return this.all().filter((n) => this.parent(n) < 0);
+    }
+
+    all(): number[] {
+        return Array.from({ length: this.size }, (_, n) => n);
+    }
+
+    /** The nodes of a selection: those with these ids and what their extent adds. Ids that are gone are left out. */
+    selected(ids: readonly number[], extent: Extent): number[] {
+        const nodes = new Set<number>();
+        for (const id of ids) {
+            const n = this.index(id);
+            if (n >= 0) {
+                this.extended(n, extent).forEach((other) => nodes.add(other));
+            }
+        }
+        return [...nodes];
+    }
+
+    extended(n: number, extent: Extent): number[] {
+        switch (extent) {
+            case "node":
+                return [n];
+            case "branch":
+                return this.axis(n);
+            case "subtree":
+                return this.subtree(n);
+            case "tree":
+                return this.subtree(this.root(n));
+            case "connected":
+                return this.connected(n);
+        }
+    }
+
+    /** The chain between forks and tips that n is on: what runs through nodes with one child. */
+    private connected(n: number): number[] {
+        let first = n;
+        for (let parent = this.parent(first); parent >= 0 && this.children[parent].length === 1; parent = this.parent(first)) {
+            first = parent;
+        }
+        const nodes = [first];
+        for (let at = first; this.children[at].length === 1;) {
+            at = this.children[at][0];
+            nodes.push(at);
+        }
+        return nodes;
+    }
+
+    /** Those of the nodes that do not hang, however far up, on another of them. */
+    highest(nodes: readonly number[]): number[] {
+        const among = new Set(nodes);
+        const below = new Uint8Array(this.size); // whether it or what it hangs on is among them
+        const tops: number[] = [];
+        for (let n = 0; n < this.size; ++n) {
+            const parent = this.parent(n);
+            const hangs = parent >= 0 && below[parent] === 1;
+            if (among.has(n) && !hangs) {
+                tops.push(n);
+            }
+            below[n] = hangs || among.has(n) ? 1 : 0;
+        }
+        return tops;
+    }
+
+    /** One node more along every segment that leaves the selection. */
+    grown(nodes: readonly number[]): number[] {
+        const out = new Set(nodes);
+        for (const n of nodes) {
+            if (this.parent(n) >= 0) {
+                out.add(this.parent(n));
+            }
+            this.children[n].forEach((child) => out.add(child));
+        }
+        return [...out];
+    }
+
+    /** Without those that have a neighbour outside, or no more neighbours to go to. */
+    shrunk(nodes: readonly number[]): number[] {
+        const among = new Set(nodes);
+        return nodes.filter((n) => {
+            const parent = this.parent(n);
+            const inner = this.children[n].length > 0 && this.children[n].every((child) => among.has(child));
+            return inner && (parent < 0 || among.has(parent));
+        });
+    }
+
+    /** The length of the axis from where n's segment begins to its tip. */
+    lengthFrom(n: number): number {
+        let sum = 0;
+        for (let at = n; at >= 0; at = this.leader(at)) {
+            const parent = this.parent(at);
+            if (parent >= 0) {
+                sum += Math.hypot(...[0, 1, 2].map((k) => this.position[3 * at + k] - this.position[3 * parent + k]));
+            }
+        }
+        return sum;
+    }
+
+    /** The node whose segment is nearest to a place of the picture, and where on it: 0 at its parent, 1 at the node. */
+    nearest(
+        x: number,
+        y: number,
+        toPixels: (point: Point) => [number, number, number],
+        most = Infinity,
+        but?: ReadonlySet<number>,
+    ): { node: number; share: number; far: number } | null {
+        const pixels = this.all().map((n) => toPixels(this.at(n)));
+        let best: { node: number; share: number; far: number } | null = null;
+        for (let n = 0; n < this.size; ++n) {
+            const parent = this.parent(n);
+            if (Math.abs(pixels[n][2]) > 1 || but?.has(n)) {
+                continue;
+            }
+            const from = parent >= 0 ? pixels[parent] : pixels[n];
+            const { far, share } = toSegment(x, y, from, pixels[n]);
+            if (far <= (best?.far ?? most)) {
+                best = { node: n, share, far };
+            }
+        }
+        return best;
+    }
+}
+
+interface Kept {
+    version: number;
+    geometry: Geometry;
+    skeleton: Skeleton;
+}
+
+const kept = new Map<string, Kept>();
+const fetching = new Map<string, Promise<Skeleton | null>>();
+
+/** The skeleton of a name as the view has it; null where it was not yet received. */
+export function skeletonOf(app: App, name: string): Skeleton | null {
+    const object = app.store.find("skeleton", name);
+    const geometry = app.view.geometry({ kind: "skeleton", name }, "skeleton");
+    const known = kept.get(name);
+    if (geometry && known?.geometry !== geometry) {
+        const skeleton = Skeleton.of(geometry);
+        kept.set(name, { version: geometry.header.version, geometry, skeleton });
+        return skeleton;
+    }
+    return known && object && (geometry || known.version === object.version) ? known.skeleton : null;
+}
+
+/** The same, asked of the engine where the view shows only the surface. */
+export function fetchSkeleton(app: App, name: string): Promise<Skeleton | null> {
+    const known = skeletonOf(app, name);
+    const object = app.store.find("skeleton", name);
+    if (known || !object) {
+        return Promise.resolve(known);
+    }
+    const key = `${name}:${object.version}`;
+    const under = fetching.get(key) ?? ask(app, name, object.version).finally(() => fetching.delete(key));
+    fetching.set(key, under);
+    return under;
+}
+
+async function ask(app: App, name: string, version: number): Promise<Skeleton | null> {
+    try {
+        const { key } = await app.engine.request<{ key: string }>("show", { kind: "skeleton", name, form: "axes" });
+        const geometry = await app.engine.blob(key);
+        const skeleton = Skeleton.of(geometry);
+        kept.set(name, { version, geometry, skeleton });
+        return skeleton;
+    } catch (error) {
+        app.store.say((error as Error).message, "error");
+        return null;
+    }
+}
+
+/** The first nodes of the branches that are selected, none on another; null where none are. */
+export function selectedTops(app: App): { name: string; ids: number[]; skeleton: Skeleton } | null {
+    const { object, nodes, extent } = app.store.selection.peek();
+    const skeleton = object?.kind === "skeleton" ? skeletonOf(app, object.name) : null;
+    const chosen = skeleton?.selected(nodes, extent) ?? [];
+    if (!object || !skeleton || chosen.length === 0) {
+        return null;
+    }
+    return { name: object.name, ids: skeleton.highest(chosen).map((n) => skeleton.ids[n]), skeleton };
+}

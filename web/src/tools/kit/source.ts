@@ -1,0 +1,107 @@
+// The statement that made an object, as text: its control points are read, changed and written back.
+import type { App } from "../../app";
+import type { ObjectName, State } from "../../protocol";
+import { isComputed, joined, readLine } from "../../script/words";
+
+export interface Word {
+    key: string; // of name=value; empty where it stands in order
+    text: string; // without quotes
+    raw: string; // as it stands
+}
+
+/** The words of one command, or null where it has values that a program worked out, or is a block. */
+export function wordsOf(statement: string): { words: Word[]; comment: string } | null {
+    const line = joined(statement);
+    if (/[\r\n]/.test(line.trim()) || isComputed(line)) {
+        return null;
+    }
+    const { words, comment } = readLine(line);
+    return { words: words.map(({ key, text, from, to }) => ({ key, text, raw: line.slice(from, to) })), comment: line.slice(comment) };
+}
+
+export interface Controls {
+    statement: number; // in the document
+    command: string;
+    name: string;
+    points: number[][];
+    options: Record<string, string>;
+    comment: string;
+}
+
+/** The control points of a statement `COMMAND NAME POINTS... options`; null where it is no such thing. */
+export function controlsOf(text: string, statement: number, commands: readonly string[]): Controls | null {
+    const read = wordsOf(text.trim());
+    const inOrder = read?.words.filter(({ key }) => key === "") ?? [];
+    if (!read || inOrder.length < 2 || !commands.includes(inOrder[0].text)) {
+        return null;
+    }
+    const points = inOrder.slice(2).map(({ text: point }) => point.split(",").map(Number));
+    if (points.some((point) => point.some((value) => !Number.isFinite(value)))) {
+        return null;
+    }
+    const options = Object.fromEntries(read.words.filter(({ key }) => key !== "").map(({ key, text: value }) => [key, value]));
+    return { statement, command: inOrder[0].text, name: inOrder[1].text, points, options, comment: read.comment };
+}
+
+/** The newest statement that made an object of control points. Later ones may have moved it: then there is none. */
+export function findControls(state: State, object: ObjectName, commands: readonly string[]): Controls | null {
+    const made = state.objects.find(({ kind, name }) => kind === object.kind && name === object.name)?.statement ?? -1;
+    const controls = made >= 0 ? controlsOf(state.statements[made]?.text ?? "", made, commands) : null;
+    return controls?.name === object.name ? controls : null;
+}
+
+/** The text of the document with one statement changed. Blank lines between statements stay. */
+export function documentText(state: State, changed: number, text: string): string {
+    let out = "";
+    let line = 1;
+    let grown = 0; // lines that the changed statement has more than it had
+    state.statements.forEach((statement, i) => {
+        for (; line < statement.line + grown; ++line) {
+            out += "\n";
+        }
+        const now = i === changed ? text : statement.text.replace(/\n$/, "");
+        if (i === changed) {
+            grown += now.split("\n").length - statement.text.replace(/\n$/, "").split("\n").length;
+        }
+        out += `${now}\n`;
+        line += now.split("\n").length;
+    });
+    return out;
+}
+
+/** Writes one statement anew; whatever was made of it is made again. Changes of one name are undone together where they join. Throws where that is refused. */
+export async function rewriteStatement(app: App, statement: number, text: string, name?: string, joins = name !== undefined): Promise<void> {
+    const state = app.store.state.peek();
+    await app.engine.request("text", { text: documentText(state, statement, text), revision: state.revision, name, joins });
+}
+
+interface Rewrite {
+    statement: number;
+    text: string;
+    name: string;
+    joins: boolean;
+}
+
+let waiting: Rewrite | null = null;
+let rewriting: Promise<void> | null = null;
+
+/** The same, and says why where it is refused. One at a time: while one is under way the newest waits, and what waited before is in it. */
+export function replaceStatement(app: App, rewrite: Rewrite): Promise<void> {
+    waiting = rewrite;
+    rewriting ??= rewriteAll(app).finally(() => {
+        rewriting = null;
+    });
+    return rewriting;
+}
+
+async function rewriteAll(app: App): Promise<void> {
+    for (let next = waiting; next; next = waiting) {
+        waiting = null;
+        try {
+            await rewriteStatement(app, next.statement, next.text, next.name, next.joins);
+        } catch (error) {
+            app.store.say((error as Error).message, "error");
+            await app.engine.endPreview().catch(() => undefined);
+        }
+    }
+}

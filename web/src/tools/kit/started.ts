@@ -1,0 +1,25 @@
+// Whether a tool was taken by a key: then it follows the pointer at once, as in other modellers.
+let lastKey = -1;
+
+if (typeof addEventListener === "function") {
+    addEventListener(
+        "keydown",
+        ({ key }) => {
+            lastKey = key.length === 1 && key !== " " ? performance.now() : -1; // Enter and the blank press buttons
+        },
+        { capture: true },
+    );
+    addEventListener(
+        "pointerdown",
+        () => {
+            lastKey = -1;
+        },
+        { capture: true },
+    );
+}
+
+const kJustNow = 50; // [ms]
+
+export function takenByKey(): boolean {
+    return performance.now() - lastKey < kJustNow;
+}

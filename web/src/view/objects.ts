@@ -1,0 +1,349 @@
+// The objects of the document in the picture: fetches what changed, draws what previews bring.
+import * as THREE from "three";
+import type { Engine, Geometry, Store } from "../app";
+import { EngineError } from "../app";
+import type { GeometryHeader, Kind, ObjectName, SceneObject } from "../protocol";
+import type { Range } from "./colors";
+import type { Display } from "./display";
+import { Fetcher } from "./fetcher";
+import { keyOf, type Look, Shown, type Slot } from "./shown";
+import { colorAsked, union } from "./values";
+
+const kStaleWait = 200; // [ms] that a surface may lag behind its skeleton before capsules stand for it
+const kMostFollowed = 3000; // nodes of a skeleton whose surface follows every preview
+
+const kSlotOf: Record<GeometryHeader["kind"], Slot> = {
+    surface: "surface",
+    patch: "surface",
+    skeleton: "axes",
+    points: "points",
+    curve: "curve",
+};
+
+const kSlotOfKind: Record<Kind, Slot> = {
+    solid: "surface",
+    mesh: "surface",
+    skeleton: "axes",
+    points: "points",
+    path: "curve",
+    profile: "curve",
+};
+
+interface Entry {
+    shown: Shown;
+    asked: Map<Slot, string>; // what was asked for last, and came or is on its way
+    surfaceOf: number; // version of the object whose surface is drawn
+    timer: ReturnType<typeof setTimeout> | undefined;
+}
+
+interface Order {
+    entry: Entry;
+    object: SceneObject;
+    slot: Slot;
+    fields: Record<string, unknown>; // of `show`
+    urgent: boolean;
+    then?(): void;
+}
+
+export class Objects {
+    readonly group = new THREE.Group();
+    private readonly entries = new Map<string, Entry>();
+    private readonly fetcher: Fetcher;
+    private readonly held = new Set<string>(); // shown as previews want them
+    private readonly said = new Set<string>(); // complaints
+
+    constructor(
+        private readonly store: Store,
+        engine: Engine,
+        private readonly display: Display,
+        private readonly look: () => Look,
+        private readonly changed: () => void,
+    ) {
+        this.fetcher = new Fetcher(engine);
+    }
+
+    shown(object: ObjectName): Shown | undefined {
+        return this.entries.get(keyOf(object))?.shown;
+    }
+
+    all(): Shown[] {
+        return [...this.entries.values()].map((entry) => entry.shown);
+    }
+
+    /** How far the numbers reach that the colours stand for, of all objects together. */
+    range(): Range | null {
+        const color = this.display.color.peek();
+        return this.all().reduce<Range | null>((range, shown) => union(range, shown.range(color)), null);
+    }
+
+    /** Brings the picture to what the document has. */
+    sync(): void {
+        const hidden = this.store.hidden.peek();
+        const wanted = this.store.state.peek().objects.filter((object) => !hidden.has(keyOf(object)));
+        const keys = new Set(wanted.map(keyOf));
+        for (const [key, entry] of this.entries) {
+            if (!keys.has(key) && !this.held.has(key)) {
+                this.remove(key, entry);
+            }
+        }
+        for (const object of wanted) {
+            if (!this.held.has(keyOf(object))) {
+                this.want(object);
+            }
+        }
+        this.cover();
+        this.changed();
+    }
+
+    /** What previews showed is over; the document tells what there is. */
+    settle(): void {
+        this.held.clear();
+        this.sync();
+    }
+
+    setResting(resting: boolean): void {
+        this.fetcher.setResting(resting);
+    }
+
+    get busy(): boolean {
+        return this.fetcher.busy;
+    }
+
+    /** Geometry that came by itself, by a preview or its end. */
+    receive(geometry: Geometry): void {
+        const { object, kind, seq } = geometry.header;
+        const key = keyOf(object);
+        if (this.store.hidden.peek().has(key)) {
+            return;
+        }
+        const entry = this.entry(object);
+        const slot = kSlotOf[kind];
+        const inScene = this.store.find(object.kind, object.name);
+        this.fetcher.drop(`${key}/${slot}`);
+        if (seq !== undefined) {
+            this.held.add(key);
+            entry.asked.delete(slot);
+            this.cover();
+        }
+        if (kind !== "patch") {
+            entry.shown.put(slot, geometry, this.look());
+        } else if (!entry.shown.patch(geometry, this.look())) {
+            entry.asked.delete("surface"); // of a state that the page has not
+            return;
+        }
+        if (slot === "surface" && object.kind === "skeleton") {
+            entry.surfaceOf = seq === undefined ? (inScene?.version ?? -1) : -1;
+            this.fresh(entry);
+        } else if (slot === "axes") {
+            this.lag(entry, seq === undefined ? kStaleWait : kStaleWait / 4);
+        }
+    }
+
+    /** What a preview about an object shall bring. */
+    follows(about?: ObjectName): Record<string, unknown> {
+        const entry = about && this.entries.get(keyOf(about));
+        const nodes = entry?.shown.geometries.get("axes")?.arrays.parent.length ?? Infinity;
+        if (about?.kind !== "skeleton" || this.display.skeletons.peek() !== "surface" || nodes > kMostFollowed) {
+            return {};
+        }
+        const { surface } = entry?.shown ?? {};
+        return surface?.color === "plain" ? { surface: {}, have: surface.version } : { surface: {} };
+    }
+
+    /** After a change of the settings. */
+    redraw(): void {
+        for (const { shown } of this.entries.values()) {
+            shown.redraw(this.look());
+        }
+        this.sync();
+    }
+
+    apply(): void {
+        this.cover();
+        for (const { shown } of this.entries.values()) {
+            shown.apply(this.look());
+        }
+    }
+
+    private entry(object: ObjectName): Entry {
+        const key = keyOf(object);
+        let entry = this.entries.get(key);
+        if (!entry) {
+            const shown = new Shown({ kind: object.kind, name: object.name }, this.changed);
+            entry = { shown, asked: new Map(), surfaceOf: -1, timer: undefined };
+            this.entries.set(key, entry);
+            this.group.add(shown.group);
+        }
+        return entry;
+    }
+
+    private remove(key: string, entry: Entry): void {
+        clearTimeout(entry.timer);
+        this.fetcher.drop(`${key}/`);
+        entry.shown.dispose();
+        this.entries.delete(key);
+    }
+
+    private want(object: SceneObject): void {
+        const entry = this.entry(object);
+        const slot = kSlotOfKind[object.kind];
+        const color = this.display.color.peek();
+        if (object.kind === "solid") {
+            this.order(entry, object, slot, { form: "coarse" }, true, () => this.order(entry, object, slot, { form: "fine" }, false));
+        } else if (object.kind === "skeleton") {
+            this.order(entry, object, slot, { form: "axes", color: colorAsked(color, "axes") }, true);
+            if (this.meshOf(object) && object.count > kMostFollowed) {
+                this.forget(entry, "surface"); // previews would not bring it either
+            } else {
+                this.wantSurface(entry, object);
+            }
+            if (this.display.cage.peek()) {
+                this.order(entry, object, "cage", { form: "cage" }, false);
+            } else {
+                this.forget(entry, "cage");
+            }
+        } else {
+            const form = object.kind === "mesh" ? "surface" : slot === "curve" ? "curve" : "points";
+            this.order(entry, object, slot, { form }, true);
+        }
+    }
+
+    private wantSurface(entry: Entry, object: SceneObject): void {
+        if (this.display.skeletons.peek() !== "surface") {
+            this.forget(entry, "surface");
+            return;
+        }
+        const color = colorAsked(this.display.color.peek(), "surface");
+        const { surface } = entry.shown;
+        const have = surface?.color === "plain" && color === "plain" ? { have: surface.version } : {};
+        const fields = { form: "surface", surface: {}, color, ...have };
+        if (entry.surfaceOf === object.version && surface?.color === color) {
+            entry.asked.set("surface", this.wish(object, { form: "surface", color }));
+        }
+        this.order(entry, object, "surface", fields, false);
+        if (entry.surfaceOf !== object.version) {
+            this.lag(entry, kStaleWait);
+        }
+    }
+
+    /** The mesh that was made of a skeleton as it is, where it can be seen in place of that. */
+    private meshOf(skeleton: SceneObject): SceneObject | undefined {
+        const mesh = this.store.find("mesh", skeleton.name);
+        const isSeen = this.isMadeOf(skeleton) && !this.store.hidden.peek().has(`mesh:${skeleton.name}`);
+        const isPlain = colorAsked(this.display.color.peek(), "surface") === "plain" && this.display.skeletons.peek() === "surface";
+        return isSeen && isPlain ? mesh : undefined;
+    }
+
+    // A skeleton and its mesh are the same tree: only one of them is drawn. The mesh, unless it lags behind.
+    private cover(): void {
+        for (const object of this.store.state.peek().objects) {
+            const entry = object.kind === "skeleton" ? this.entries.get(keyOf(object)) : undefined;
+            const covering = entry && this.entries.get(`mesh:${object.name}`);
+            if (entry) {
+                const mesh = this.meshOf(object);
+                const isNew = mesh !== undefined && covering?.surfaceOf === mesh.version && !this.held.has(keyOf(object));
+                const look = this.look();
+                const isShown = isNew && !covering?.shown.isTooSlow(look);
+                entry.shown.setCovered(isShown, look);
+                if (covering) {
+                    covering.shown.isWood = this.isMadeOf(object);
+                    covering.shown.setCovered(!isShown && covering.shown.isWood, look);
+                }
+            }
+        }
+    }
+
+    private isMadeOf(skeleton: SceneObject): boolean {
+        return (this.store.find("mesh", skeleton.name)?.statement ?? -1) > skeleton.statement;
+    }
+
+    private forget(entry: Entry, slot: Slot): void {
+        this.fetcher.drop(`${keyOf(entry.shown.object)}/${slot}`);
+        entry.asked.delete(slot);
+        entry.shown.drop(slot);
+        entry.surfaceOf = slot === "surface" ? -1 : entry.surfaceOf;
+    }
+
+    private wish(object: SceneObject, fields: Record<string, unknown>): string {
+        return `${object.version} ${fields.form} ${fields.color ?? ""}`;
+    }
+
+    private order(entry: Entry, object: SceneObject, slot: Slot, fields: Record<string, unknown>, urgent: boolean, then?: () => void): void {
+        const wish = this.wish(object, fields);
+        const asked = entry.asked.get(slot);
+        if (asked === wish || (fields.form === "coarse" && asked === this.wish(object, { form: "fine" }))) {
+            return;
+        }
+        entry.asked.set(slot, wish);
+        this.fetch({ entry, object, slot, fields, urgent, then });
+    }
+
+    private fetch(order: Order): void {
+        const { entry, object, slot, fields, urgent, then } = order;
+        this.fetcher.order({
+            slot: `${keyOf(object)}/${slot}`,
+            urgent,
+            fields: { kind: object.kind, name: object.name, ...fields },
+            done: (geometry) => {
+                if (geometry) {
+                    geometry.header.color = fields.color as string | undefined;
+                }
+                this.arrived(entry, object, slot, geometry);
+                then?.();
+            },
+            failed: (error) => this.failed(order, error),
+        });
+    }
+
+    private arrived(entry: Entry, object: SceneObject, slot: Slot, geometry: Geometry | null): void {
+        if (geometry?.header.kind === "patch" && !entry.shown.patch(geometry, this.look())) {
+            entry.shown.drop("surface"); // another state than that which was named; ask for the whole
+            entry.asked.delete(slot);
+            this.wantSurface(entry, object);
+            return;
+        }
+        if (geometry && geometry.header.kind !== "patch") {
+            entry.shown.put(slot, geometry, this.look());
+        }
+        if (slot === "surface") {
+            entry.surfaceOf = object.version;
+            this.fresh(entry);
+            this.cover();
+        }
+        this.changed();
+    }
+
+    private failed(order: Order, error: Error): void {
+        const { entry, object, slot, fields } = order;
+        const now = this.store.find(object.kind, object.name);
+        const isPassing = error instanceof EngineError && ["busy", "cancelled", "files"].includes(error.kind);
+        if (now?.version !== object.version || isPassing) {
+            entry.asked.delete(slot); // the next state asks again
+            return;
+        }
+        const complaint = `The ${object.kind} ${object.name} cannot be shown as wished: ${error.message}`;
+        if (!this.said.has(complaint)) {
+            this.said.add(complaint);
+            this.store.say(complaint, "warning");
+        }
+        if ((fields.color ?? "plain") !== "plain") {
+            this.fetch({ ...order, fields: { ...fields, color: "plain" } }); // better without colours than not at all
+        }
+    }
+
+    private fresh(entry: Entry): void {
+        clearTimeout(entry.timer);
+        entry.timer = undefined;
+        entry.shown.setStale(false, this.look());
+    }
+
+    // Capsules stand for the surface where that does not come soon.
+    private lag(entry: Entry, wait: number): void {
+        if (entry.shown.surface && entry.timer === undefined) {
+            entry.timer = setTimeout(() => {
+                entry.timer = undefined;
+                entry.shown.setStale(true, this.look());
+            }, wait);
+        }
+    }
+}

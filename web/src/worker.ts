@@ -1,0 +1,12 @@
+// Work on geometry that would hold up the page.
+import { triangulateQuads } from "./view/triangles";
+
+interface Job {
+    id: number;
+    quads: Uint32Array;
+}
+
+self.onmessage = (event: MessageEvent<Job>) => {
+    const index = triangulateQuads(event.data.quads);
+    self.postMessage({ id: event.data.id, index }, { transfer: [index.buffer] });
+};

@@ -1,0 +1,263 @@
+// Branches by hand: picked, bent, moved, turned, sized, drawn, thickened, pruned, cut, detached and joined, mirrored.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { after, before, test } from "node:test";
+import { drag, endBrowser, lines, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
+import {
+    assertCalm, assertDiffer, begin, button, clickAt, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, select, selection, take, untilFollows,
+} from "./hands.mjs";
+import { until } from "./user.mjs";
+
+let studio, page;
+
+before(async () => {
+    await startBrowser();
+    studio = await startStudio();
+    page = await openFront(studio);
+});
+
+after(async () => {
+    await endBrowser();
+    await studio?.end();
+});
+
+const kOnRight = [0.9, 0, 1.72]; // on the segment that leads to node 20
+async function nodesOf(name) {
+    await settled(page);
+    return page.evaluate((tree) => {
+        const { arrays, header } = globalThis.coppice.view.geometry({ kind: "skeleton", name: tree }, "skeleton");
+        return Array.from(arrays.id, (id, n) => ({ id, radius: arrays.radius[n], at: [0, 1, 2].map((k) => arrays.position[3 * n + k] + header.origin[k]) }));
+    }, name);
+}
+const node = async (id) => (await nodesOf("tree")).find((one) => one.id === id);
+const selected = () => page.evaluate(() => globalThis.coppice.hand.run.value.status());
+
+test("branches glow under the pointer and are picked whole, in part, and with all on them", async () => {
+    await begin(page, ...kTree);
+    const plain = await picture(page);
+    await moveTo(page, kOnRight);
+    await until(page, "the pointer finds node 20", () => globalThis.coppice.store.hover.value?.node === 20);
+    assertDiffer(await picture(page), plain, "the branch glows");
+    await clickAt(page, kOnRight);
+    assert.deepEqual(await selection(page), { object: { kind: "skeleton", name: "tree" }, nodes: [20], extent: "branch" });
+    const counts = [["1", 1], ["2", 3], ["3", 2], ["4", 25], ["5", 3]]; // node, branch, subtree, tree, from fork to fork
+    for (const [key, count] of counts) {
+        await page.keyboard.press(key);
+        assert.match(await selected(), new RegExp(`: ${count} nodes? selected`), `key ${key}`);
+    }
+    await page.keyboard.press("2");
+    await page.keyboard.down("Shift");
+    await clickAt(page, [-0.9, 0, 2.54]); // node 23
+    await page.keyboard.up("Shift");
+    assert.deepEqual((await selection(page)).nodes, [20, 23], "Shift adds");
+    await page.keyboard.press("Escape");
+    assert.equal((await selection(page)).object, null);
+
+    await page.keyboard.press("b");
+    await dragIn(page, [[0.4, 0, 1.2], [1.7, 0, 2.2]]);
+    await until(page, "the box holds the branch", () => globalThis.coppice.store.selection.value.nodes.length === 3);
+    assert.deepEqual((await selection(page)).nodes.sort(), [19, 20, 21]);
+    await assertCalm(page);
+});
+
+test("a branch bends to the hand, its surface with it, and back by undo", async () => {
+    await begin(page, ...kTree);
+    const straight = await picture(page);
+    await take(page, "Branches", "Bend");
+    await dragIn(page, [kOnRight, [0.9, 0, 1.32]], { during: () => untilFollows(page, "skeleton", "tree", "the surface of the tree follows the hand") });
+    const line = await lastLine(page, /^edit bend tree at\(/);
+    near(numbers(line, "towards"), [0, 0, -1], 0.05, line);
+    near((await node(20)).at, [1, 0, 1.4], 0.2, "what was held is where it was let go");
+    assert.deepEqual((await selection(page)).nodes, [20], "what is dragged is selected");
+    assertDiffer(await picture(page), straight, "the branch is elsewhere");
+    await page.keyboard.press("Control+z");
+    await until(page, "undo", () => globalThis.coppice.store.state.peek().statements.length === 3);
+    await settled(page);
+    near((await node(20)).at, [1, 0, 1.8], 1e-4, "undo brings it back");
+    await page.keyboard.press("Control+y");
+    assert.equal(await lastLine(page, /^edit bend/), line, "redo is the same line");
+
+    await field(page, "Angle [°]").fill("20");
+    await page.locator(".tool-panel").getByRole("button", { name: "Z", exact: true }).click();
+    await button(page, "Apply").click();
+    assert.match(await lastLine(page, / 20 towards=/), /^edit bend tree at\(\S+\) 20 towards=0,0,1$/);
+    await assertCalm(page);
+});
+
+test("a node moves, and as much of its axis follows as the wheel says", async () => {
+    await begin(page, ...kTree);
+    await take(page, "Branches", "Reshape");
+    await dragIn(page, [kOnRight, [0.9, 0, 2.12]], { during: () => untilFollows(page, "skeleton", "tree") });
+    near(numbers(await lastLine(page, /^edit move tree /), "by"), [0, 0, 0.4], 0.02, "the node went with the hand");
+    await page.mouse.wheel(0, -100);
+    const [from, to] = [(await node(19)).at, (await node(20)).at];
+    const on = to.map((value, k) => from[k] + 0.8 * (value - from[k]));
+    await dragIn(page, [on, [on[0], 0, on[2] - 0.2]]);
+    assert.ok(numbers(await lastLine(page, /^edit move tree .*reach=/), "reach")[0] > 0);
+    await field(page, "Reach, 0 = whole axis [m]").fill("0");
+    await assertCalm(page);
+});
+
+test("branches move, turn and grow by handles and typed numbers", async () => {
+    await begin(page, ...kTree);
+    await select(page, "skeleton", "tree", [19], "subtree");
+    await settled(page);
+    await take(page, "View", "Move");
+    await page.keyboard.type("0.1,0,0.25");
+    await page.keyboard.press("Enter");
+    assert.match(await lastLine(page, /^edit translate/), /^edit translate tree at\(\S+\) 0\.1 0 0\.25$/);
+    await take(page, "View", "Turn");
+    await page.keyboard.press("y");
+    await page.keyboard.type("30");
+    await untilFollows(page, "skeleton", "tree");
+    await page.keyboard.press("Enter");
+    assert.match(await lastLine(page, /^edit rotate/), /^edit rotate tree at\(\S+\) 30 axis=0,1,0$/);
+    await take(page, "View", "Size");
+    await page.keyboard.type(".5");
+    await page.keyboard.press("Enter");
+    assert.match(await lastLine(page, /^edit scale/), /^edit scale tree at\(\S+\) 0\.5$/);
+    await page.keyboard.press("Escape");
+
+    await select(page, "skeleton", "tree", [22], "subtree");
+    await page.keyboard.press("g"); // follows the pointer at once
+    const from = await placeOf(page, [-1, 0, 1]);
+    const to = await placeOf(page, [-1, 0, 1.3]);
+    await page.mouse.move(from.x, from.y);
+    await page.mouse.move(to.x, to.y, { steps: 4 });
+    await page.mouse.down();
+    await page.mouse.up();
+    near((await lastLine(page, /^edit translate .* 0 0\.3/)).split(" ").slice(-3).map(Number), [0, 0, 0.3], 0.02, "as far as the pointer went");
+    await assertCalm(page);
+});
+
+test("the wheel and a drag sideways make branches thicker and thinner", async () => {
+    await begin(page, ...kTree);
+    const before = (await node(20)).radius;
+    await take(page, "Branches", "Radius");
+    const { x, y } = await placeOf(page, kOnRight);
+    await page.mouse.move(x, y);
+    await page.mouse.wheel(0, -300);
+    await untilFollows(page, "skeleton", "tree");
+    const factor = numbers(await lastLine(page, /^edit thicken tree axis\(/), 4)[0];
+    assert.ok(factor > 1.05, `a turn up is thicker: ${factor}`);
+    near([(await node(20)).radius], [before * factor], before * 0.01, "as thick as it says");
+    await dragIn(page, [kOnRight, [0.6, 0, 1.72]]);
+    assert.ok(numbers(await lastLine(page, /^edit thicken tree axis\(\S+\) 0\./), 4)[0] < 1, "to the left is thinner");
+    await assertCalm(page);
+});
+
+test("a branch is drawn from the axis under the pen; beside trees a stem of its own", async () => {
+    await begin(page, ...kTree);
+    const before = await picture(page);
+    await take(page, "Branches", "Draw");
+    await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]], { during: () => untilFollows(page, "skeleton", "tree") });
+    const line = await lastLine(page, /^edit draw tree /);
+    near(numbers(line, 3), [0, 0, 2.5], 0.05, "it begins on the stem");
+    const points = line.split(" ").slice(3).map((word) => word.split(",").map(Number));
+    near(points.at(-1), [0.7, 0, 2.9], 0.1, "and ends where the pen was lifted, at the depth of the branches around");
+    assertDiffer(await picture(page), before, "a branch more is drawn");
+    await dragIn(page, [[1.4, 0, 0.1], [1.4, 0, 0.5], [1.5, 0, 1]]);
+    assert.match(await lastLine(page, /^limb /), /^limb tree2 /);
+    await assertCalm(page);
+});
+
+test("the prune brush takes the tips that it passes", async () => {
+    await begin(page, ...kTree);
+    const whole = await picture(page);
+    await take(page, "Branches", "Prune");
+    await dragIn(page, [[1.5, 0, 2.3], [1.5, 0, 1.8]], { during: () => untilFollows(page, "skeleton", "tree"), steps: 1 });
+    await lastLine(page, /^edit delete tree at\(/);
+    assert.equal(await node(21), undefined, "the tip is gone");
+    assert.equal((await nodesOf("tree")).length, 24, "and nothing else");
+    assertDiffer(await picture(page), whole, "the branch is shorter", 10);
+    await assertCalm(page);
+});
+
+test("branches are cut off, detached and moved away, and joined again", async () => {
+    await begin(page, ...kTree);
+    await take(page, "Branches", "Cut");
+    const whole = await picture(page);
+    await moveTo(page, [-0.4, 0, 2.24]);
+    await until(page, "what would go is told", () => globalThis.coppice.hand.run.value.status().includes("will be cut off"));
+    await clickAt(page, [-0.4, 0, 2.24]);
+    await lastLine(page, /^edit delete tree /);
+    assert.equal(await node(24), undefined);
+    assertDiffer(await picture(page), whole, "the branch is gone");
+
+    await take(page, "Branches", "Detach");
+    await clickAt(page, [0.4, 0, 1.32]);
+    await lastLine(page, /^edit detach tree /);
+    await select(page, "skeleton", "tree", [20], "tree");
+    await settled(page);
+    await take(page, "View", "Move");
+    await page.keyboard.type("0.3,0,0");
+    await page.keyboard.press("Enter");
+    await lastLine(page, /^edit translate tree /);
+    near((await node(18)).at, [0, 0, 3], 1e-4, "the stem stays");
+    near((await node(21)).at, [1.8, 0, 2], 1e-3, "the branch went");
+
+    await take(page, "Branches", "Graft");
+    await dragIn(page, [[0.8, 0, 1.4], [0, 0, 2.5]]);
+    assert.match(await lastLine(page, /^edit graft tree /), /^edit graft tree at\(/);
+    await assertCalm(page);
+});
+
+test("branches are mirrored, straightened and smoothed; undo and redo lead through all of it", async () => {
+    await begin(page, ...kTree);
+    await select(page, "skeleton", "tree", [19], "subtree");
+    await settled(page);
+    await take(page, "Branches", "Mirror");
+    await page.keyboard.press("x");
+    await page.keyboard.press("Enter");
+    assert.match(await lastLine(page, /^edit mirror/), / normal=1,0,0$/);
+    near((await node(21)).at, [-1.5, 0, 2], 1e-3, "the other way round");
+    for (const [label, pattern] of [["Straighten", /^edit straighten tree \S+ amount=1$/], ["Smooth", /^edit smooth tree axis\(\S+\) passes=4$/], ["Taper", /^edit taper tree /]]) {
+        await take(page, "Branches", label);
+        await page.keyboard.press("Enter");
+        await lastLine(page, pattern);
+    }
+    const all = await lines(page);
+    assert.equal(all.length, 7);
+    const final = await picture(page);
+    for (let i = 0; i < 4; ++i) {
+        await page.keyboard.press("Control+z");
+    }
+    await until(page, "four steps back", () => globalThis.coppice.store.state.peek().statements.length === 3);
+    for (let i = 0; i < 4; ++i) {
+        await page.keyboard.press("Control+y");
+    }
+    await until(page, "and forth", () => globalThis.coppice.store.state.peek().statements.length === 7);
+    assert.deepEqual(await lines(page), all);
+    await settled(page);
+    const again = await picture(page);
+    assert.ok(Buffer.compare(final.data, again.data) === 0, "the picture is the same, bit for bit");
+    await assertCalm(page);
+});
+
+test("a tree of others is worked on like one's own", async () => {
+    await studio.write("oak.swc", await readFile(new URL("../../../examples/oak.swc", import.meta.url)));
+    await begin(page, "loadtree tree oak.swc");
+    await page.evaluate(() => globalThis.coppice.view.frame());
+    await settled(page);
+    const before = await picture(page);
+    await take(page, "Branches", "Bend");
+    // A branch that nothing hides: the one that is picked where one of its nodes lies in the picture.
+    const found = await page.evaluate(() => {
+        const { view } = globalThis.coppice;
+        const { arrays, header } = view.geometry({ kind: "skeleton", name: "tree" }, "skeleton");
+        for (let n = 40; n < arrays.id.length; ++n) {
+            const at = [0, 1, 2].map((k) => arrays.position[3 * n + k] + header.origin[k]);
+            const [x, y] = view.toPixels(at);
+            if (x > 400 && arrays.order[n] === 1 && view.pick(x, y)?.node === arrays.id[n]) {
+                return at;
+            }
+        }
+        return null;
+    });
+    assert.ok(found, "some branch is seen");
+    const { x, y } = await placeOf(page, found);
+    await drag(page, [{ x, y }, { x: x + 20, y: y + 40 }], 5);
+    await lastLine(page, /^edit bend tree at\(/);
+    assertDiffer(await picture(page), before, "the oak is bent", 20);
+    await assertCalm(page);
+});

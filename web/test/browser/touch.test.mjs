@@ -1,0 +1,170 @@
+// By fingers: the picture is turned, moved and neared, things are picked, placed, bent and drawn.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { endBrowser, lines, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
+import { down, drag, lead, pinch, tapAt, up } from "./fingers.mjs";
+import { assertCalm, assertDiffer, begin, field, held, kTree, lastLine, near, numbers, openFront, picture, selection, untilFollows } from "./hands.mjs";
+import { until } from "./user.mjs";
+
+let studio, page;
+
+before(async () => {
+    await startBrowser();
+    studio = await startStudio();
+    page = await openFront(studio, { hasTouch: true, viewport: { width: 1280, height: 760 } });
+    await page.evaluate(() => {
+        globalThis.pointers = new Set();
+        addEventListener("pointerdown", (event) => globalThis.pointers.add(event.pointerType), true);
+    });
+});
+
+after(async () => {
+    await endBrowser();
+    await studio?.end();
+});
+
+const kOnRight = [0.9, 0, 1.72]; // on the segment that leads to node 20
+const places = (...points) => Promise.all(points.map((point) => placeOf(page, point)));
+const dragIn = async (points, options) => drag(page, await places(...points), options);
+const tapIn = async (point) => tapAt(page, await placeOf(page, point));
+const pose = () => page.evaluate(() => {
+    const { yaw, pitch, distance } = globalThis.coppice.view.rig.pose;
+    return { yaw, pitch, distance };
+});
+
+/** Takes a tool by taps. */
+async function take(group, label) {
+    const heading = page.locator(".tool-heading", { hasText: group });
+    if ((await heading.getAttribute("aria-expanded")) === "false") {
+        await heading.tap();
+    }
+    await page.getByRole("group", { name: group, exact: true }).getByRole("button", { name: label, exact: true }).tap();
+    await settled(page);
+}
+
+function nearPlace(found, wanted, what) {
+    near([found.x, found.y], [wanted.x, wanted.y], 3, what);
+}
+
+test("one finger turns the picture, two move and near it", async () => {
+    await begin(page, ...kTree);
+    const before = await pose();
+    const { x, y } = await placeOf(page, [0.5, 0, 0.6]); // beside the tree
+    await drag(page, [{ x, y }, { x: x + 100, y: y + 30 }]);
+    const turned = await pose();
+    assert.ok(Math.abs(turned.yaw - before.yaw) > 0.3 && turned.pitch > before.pitch + 0.1, `it turned: ${JSON.stringify([before, turned])}`);
+    assert.equal(turned.distance, before.distance, "and came no nearer");
+
+    await begin(page, ...kTree);
+    const [low, high] = await places([0.6, 0, 0.9], [0.6, 0, 2.1]);
+    const aside = ({ x, y }) => ({ x: x - 60, y: y + 40 });
+    const [tip] = await places([1.5, 0, 2]);
+    await pinch(page, [low, high], [aside(low), aside(high)]);
+    nearPlace(await placeOf(page, [1.5, 0, 2]), aside(tip), "what is seen goes with the fingers");
+    assert.deepEqual(await pose(), before, "the eye only moves");
+
+    await begin(page, ...kTree);
+    const nearer = await picture(page);
+    const middle = { x: (low.x + high.x) / 2, y: (low.y + high.y) / 2 };
+    const apart = (share) => [low, high].map(({ x, y }) => ({ x: middle.x + (x - middle.x) * share, y: middle.y + (y - middle.y) * share }));
+    await pinch(page, [low, high], apart(1.6));
+    nearPlace(await placeOf(page, [0.6, 0, 1.5]), middle, "what lies between the fingers stays there");
+    for (const [n, point] of [[0.6, 0, 0.9], [0.6, 0, 2.1]].entries()) {
+        nearPlace(await placeOf(page, point), apart(1.6)[n], "and what lies under them goes with them");
+    }
+    assertDiffer(await picture(page), nearer, "the tree is larger");
+    await pinch(page, apart(1.6), [low, high]);
+    near([(await pose()).distance], [before.distance], before.distance * 0.02, "and back");
+    assert.deepEqual(await lines(page), kTree, "nothing was done to the tree");
+    await assertCalm(page);
+});
+
+test("a tap picks, a long press shows what is there, and a tap beside everything puts it down", async () => {
+    await begin(page, ...kTree);
+    await tapIn(kOnRight);
+    assert.deepEqual(await selection(page), { object: { kind: "skeleton", name: "tree" }, nodes: [20], extent: "branch" });
+    await tapIn([-1.6, 0, 1]);
+    assert.equal((await selection(page)).object, null);
+    await down(page, await placeOf(page, [-0.9, 0, 2.54]));
+    await until(page, "the finger that rests finds node 23", () => globalThis.coppice.store.hover.value?.node === 23);
+    await up(page);
+    assert.equal((await selection(page)).object, null, "looking is not picking");
+    await assertCalm(page);
+});
+
+test("solids are placed and moved by a finger, and taken back by the button above", async () => {
+    await begin(page);
+    await page.evaluate(() => globalThis.coppice.view.look("top"));
+    await take("Crown", "Place");
+    await dragIn([[0.4, 0, 0], [0.9, 0, 0]], { during: () => untilFollows(page, "solid", "ball") });
+    const line = await lastLine(page, /^sphere /);
+    near(numbers(line, "center"), [0.4, 0, 0], 0.02, line);
+    near(numbers(line, "radius"), [0.5], 0.02, line);
+    await field(page, "Shape").selectOption("box");
+    await dragIn([[-0.8, 0.5, 0], [-0.5, 0.5, 0]]);
+    const box = await lastLine(page, /^box /);
+    near(numbers(box, "high"), [-0.53, 0.77, 0.57], 0.05, `as high as it is wide, since fingers do not hover: ${box}`);
+
+    await take("View", "Move");
+    const reach = await page.evaluate(() => 70 * globalThis.coppice.view.pixelSize([-0.8, 0.5, 0.3]));
+    await dragIn([[-0.8 + reach, 0.5, 0.3], [-0.3 + reach, 0.9, 0.3]]);
+    near((await lastLine(page, /^translate box /)).split(" ").slice(2).map(Number), [0.5, 0, 0], 0.03, "along the arrow alone");
+    const undo = page.getByRole("button", { name: /^Undo/ });
+    await undo.tap();
+    await undo.tap();
+    await until(page, "two steps back", () => globalThis.coppice.store.state.peek().statements.length === 1);
+    await page.getByRole("button", { name: /^Redo/ }).tap();
+    assert.equal(await lastLine(page, /^box /), box, "and one forth");
+    await assertCalm(page);
+});
+
+test("branches are bent and drawn by a finger; a second one moves the picture instead", async () => {
+    await begin(page, ...kTree);
+    await take("Branches", "Bend");
+    await dragIn([kOnRight, [0.9, 0, 1.32]], { during: () => untilFollows(page, "skeleton", "tree", "the surface follows the finger") });
+    near(numbers(await lastLine(page, /^edit bend tree at\(/), "towards"), [0, 0, -1], 0.05, "down");
+
+    await take("Branches", "Draw");
+    await dragIn([[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]], { during: () => untilFollows(page, "skeleton", "tree") });
+    const line = await lastLine(page, /^edit draw tree /);
+    near(numbers(line, 3), [0, 0, 2.5], 0.05, "it begins on the stem");
+    near(line.split(" ").at(-1).split(",").map(Number), [0.7, 0, 2.9], 0.1, "and ends where the finger was lifted");
+
+    const all = await lines(page);
+    const before = await pose();
+    const from = await places([0, 0, 1.5], [1, 0, 1.5]);
+    const to = await places([-0.3, 0, 1.5], [1.3, 0, 1.5]);
+    await down(page, from[0]);
+    await lead(page, [from[0]], [{ x: from[0].x, y: from[0].y - 40 }]);
+    await down(page, { x: from[0].x, y: from[0].y - 40 }, from[1]);
+    await lead(page, [{ x: from[0].x, y: from[0].y - 40 }, from[1]], to);
+    await up(page);
+    await settled(page);
+    assert.deepEqual(await lines(page), all, "what the first finger had begun is taken back");
+    assert.ok((await pose()).distance < before.distance * 0.8, "the picture came nearer");
+    assert.equal(await held(page), "draw", "and the tool is still in hand");
+    await assertCalm(page);
+});
+
+test("handles of a section, menus and lists work by taps", async () => {
+    await begin(page, "sphere crown radius=0.8 center=0,0,1.5");
+    await page.locator(".menu-title", { hasText: /^Crown$/ }).tap();
+    await page.locator(".menu-item", { hasText: "Ball of 2 m" }).tap();
+    await lastLine(page, /^sphere crown2 radius=2/);
+    await page.getByRole("treeitem", { name: /^crown2/ }).tap();
+    assert.deepEqual((await selection(page)).object, { kind: "solid", name: "crown2" });
+    await page.evaluate(() => {
+        globalThis.coppice.view.display.section.value = { on: true, axis: "x", at: 0, flipped: false };
+    });
+    await page.getByRole("button", { name: "Frame", exact: true }).tap();
+    await settled(page);
+    const handle = await page.evaluate(() => globalThis.coppice.view.section.middle.toArray());
+    await dragIn([handle, [handle[0] + 0.4, handle[1], handle[2]]]);
+    near([await page.evaluate(() => globalThis.coppice.view.display.section.value.at)], [0.4], 0.03, "the section went with the finger");
+    await page.evaluate(() => {
+        const { section } = globalThis.coppice.view.display;
+        section.value = { ...section.value, on: false };
+    });
+    assert.deepEqual(await page.evaluate(() => [...globalThis.pointers]), ["touch"], "no mouse was used");
+    await assertCalm(page);
+});

@@ -1,0 +1,123 @@
+// What users do at the page, what they wait for, and who judges the files that they get.
+import assert from "node:assert/strict";
+import { execFile } from "node:child_process";
+import { readFile } from "node:fs/promises";
+import { join } from "node:path";
+
+const kPatience = 30_000; // [ms]: machines may be slow; nothing is waited for longer than it takes
+
+/** What the document is, for messages. */
+async function told(page) {
+    return page.evaluate(() => {
+        const { state, messages, connection } = globalThis.coppice.store;
+        const { statements, ran, running, error, objects } = state.peek();
+        const lines = statements.map(({ text }) => text);
+        return JSON.stringify({ lines, ran, running, error, objects: objects.map(({ kind, name }) => `${kind} ${name}`), messages: messages.peek(), connection: connection.peek() });
+    });
+}
+
+/** Waits until something is so in the page, and says what was waited for where it never is. */
+export async function until(page, what, isSo, argument, timeout = kPatience) {
+    try {
+        await page.waitForFunction(isSo, argument, { timeout });
+    } catch (error) {
+        throw new Error(`Waited in vain until ${what}. The page has ${await told(page)} (${error.message.split("\n", 1)[0]})`);
+    }
+}
+
+/** Waits until the document has these lines, and they have run as far as they can. */
+export async function untilLines(page, lines) {
+    const isSo = (wanted) => {
+        const { statements, ran, running, error } = globalThis.coppice.store.state.peek();
+        const texts = statements.map(({ text }) => text).filter((text) => text.trim() !== "");
+        return JSON.stringify(texts) === JSON.stringify(wanted) && running === null && (error !== null || ran === statements.length);
+    };
+    await until(page, `the scene is ${JSON.stringify(lines)}`, isSo, lines);
+}
+
+/** Begins anew, whatever a test before left behind. */
+export async function emptyScene(page) {
+    while ((await page.locator("dialog[open]").count()) > 0) {
+        await page.keyboard.press("Escape");
+    }
+    await page.evaluate(() => globalThis.coppice.engine.request("open", { file: "" }));
+    await untilLines(page, []);
+}
+
+/** Waits until an object of that name is there, and nothing runs. */
+export async function untilObject(page, kind, name) {
+    const isSo = ([wanted, called]) => {
+        const { objects, running } = globalThis.coppice.store.state.peek();
+        return running === null && objects.some((object) => object.kind === wanted && object.name === called);
+    };
+    await until(page, `there is a ${kind} ${name}`, isSo, [kind, name]);
+}
+
+/** Waits until the page says something that holds this text. */
+export async function untilSaid(page, text) {
+    await until(page, `a message says "${text}"`, (wanted) => globalThis.coppice.store.messages.peek().some((one) => one.text.includes(wanted)), text);
+}
+
+/** The text in the editor, without what lines said. */
+export async function editorText(page) {
+    return page.evaluate(() => {
+        const lines = [...document.querySelectorAll(".cm-line")].map((line) => {
+            const copy = line.cloneNode(true);
+            copy.querySelectorAll(".cm-said").forEach((said) => said.remove());
+            return copy.textContent;
+        });
+        return lines.join("\n");
+    });
+}
+
+/** Types at the end of the scene's text. */
+export async function typeAtEnd(page, text) {
+    await page.locator(".cm-content").click();
+    await page.keyboard.press("Control+End");
+    await page.keyboard.type(text);
+}
+
+/** Drops files on the page: [{name, bytes}]. */
+export async function drop(page, ...files) {
+    const all = files.map(({ name, bytes }) => ({ name, bytes: bytes.toString("base64") }));
+    await page.evaluate((given) => {
+        const data = new DataTransfer();
+        for (const { name, bytes } of given) {
+            data.items.add(new File([Uint8Array.from(atob(bytes), (letter) => letter.charCodeAt(0))], name));
+        }
+        const target = document.querySelector(".picture-canvas");
+        for (const type of ["dragenter", "dragover", "drop"]) {
+            target.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+        }
+    }, all);
+}
+
+/** Chooses an item of the menu bar with the mouse. */
+export async function chooseItem(page, menu, item) {
+    await page.locator(".menu-title", { hasText: new RegExp(`^${menu}$`) }).click();
+    await page.locator(".menu-item > span:first-child", { hasText: item }).and(page.getByText(item, { exact: true })).click();
+}
+
+/** The dialog that is open, by its title. */
+export function dialog(page, title) {
+    return page.getByRole("dialog", { name: title, exact: true });
+}
+
+/** What `coppice WORD...` answers. */
+export function coppice(...words) {
+    return new Promise((resolve) => {
+        execFile(process.env.COPPICE, words, (error, stdout, stderr) => resolve({ code: error?.code ?? 0, text: stdout + stderr }));
+    });
+}
+
+/** Fails where `coppice check` finds something wrong with a mesh of the studio's folder, or its file is a GLB that the Khronos validator does not pass. */
+export async function judge(studio, file) {
+    const path = join(studio.folder, file);
+    const { code, text } = await coppice("check", path);
+    assert.equal(code, 0, `coppice check ${file}: ${text}`);
+    if (file.endsWith(".glb")) {
+        const { validateBytes } = await import("../../../tests/gltf/node_modules/gltf-validator/index.js");
+        const { issues } = await validateBytes(new Uint8Array(await readFile(path)));
+        assert.equal(issues.numErrors + issues.numWarnings, 0, `the Khronos validator on ${file}: ${JSON.stringify(issues.messages)}`);
+    }
+}

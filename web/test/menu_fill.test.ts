@@ -1,0 +1,107 @@
+// Menu items: how they are grouped, and what is put into their lines.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { answerTrouble, argumentsOf, filled, kindsWanted, partsOf } from "../src/panels/menu/fill";
+import { type MenuItem, menusOf, settingOf } from "../src/panels/menu/items";
+import type { Argument, Command } from "../src/protocol";
+
+function argument(name: string, type: Argument["type"], more: Partial<Argument> = {}): Argument {
+    return { name, help: "", type, positional: true, required: true, repeats: false, ...more };
+}
+
+function command(name: string, ...args: Argument[]): Command {
+    return { name, aliases: [], group: "", help: "", example: "", arguments: args };
+}
+
+const radius = argument("radius", "number", { positional: false, required: false, low: 0.001, high: 10, unit: "metre" });
+const kSchema: Command[] = [
+    command("sphere", argument("name", "new_name"), radius),
+    command("mesh", argument("tree", "object", { kind: "skeleton" }), argument("name", "new_name", { required: false })),
+    command("translate", argument("name", "object"), argument("by", "tuple", { sizes: [3] })),
+    command("save", argument("name", "object"), argument("file", "output_file")),
+    command("edit bend", argument("tree", "object", { kind: "skeleton" }), argument("nodes", "selection"), argument("angle", "number", { low: -180, high: 180 })),
+];
+
+function fill(line: string, answers: string[] = [], object = "oak"): ReturnType<typeof filled> {
+    const taken = new Set(["crown"]);
+    const freeName = (base: string) => (taken.has(base) ? `${base}2` : base);
+    return filled(partsOf(line), { object, freeName, answers }, kSchema);
+}
+
+test("free names, the selected object and answers are put into a line", () => {
+    assert.deepEqual(fill("sphere ${new crown} radius=${ask Radius, 2}", [" 3 "]), { line: "sphere crown2 radius=3", made: ["crown2"] });
+    assert.equal(fill("mesh ${object} ${object}_skin").line, "mesh oak oak_skin");
+    assert.deepEqual(fill("union ${new a} ${new b} ${new a}").made, ["a", "b"]);
+    assert.equal(fill("union ${new a} ${new b} ${new a}").line, "union a b a");
+});
+
+test("expressions of scenes stay, and so does what is escaped", () => {
+    const line = "sphere ${crown} radius=${height / 3} # $${object} ${objects} ${asks 1}";
+    assert.equal(fill(line).line, line);
+});
+
+test("answers with blanks are one word where a word is wanted, and numbers stay numbers", () => {
+    assert.equal(fill("save ${object} ${ask File, tree.swc}", ["my tree.swc"]).line, 'save oak "my tree.swc"');
+    assert.equal(fill("translate ${object} ${ask By, 0 0 1}", ["0 0 2"]).line, "translate oak 0 0 2");
+    assert.equal(fill("save ${object} ${ask File, a}", ["${name}.swc"]).line, "save oak ${name}.swc");
+});
+
+test("what is asked has a label, a proposal, and the argument it is for", () => {
+    const parts = partsOf("edit bend ${object} ${ask Which nodes, subtree(12)} ${ask Angle, 20}");
+    const asks = parts.filter((part) => part.is === "ask");
+    assert.deepEqual(asks.map((part) => [part.label, part.value]), [["Which nodes", "subtree(12)"], ["Angle", "20"]]);
+    const stands = argumentsOf(kSchema, parts);
+    assert.deepEqual(parts.map((part, at) => (part.is === "text" ? "" : stands[at]?.name)), ["", "tree", "", "nodes", "", "angle"]);
+    assert.deepEqual(partsOf("sphere a radius=${ask Radius}").at(-1), { is: "ask", label: "Radius", value: "" });
+});
+
+test("an item wants an object of the kinds that its command takes", () => {
+    assert.deepEqual(kindsWanted(kSchema, "mesh ${object}"), ["skeleton"]);
+    assert.equal(kindsWanted(kSchema, "translate ${object} 0 0 1")?.length, 6);
+    assert.equal(kindsWanted(kSchema, "no_such_command ${object}")?.length, 6);
+    assert.equal(kindsWanted(kSchema, "sphere ${new crown}"), null);
+});
+
+test("answers are looked at before the line runs", () => {
+    const objects = [{ kind: "skeleton" as const, name: "oak" }];
+    const [, bend] = [kSchema[1], kSchema[4]];
+    const wrong = (answer: string, of: Argument | undefined) => answerTrouble(answer, of, objects);
+    assert.equal(wrong("0.5", radius), "");
+    assert.match(wrong("20", radius), /from 0.001 to 10/);
+    assert.match(wrong("many", radius), /number/);
+    assert.match(wrong(" ", undefined), /value/);
+    assert.equal(wrong("${height / 3}", radius), "");
+    assert.equal(wrong("0 0,1", kSchema[2].arguments[1]), "");
+    assert.match(wrong("0,1", kSchema[2].arguments[1]), /3 numbers/);
+    assert.equal(wrong("oak", bend.arguments[0]), "");
+    assert.match(wrong("elm", bend.arguments[0]), /no skeleton elm/);
+    assert.match(wrong("1st", kSchema[0].arguments[0]), /letter/);
+    const choice = argument("method", "choice", { choices: ["quads", "quick", "tetrahedra"] });
+    assert.equal(wrong("t", choice), "");
+    assert.equal(wrong("quads", choice), "");
+    assert.match(wrong("qu", choice), /one of quads/);
+    assert.match(wrong("2.5", argument("count", "whole")), /whole/);
+});
+
+test("menus come in the order of their first items, without separators that part nothing", () => {
+    const item = (menu: string, label: string, does: MenuItem["does"] = "page"): MenuItem => ({ number: 0, menu, label, does, text: "" });
+    const menus = menusOf([
+        item("File", "", "separator"),
+        item("File", "New..."),
+        item("Crown", "Ball"),
+        item("File", "", "separator"),
+        item("File", "", "separator"),
+        item("File", "Save"),
+        item("File", "", "separator"),
+    ]);
+    assert.deepEqual(menus.map(({ title, items }) => [title, ...items.map(({ label, does }) => (does === "separator" ? "-" : label))]), [
+        ["File", "New…", "-", "Save"],
+        ["Crown", "Ball"],
+    ]);
+});
+
+test("settings name a command, an argument and a value", () => {
+    assert.deepEqual(settingOf("grow.kill_radius 0.3"), { key: "grow.kill_radius", value: "0.3" });
+    assert.deepEqual(settingOf(" pointset generate.count  500 "), { key: "pointset generate.count", value: "500" });
+    assert.equal(settingOf("grow.kill_radius"), null);
+});

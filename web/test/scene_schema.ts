@@ -1,0 +1,110 @@
+// Some commands of scenes as the engine's schema has them, with every kind of argument.
+import type { Argument, Command, State } from "../src/protocol";
+import { piecesOf } from "../src/script/pieces";
+import { kEmptyState } from "../src/store";
+
+function argument(name: string, type: Argument["type"], more: Partial<Argument> = {}): Argument {
+    return { name, help: `what ${name} is`, type, positional: false, required: false, repeats: false, ...more };
+}
+
+const first = { positional: true, required: true };
+const made = (kind: string) => ({ ...first, help: `name of the new ${kind}` });
+const metres = { unit: "metre", low: -1e6, high: 1e6 };
+
+function command(name: string, args: Argument[], more: Partial<Command> = {}): Command {
+    return { name, aliases: [], group: "Commands", help: `does ${name}`, example: name, arguments: args, ...more };
+}
+
+export const schema: Command[] = [
+    command("sphere", [
+        argument("name", "new_name", made("solid")),
+        argument("center", "tuple", { sizes: [3], default: "0,0,0", ...metres }),
+        argument("radius", "number", { default: "1", unit: "metre", low: 1e-5, high: 1e5 }),
+        argument("law", "choice", { choices: ["cube", "soft"], default: "cube" }),
+    ], { group: "Primitives" }),
+    command("scale", [
+        argument("solid", "object", { ...first, kind: "solid", also: ["skeleton"] }),
+        argument("factor", "tuple", { ...first, sizes: [1, 3] }),
+        argument("center", "tuple", { sizes: [3], default: "0,0,0" }),
+        argument("kind", "choice", { choices: ["solid", "skeleton"] }),
+    ]),
+    command("translate", [
+        argument("solid", "object", { ...first, kind: "solid", also: ["skeleton"] }),
+        argument("by", "tuple", { ...first, sizes: [3], ...metres }),
+        argument("kind", "choice", { choices: ["solid", "skeleton"] }),
+    ]),
+    command("union", [
+        argument("parts", "object", { ...first, kind: "solid", repeats: true }),
+        argument("result", "new_name", made("solid")),
+    ], { group: "Combining" }),
+    command("polyline", [
+        argument("name", "new_name", made("solid")),
+        argument("points", "tuple", { ...first, sizes: [3], repeats: true }),
+        argument("closed", "flag", { default: "false" }),
+    ]),
+    command("skin", [
+        argument("name", "new_name", made("solid")),
+        argument("path", "object", { ...first, kind: "path" }),
+        argument("sections", "section", { ...first, repeats: true }),
+    ]),
+    command("pointset generate", [
+        argument("solid", "object", { ...first, kind: "solid" }),
+        argument("pattern", "choice", { positional: true, choices: ["poisson_disk", "clustered", "uniform"], default: "poisson_disk" }),
+        argument("properties", "properties", { positional: true }),
+        argument("count", "whole", { default: "1000", low: 0, high: 1e8 }),
+        argument("kernel", "tuple", { sizes: [2], repeats: true }),
+        argument("seed", "whole", { default: "0", low: 0, high: 2147483647 }),
+        argument("name", "new_name", { default: "@solid", help: "name of the new points" }),
+    ], { aliases: ["pointset gen"], group: "Points" }),
+    command("grow", [
+        argument("tree", "new_name", made("skeleton")),
+        argument("points", "object", { ...first, kind: "points" }),
+        argument("root", "tuple", { sizes: [3, 6], repeats: true, default: "0,0,0" }),
+        argument("step", "number", { default: "0.1", unit: "metre", low: 1e-6, high: 1e4 }),
+    ], { group: "Trees" }),
+    command("mesh", [
+        argument("tree", "object", { ...first, kind: "skeleton" }),
+        argument("name", "new_name", { positional: true, default: "@tree", help: "name of the new mesh" }),
+        argument("levels", "whole", { default: "2", low: 0, high: 6 }),
+    ]),
+    command("edit prune", [
+        argument("tree", "object", { ...first, kind: "skeleton" }),
+        argument("nodes", "selection", { positional: true, default: "all" }),
+        argument("length", "number", { default: "0", unit: "metre", low: 0, high: 1e6 }),
+    ]),
+    command("copy", [
+        argument("name", "object", { ...first, kind: "any" as "solid" }),
+        argument("copy", "new_name", { ...first, help: "the other name" }),
+        argument("kind", "choice", { choices: ["solid", "points", "skeleton", "mesh"] }),
+    ]),
+    command("delete", [
+        argument("names", "object", { ...first, kind: "any" as "solid", repeats: true }),
+        argument("kind", "choice", { choices: ["solid", "points", "skeleton", "mesh"] }),
+    ]),
+    command("save", [
+        argument("name", "object", { ...first, kind: "any" as "solid" }),
+        argument("file", "output_file", first),
+    ]),
+];
+
+export function called(name: string): Command {
+    const found = schema.find((one) => one.name === name);
+    if (!found) {
+        throw new Error(`no command ${name}`);
+    }
+    return found;
+}
+
+/** A state whose statements have all run. */
+export function stateOf(text: string, objects: readonly [string, number][] = []): State {
+    const statements = piecesOf(text).map(({ text: one, line }) => ({ text: one, line, says: "" }));
+    return {
+        ...kEmptyState,
+        statements,
+        ran: statements.length,
+        objects: objects.map(([id, statement]) => {
+            const [kind, name] = id.split(":");
+            return { kind: kind as "solid", name, version: 1, statement, bounds: [0, 0, 0, 1, 1, 1], count: 3, unit: "parts" };
+        }),
+    };
+}

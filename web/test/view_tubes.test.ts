@@ -1,0 +1,36 @@
+// Large trees while they move: the thickest segments stay round, the others become lines.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { Geometry } from "../src/app";
+import { treeOf } from "../src/view/extent";
+import { thickest } from "../src/view/tubes";
+
+const kNone = 0xffffffff;
+
+function chain(radius: number[]): Geometry {
+    const arrays = {
+        radius: new Float32Array(radius),
+        parent: Uint32Array.from(radius, (_, n) => (n === 0 ? kNone : n - 1)),
+        id: Uint32Array.from(radius, (_, n) => n),
+        position: new Float32Array(radius.length * 3),
+    };
+    return { header: {} as Geometry["header"], arrays };
+}
+
+test("every segment is either round or a line, and the thick ones are round", () => {
+    const { thick, lines } = thickest(treeOf(chain([9, 8, 1, 7, 2, 6])), 3);
+    assert.deepEqual(thick, [1, 3]); // the root, 9, is the third, and no segment
+    assert.deepEqual([...lines], [1, 2, 3, 4, 4, 5]);
+});
+
+test("where all are equally thick there are no more round ones than wished", () => {
+    const { thick, lines } = thickest(treeOf(chain(new Array(10).fill(1))), 4);
+    assert.equal(thick.length, 4);
+    assert.equal(lines.length, 2 * 5);
+});
+
+test("small trees stay round as a whole", () => {
+    const { thick, lines } = thickest(treeOf(chain([3, 2, 1])), 100);
+    assert.deepEqual(thick, [1, 2]);
+    assert.equal(lines.length, 0);
+});
