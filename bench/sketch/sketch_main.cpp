@@ -94,7 +94,7 @@ Score measure(const Flags& flags, double degrees, const bench::Mess& mess, const
     for (int seed = 1; seed <= flags.trees; ++seed) {
         const auto number = static_cast<std::uint64_t>(seed);
         const Skeleton tree = random_tree(static_cast<std::uint32_t>(flags.segments), number);
-        const DrawOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
+        const DrawSketchOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
         Sketch sketch = messed_up(draw_sketch(tree, views_of(tree, draw), draw), mess, number);
         bench::misplace(sketch.views[1], flags.camera_error, number);
         const bench::Clock clock;

@@ -13,13 +13,13 @@
 namespace coppice {
 namespace {
 
-TEST(Draw, EveryOptionIsDescribed) { test::expect_described<DrawOptions>(); }
+TEST(Draw, EveryOptionIsDescribed) { test::expect_described<DrawSketchOptions>(); }
 
 TEST(Draw, EveryAxisIsABranchThatFitsIntoItsPictures) {
     const Skeleton tree = random_tree(200, 3);
     const std::size_t tips = measure(tree).tips;
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
-        const DrawOptions options{.projection = projection, .size = 800};
+        const DrawSketchOptions options{.projection = projection, .size = 800};
         const Sketch sketch = draw_sketch(tree, views_of(tree, options), options);
         EXPECT_NO_THROW(validate(sketch, "drawn"));
         EXPECT_EQ(sketch.branches.size(), tips);  // each ends in one

@@ -150,7 +150,7 @@ TEST(Reconstruct, ThirdViewsHelp) {
 TEST(Reconstruct, TreesDrawnByAnUnsteadyHandAreFound) {
     for (const double degrees : {90.0, 30.0}) {
         const Skeleton tree = random_tree(256, 11);
-        const DrawOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
+        const DrawSketchOptions draw{.angle = static_cast<float>(degrees * std::numbers::pi / 180)};
         Sketch sketch = draw_sketch(tree, views_of(tree, draw), draw);
         const CounterRandom random(7, 0);
         std::uint64_t next = 0;
@@ -318,7 +318,7 @@ TEST(Reconstruct, WhatGrowsFromARefusedBranchIsRefusedToo) {
 
 TEST(Reconstruct, ViewsFromOnePlaceGiveNoDepth) {
     const Skeleton tree = random_tree(20, 1);
-    const DrawOptions draw{.angle = 0.02f};
+    const DrawSketchOptions draw{.angle = 0.02f};
     const std::string error = error_of([&] { made(draw_sketch(tree, views_of(tree, draw), draw)); });
     EXPECT_EQ(error.substr(0, 103),
               "a.sketch.json: no branch could be made; branch 'stem 1' (strokes in 'front', 'side', 1.1 "

@@ -72,7 +72,7 @@ ExitCode schema(Run& run) {
                    {"extract_plot", described<PlotOptions>()},
                    {"sprout", described<SproutOptions>()},
                    {"sketch", described<SketchOptions>()},
-                   {"draw_sketch", described<DrawOptions>()},
+                   {"draw_sketch", described<DrawSketchOptions>()},
                    {"compose", described<ComposeOptions>()},
                    {"check", described<CheckOptions>()},
                    {"check_cloud", described<CloudDistanceOptions>()},

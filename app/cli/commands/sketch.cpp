@@ -26,7 +26,7 @@ struct SketchFlags {
     std::filesystem::path input, output;
     bool trace = false;
     SketchOptions sketch;
-    DrawOptions draw;
+    DrawSketchOptions draw;
     ReadSkeletonOptions read;
     WriteSkeletonOptions write;
 };

@@ -13,7 +13,7 @@ constexpr double kOpening = 0.5;  // [rad] of perspective cameras
 constexpr double kFree = 1.1;     // times what has to fit
 
 SketchView view_at(double azimuth, const std::string& name, Vec3d middle, double radius,
-                   const DrawOptions& o) {
+                   const DrawSketchOptions& o) {
     const double size = o.size;
     SketchView view;
     view.name = name;
@@ -34,7 +34,7 @@ double rounded(double pixels) { return std::round(100 * pixels) / 100; }
 
 class Drawer {
   public:
-    Drawer(const Skeleton& skeleton, const std::vector<SketchView>& views, const DrawOptions& options)
+    Drawer(const Skeleton& skeleton, const std::vector<SketchView>& views, const DrawSketchOptions& options)
         : skeleton_(skeleton), options_(options), branch_(skeleton.size(), 0) {
         sketch_.views = views;
     }
@@ -93,14 +93,14 @@ class Drawer {
     }
 
     const Skeleton& skeleton_;
-    const DrawOptions& options_;
+    const DrawSketchOptions& options_;
     std::vector<std::uint32_t> branch_;  ///< of every node
     Sketch sketch_;
 };
 
 }  // namespace
 
-std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawOptions& options) {
+std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawSketchOptions& options) {
     check_fields(options, "sketch");
     const Box3 bounds = skeleton.bounds();
     const Vec3d middle = skeleton.origin() + Vec3d(bounds.center());
@@ -111,7 +111,7 @@ std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawOptions& op
 }
 
 Sketch draw_sketch(const Skeleton& skeleton, const std::vector<SketchView>& views,
-                   const DrawOptions& options) {
+                   const DrawSketchOptions& options) {
     check_fields(options, "sketch");
     return Drawer(skeleton, views, options).run();
 }

@@ -14,7 +14,7 @@ struct EnumNames<Projection> {
 };
 
 /// How a skeleton is drawn.
-struct DrawOptions {
+struct DrawSketchOptions {
     Projection projection = Projection::perspective;  ///< of both cameras
     float angle = 1.5707964f;  ///< [rad] between the two views, counter-clockwise seen from above
     int size = 2000;           ///< [pixels] width and height of the pictures
@@ -22,7 +22,7 @@ struct DrawOptions {
 };
 
 template <class Self, class Visitor>
-requires SameOptions<Self, DrawOptions>
+requires SameOptions<Self, DrawSketchOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"projection", "what kind of camera both views have"}, o.projection);
     visit(Field{"angle", "between the two views, counter-clockwise seen from above", Unit::radian, 0.01, 3.1},
@@ -35,13 +35,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 
 /// Two cameras before a skeleton, level, that show it whole: "front" looks along +y, "side" stands `angle`
 /// further. O(n). Throws InvalidInput for an option out of its range.
-std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawOptions& options = {});
+std::vector<SketchView> views_of(const Skeleton& skeleton, const DrawSketchOptions& options = {});
 
 /// What somebody would draw who sees the skeleton in these views: a branch for every axis, that is a stem or
 /// lateral with the thickest child at every fork, with strokes in all views, widths at every point, and its
 /// parent. Perspective cameras have to stand off. O(points). Throws InvalidInput for an option out of its
 /// range and for a skeleton without segments.
 Sketch draw_sketch(const Skeleton& skeleton, const std::vector<SketchView>& views,
-                   const DrawOptions& options = {});
+                   const DrawSketchOptions& options = {});
 
 }  // namespace coppice
