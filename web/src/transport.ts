@@ -75,6 +75,7 @@ export class Transport implements Engine {
     private lastSeq = 0;
     private wanted = 0; // previews before this number are stale
     private readonly pending = new Map<number, Pending>();
+    private fetching = 0; // blobs
     private previewing = false;
     private previewed: ObjectName | undefined; // what the last preview was about
     private nextPreview: Preview | null = null;
@@ -142,8 +143,13 @@ export class Transport implements Engine {
     }
 
     async blob(key: string, stop?: AbortSignal): Promise<Geometry> {
-        const response = await this.http(`/blob/${encodeURIComponent(key)}`, { signal: stop });
-        return parseGeometry(await response.arrayBuffer());
+        ++this.fetching;
+        try {
+            const response = await this.http(`/blob/${encodeURIComponent(key)}`, { signal: stop });
+            return parseGeometry(await response.arrayBuffer());
+        } finally {
+            --this.fetching;
+        }
     }
 
     async file(name: string): Promise<Blob> {
@@ -154,6 +160,11 @@ export class Transport implements Engine {
         const headers: Record<string, string> = overwrite ? { "X-Overwrite": "yes" } : {};
         const response = await this.http(`/file/${encodePath(name)}`, { method: "PUT", body: data, headers });
         return (await response.json()) as { file: string; bytes: number };
+    }
+
+    /** Whether all that was asked for has come. */
+    get idle(): boolean {
+        return this.pending.size === 0 && this.fetching === 0;
     }
 
     private async http(path: string, init: RequestInit = {}): Promise<Response> {

@@ -22,7 +22,8 @@ interface Trial {
     fail(message: string): void;
 }
 
-function trial(delay = 0): Trial {
+// An engine that gives so many frames, and lets one wait for the others.
+function trial(most = Infinity): Trial {
     const store = createStore();
     const asked: number[] = [];
     const drawn: Geometry[] = [];
@@ -43,8 +44,7 @@ function trial(delay = 0): Trial {
                 return { key: String(time) };
             },
             blob: async (key: string) => {
-                await new Promise((done) => setTimeout(done, delay));
-                return surface(Number(key));
+                return --most < 0 ? new Promise<Geometry>(() => {}) : surface(Number(key));
             },
         },
         view: {
@@ -60,12 +60,17 @@ function trial(delay = 0): Trial {
     return { player: new Player(app, film), film, asked, drawn, settled: () => settled, store, fail };
 }
 
-const idle = () => new Promise((done) => setTimeout(done, 20));
+// Until all has come that comes by itself.
+const idle = () => new Promise((done) => setImmediate(done));
+
+// The clock, which stands still until a test sets it.
+let clock = 0; // [ms]
+performance.now = () => clock;
 
 // Frames of the browser, drawn by hand.
 function playing(): { next(): void } {
     const waiting: (() => void)[] = [];
-    globalThis.requestAnimationFrame = (then) => waiting.push(() => then(performance.now()));
+    globalThis.requestAnimationFrame = (then) => waiting.push(() => then(clock));
     return { next: () => waiting.splice(0).forEach((then) => then()) };
 }
 
@@ -114,13 +119,14 @@ test("a film that plays fetches what comes next, once", async () => {
 
 test("a film that plays shows the newest frame that is here", async () => {
     const { next } = playing();
-    const { player, film, drawn } = trial(300);
+    const { player, film, drawn } = trial(2);
     film.value = { ...kFilm, duration: 9 };
     player.play();
-    await new Promise((done) => setTimeout(done, 30));
-    next(); // frame 0 is asked for, and the next one
-    await new Promise((done) => setTimeout(done, 520));
-    next(); // frame 5 or 6 would be shown, but only 0 and 1 are here
+    await idle();
+    next(); // frame 0 is here, and the next one
+    await idle();
+    clock += 550;
+    next(); // frame 5 would be shown
     assert.equal(drawn.at(-1)?.arrays.position[0], Math.fround(0.1));
     player.close();
 });

@@ -300,7 +300,7 @@ test("a newer value ends the growth that runs, and comments stay", async () => {
     card.bind(made);
     card.set("step", ["0.3"], true);
     card.set("step", ["0.5"], true); // while the other grows
-    await new Promise((resolve) => setTimeout(resolve, 20));
+    await new Promise((resolve) => setImmediate(resolve));
     assert.equal(store.state.peek().statements[1].text, "grow tree crown step=0.5 # slow");
     assert.equal(watch.now.peek(), null); // nobody is asked whether to keep it
     card.set("step", ["0.5"], true);

@@ -103,7 +103,7 @@ export async function openPage(studio, options = {}) {
 /** Waits until the engine has done what was asked, and everything that was asked for is drawn. */
 export async function settled(page) {
     await page.evaluate(() => globalThis.coppice.engine.request("ping"));
-    await page.waitForFunction(() => globalThis.coppice.view.idle, undefined, { timeout: 60_000 });
+    await page.waitForFunction(() => globalThis.coppice.view.idle && globalThis.coppice.engine.idle, undefined, { timeout: 60_000 });
 }
 
 /** The lines of the document. */

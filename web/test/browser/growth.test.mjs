@@ -260,14 +260,15 @@ test("what grows is seen meanwhile; it is stopped, thrown away or kept as far as
     await unfold("tree");
     const tree = step("tree");
     await tree.getByRole("button", { name: "Into points" }).click();
-    for (const [label, value] of [["Influence radius [m]", "3"], ["Kill radius [m]", "0.05"], ["Step [m]", "0.02"]]) {
-        await tree.getByLabel(label, { exact: true }).fill(value); // many points for few nodes: it takes its time
+    for (const [label, value] of [["Influence radius [m]", "3"], ["Kill radius [m]", "0.01"], ["Step [m]", "0.005"]]) {
+        await tree.getByLabel(label, { exact: true }).fill(value); // it grows for so long that who looks is not too late
     }
     const growing = page.getByRole("group", { name: "Growth", exact: true });
     const stopped = page.getByRole("group", { name: "Growth that was stopped" });
     const untilGrown = () => until(page, "it is told and seen that something has grown", () => {
         const { grown } = globalThis.coppice.view;
-        return /^\d,?\d{3} nodes so far$/.test(document.querySelector(".growing [role=status]")?.textContent) && grown.group.children.length > 0;
+        const nodes = /^([\d,]+) nodes so far$/.exec(document.querySelector(".growing [role=status]")?.textContent)?.[1].replace(/,/g, "");
+        return Number(nodes) >= 500 && grown.group.children.length > 0;
     });
     await tree.getByRole("button", { name: "Grow a tree" }).click();
     await untilGrown();

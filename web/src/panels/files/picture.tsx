@@ -53,14 +53,18 @@ function drawnAtFirst(objects: readonly SceneObject[], hidden: ReadonlySet<strin
 function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
     const all = app.store.state.peek().objects.filter(({ kind }) => kDrawn.includes(kind));
     const [objects, setObjects] = useState<readonly ObjectName[]>(() => drawnAtFirst(all, app.store.hidden.peek()));
-    const [typed, setTyped] = useState("picture.png");
+    const [proposed, setProposed] = useState("picture.png");
+    const [typed, setTyped] = useState<string | null>(null);
     const [made, setMade] = useState<{ file: string; url: string } | null>(null);
     const { busy, trouble, work } = useWork();
-    const file = withEnding(typed.trim(), ".png");
+    const file = withEnding((typed ?? proposed).trim(), ".png");
     const wrong = objects.length === 0 ? "Choose what shall be in the picture." : nameTrouble(file);
+    // A free name comes when the folder has been read; what was typed by then stays.
     const proposeName = () =>
-        work(async () => setTyped(freeFile("picture.png", new Set((await listFiles(app, ".png")).map(({ name }) => name)))));
-    useEffect(() => void proposeName(), []);
+        void listFiles(app, ".png")
+            .then((files) => setProposed(freeFile("picture.png", new Set(files.map(({ name }) => name)))))
+            .catch(() => undefined);
+    useEffect(proposeName, []);
     useEffect(() => () => (made ? URL.revokeObjectURL(made.url) : undefined), [made]);
     const draw = () =>
         void work(async () => {
@@ -75,7 +79,8 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
     if (made) {
         const again = () => {
             setMade(null);
-            void proposeName();
+            setTyped(null);
+            proposeName();
         };
         return <MadeDialog app={app} made={made} again={again} end={end} />;
     }
@@ -101,7 +106,7 @@ function PictureDialog({ app, end }: { app: App; end(): void }): VNode {
                 <div>
                     <label class="file-field">
                         <span>File in the folder</span>
-                        <input type="text" value={typed} autofocus spellcheck={false} onInput={(event) => setTyped(event.currentTarget.value)} />
+                        <input type="text" value={typed ?? proposed} autofocus spellcheck={false} onInput={(event) => setTyped(event.currentTarget.value)} />
                     </label>
                     <NumberField label="Width" unit="px" value={kSettings.width} low={16} high={16384} step={1} />
                     <NumberField label="Height" unit="px" value={kSettings.height} low={16} high={16384} step={1} />

@@ -6,7 +6,7 @@ import type { ObjectName, Point } from "../../protocol";
 import { Drawn, kColors } from "../kit/drawn";
 import { Button, NumberField, PointField, pointSignals } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
-import { fetchSkeleton, type Skeleton, skeletonOf } from "../kit/skeleton";
+import { fetchSkeleton, followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { onPlane } from "../kit/vector";
 import { commandLine, pointWord, sizeWord } from "../kit/words";
 import { placeOnSegment } from "./bend";
@@ -35,27 +35,26 @@ export function drawLine(
 
 class DrawRun implements ToolRun {
     private stroke: Pixel[] = [];
+    private rooted: Promise<void> = Promise.resolve(); // when it is known where the stroke begins
     private start: Point | null = null;
     private about: ObjectName | null = null;
     private skeleton: Skeleton | null = null;
     private gesture: Gesture | null = null;
     private pressure = 0;
     private readonly drawn: Drawn;
+    private readonly unfollow: () => void;
     private readonly from = pointSignals([0, 0, 0]);
     private readonly to = pointSignals([0, 0, 1]);
 
     constructor(private readonly app: App) {
         this.drawn = new Drawn(app);
-        for (const { kind, name } of app.store.state.peek().objects) {
-            if (kind === "skeleton") {
-                void fetchSkeleton(app, name);
-            }
-        }
+        this.unfollow = followSkeletons(app);
         this.fromSelection();
     }
 
     stop(): void {
         this.gesture?.cancel();
+        this.unfollow();
         this.drawn.stop();
     }
 
@@ -73,14 +72,14 @@ class DrawRun implements ToolRun {
             this.begin(event);
             return true;
         }
-        if (!this.start) {
+        if (this.stroke.length === 0) {
             return false;
         }
         if (event.phase === "cancel") {
             this.reset();
         } else if (event.phase === "up") {
             void this.end();
-        } else {
+        } else if (event.buttons === 1) {
             this.extend(event);
         }
         return true;
@@ -97,7 +96,7 @@ class DrawRun implements ToolRun {
     }
 
     key(event: KeyboardEvent): boolean {
-        if (event.key === "Escape" && this.start) {
+        if (event.key === "Escape" && this.stroke.length > 0) {
             this.reset();
             return true;
         }
@@ -142,23 +141,35 @@ class DrawRun implements ToolRun {
         this.reset();
         this.stroke = [[event.x, event.y]];
         this.pressure = event.type === "pen" ? event.pressure : 0;
-        const found = this.host(event);
-        this.about = found?.about ?? null;
-        this.skeleton = found?.skeleton ?? null;
-        this.start = found?.start ?? this.open(event);
+        this.rooted = this.root(event);
+    }
+
+    // A branch that begins on a tree whose axes are still on their way must not become a stem of its own.
+    private async root(event: ToolPointer): Promise<void> {
+        const { stroke } = this;
+        const names = this.skeletonNames();
+        if (!names.every((name) => skeletonOf(this.app, name))) {
+            await Promise.all(names.map((name) => fetchSkeleton(this.app, name)));
+        }
+        if (stroke === this.stroke) {
+            const found = this.host(event);
+            this.about = found?.about ?? null;
+            this.skeleton = found?.skeleton ?? null;
+            this.start = found?.start ?? this.open(event);
+            this.show();
+        }
+    }
+
+    private skeletonNames(): string[] {
+        const { objects } = this.app.store.state.peek();
+        return objects.filter(({ kind }) => kind === "skeleton").map(({ name }) => name);
     }
 
     /** The axis under the pointer, or one that is near in the picture. */
     private host(event: ToolPointer): { about: ObjectName; skeleton: Skeleton; start: Point } | null {
-        const { view, store } = this.app;
+        const { view } = this.app;
         const pick = view.pick(event.x, event.y, ["skeleton"]);
-        const names = pick
-            ? [pick.object.name]
-            : store.state
-                  .peek()
-                  .objects.filter(({ kind }) => kind === "skeleton")
-                  .map(({ name }) => name);
-        for (const name of names) {
+        for (const name of pick ? [pick.object.name] : this.skeletonNames()) {
             const skeleton = skeletonOf(this.app, name);
             const found = skeleton?.nearest(event.x, event.y, (point) => view.toPixels(point), pick ? Infinity : kNear);
             const n = pick?.node !== undefined ? (skeleton?.index(pick.node) ?? -1) : (found?.node ?? -1);
@@ -223,6 +234,11 @@ class DrawRun implements ToolRun {
     }
 
     private async end(): Promise<void> {
+        const { stroke } = this;
+        await this.rooted;
+        if (stroke !== this.stroke) {
+            return;
+        }
         const made = this.line();
         const { about, gesture } = this;
         this.gesture = null;
@@ -233,11 +249,7 @@ class DrawRun implements ToolRun {
     }
 
     private async run(about: ObjectName | null, line: string, gesture?: Gesture | null): Promise<void> {
-        const done = await (gesture ?? new Gesture(this.app, about ?? undefined)).run(line);
-        const name = about?.name ?? line.split(" ")[1];
-        if (done !== null) {
-            await fetchSkeleton(this.app, name);
-        }
+        await (gesture ?? new Gesture(this.app, about ?? undefined)).run(line);
     }
 
     private reset(): void {

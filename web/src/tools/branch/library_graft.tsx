@@ -9,7 +9,7 @@ import { Drawn, kColors } from "../kit/drawn";
 import { Button, NumberField } from "../kit/fields";
 import { Gesture } from "../kit/gesture";
 import { finalLine, type NodeLine, previewLine } from "../kit/naming";
-import { fetchSkeleton, type Skeleton, skeletonOf } from "../kit/skeleton";
+import { fetchSkeleton, followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { rewriteStatement } from "../kit/source";
 import { takenByKey } from "../kit/started";
 import { commandLine, numberWord } from "../kit/words";
@@ -63,13 +63,14 @@ export function libraryGraftHeld(): LibraryGraftRun | null {
 
 export class LibraryGraftRun implements ToolRun {
     private readonly drawn: Drawn;
+    private readonly unfollow: () => void;
     private readonly trees = new Map<string, Skeleton>(); // before previews
     private gesture: Gesture | null = null;
     private readonly placed = signal<Place | null>(null); // where the branch is shown
 
     constructor(private readonly app: App) {
         this.drawn = new Drawn(app);
-        this.learn();
+        this.unfollow = followSkeletons(app);
         held = this;
         if (takenByKey()) {
             void this.showOnSelected();
@@ -78,6 +79,7 @@ export class LibraryGraftRun implements ToolRun {
 
     stop(): void {
         this.gesture?.cancel();
+        this.unfollow();
         this.drawn.stop();
         held = null;
     }
@@ -161,7 +163,6 @@ export class LibraryGraftRun implements ToolRun {
             this.drawn.clear();
             await this.keep(gesture, await finalLine(this.app, made), place.about);
             this.trees.clear();
-            this.learn();
         }
     }
 
@@ -201,14 +202,6 @@ export class LibraryGraftRun implements ToolRun {
         this.placed.value = { about: object, skeleton, host: { n, along: 1 } };
         this.show();
         return true;
-    }
-
-    private learn(): void {
-        for (const { kind, name } of this.app.store.state.peek().objects) {
-            if (kind === "skeleton") {
-                void fetchSkeleton(this.app, name);
-            }
-        }
     }
 
     // While a branch is shown on a tree the picture has a tree that is not in the document; hosts are nodes of that which is.

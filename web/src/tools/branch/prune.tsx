@@ -7,7 +7,7 @@ import { Drawn, kColors } from "../kit/drawn";
 import { Button, NumberField } from "../kit/fields";
 import { Gesture, runLine } from "../kit/gesture";
 import { anchored } from "../kit/naming";
-import { fetchSkeleton, type Skeleton, skeletonOf } from "../kit/skeleton";
+import { followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { toSegment } from "../kit/vector";
 import { commandLine, idSelection, sizeWord } from "../kit/words";
 import { anySkeleton, subtreeSegments } from "./cut";
@@ -57,6 +57,7 @@ class PruneRun implements ToolRun {
     private gesture: Gesture | null = null;
     private last: [number, number] | null = null; // of the brush, while it paints
     private readonly drawn: Drawn;
+    private readonly unfollow: () => void;
     private readonly ring = document.createElement("div");
 
     constructor(private readonly app: App) {
@@ -64,14 +65,12 @@ class PruneRun implements ToolRun {
         this.ring.className = "tool-brush";
         this.ring.hidden = true;
         app.view.element().parentElement?.append(this.ring);
-        const chosen = this.chosen();
-        if (chosen) {
-            void fetchSkeleton(app, chosen.name);
-        }
+        this.unfollow = followSkeletons(app);
     }
 
     stop(): void {
         this.gesture?.cancel();
+        this.unfollow();
         this.drawn.stop();
         this.ring.remove();
     }

@@ -5,11 +5,10 @@ import type { ObjectName, Point } from "../../protocol";
 import { Drawn } from "./drawn";
 import { Gesture } from "./gesture";
 import { finalLine, type NodeLine, previewLine } from "./naming";
-import { fetchSkeleton, selectedTops, type Skeleton, skeletonOf } from "./skeleton";
+import { followSkeletons, selectedTops, type Skeleton, skeletonOf } from "./skeleton";
 import { Typed } from "./typed";
 import { subtract } from "./vector";
 
-const kMostFetched = 16;
 const kExact = 1e-6;
 
 /** A node that is held; its skeleton is the one from before the drag. */
@@ -28,19 +27,11 @@ export abstract class BranchDragRun implements ToolRun {
     protected last: ToolPointer | null = null;
     private gesture: Gesture | null = null;
     private stopped = false;
+    private readonly unfollow: () => void;
 
     constructor(protected readonly app: App) {
         this.drawn = new Drawn(app);
-        const names = app.store.state
-            .peek()
-            .objects.filter(({ kind }) => kind === "skeleton")
-            .slice(0, kMostFetched);
-        void Promise.all(names.map(({ name }) => fetchSkeleton(app, name))).then(() => {
-            if (!this.stopped && !this.held) {
-                this.holdSelected();
-                this.draw();
-            }
-        });
+        this.unfollow = followSkeletons(app, () => this.again());
         this.holdSelected();
     }
 
@@ -66,6 +57,7 @@ export abstract class BranchDragRun implements ToolRun {
 
     stop(): void {
         this.stopped = true;
+        this.unfollow();
         this.gesture?.cancel();
         this.drawn.stop();
     }
@@ -152,14 +144,11 @@ export abstract class BranchDragRun implements ToolRun {
 
     protected end(): void {
         const made = this.held && this.made(this.held);
-        const { gesture, held } = this;
-        if (made && held && gesture) {
+        const { gesture } = this;
+        if (made && gesture) {
             this.gesture = null;
             this.reset();
-            void finalLine(this.app, made)
-                .then((line) => gesture.run(line))
-                .then(() => fetchSkeleton(this.app, held.about.name))
-                .then(() => this.again());
+            void finalLine(this.app, made).then((line) => gesture.run(line));
         } else {
             this.reset();
         }

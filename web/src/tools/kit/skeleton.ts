@@ -1,9 +1,11 @@
 // A skeleton as tools look at it: who grows from whom, and what a selection holds.
+import { effect, untracked } from "@preact/signals-core";
 import type { App, Geometry, Selection } from "../../app";
 import type { Point } from "../../protocol";
 import { toSegment } from "./vector";
 
 const kNone = 0xffffffff;
+const kMostFetched = 16;
 
 export type Extent = Selection["extent"];
 export const kExtents: readonly Extent[] = ["node", "branch", "subtree", "tree", "connected"];
@@ -255,6 +257,20 @@ export function fetchSkeleton(app: App, name: string): Promise<Skeleton | null> 
     const under = fetching.get(key) ?? ask(app, name, object.version).finally(() => fetching.delete(key));
     fetching.set(key, under);
     return under;
+}
+
+/** Has the skeletons of the document fetched, and again whenever they change, until the function that it gives back is called;
+ *  `known` hears that they are here. */
+export function followSkeletons(app: App, known?: () => void): () => void {
+    let isFollowing = true;
+    const end = effect(() => {
+        const all = app.store.state.value.objects.filter(({ kind }) => kind === "skeleton").slice(0, kMostFetched);
+        void untracked(() => Promise.all(all.map(({ name }) => fetchSkeleton(app, name)))).then(() => isFollowing && known?.());
+    });
+    return () => {
+        isFollowing = false;
+        end();
+    };
 }
 
 async function ask(app: App, name: string, version: number): Promise<Skeleton | null> {
