@@ -33,7 +33,7 @@ OpenFile::~OpenFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-HttpReply sentence(int status, std::string text) { return {.status = status, .body = text + "\n"}; }
+HttpReply sentence(int status, const std::string& text) { return {.status = status, .body = text + "\n"}; }
 
 std::optional<std::string> percent_decoded(std::string_view text) {
     std::string out;

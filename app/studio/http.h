@@ -46,7 +46,7 @@ struct HttpReply {
 };
 
 /// An answer of one sentence.
-HttpReply sentence(int status, std::string text);
+HttpReply sentence(int status, const std::string& text);
 
 /// `%20` and the like as the bytes that they stand for; none where it is not well-formed.
 std::optional<std::string> percent_decoded(std::string_view text);

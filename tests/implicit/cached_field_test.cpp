@@ -19,7 +19,7 @@ std::vector<FieldSample> samples(FieldRef field, std::span<const Vec3> points) {
 
 /// Greatest difference where the field lies in the band; checks the side of the band elsewhere.
 float greatest_error(const SolidField& field, const CachedField& cached, float band, Box3 box) {
-    const auto points = points_in(box.inflated(0.2f * box.diagonal()), 20000);
+    const auto points = random_points_in(box.inflated(0.2f * box.diagonal()), 20000);
     const auto exact = samples(FieldRef(field), points), got = samples(FieldRef(cached), points);
     float error = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -66,7 +66,7 @@ TEST(CachedField, ErrorOfTreesWithEdgesIsAsStated) {
 TEST(CachedField, GradientsAreThoseOfTheInterpolation) {
     const SolidField field(blend(std::array{sphere({}), sphere({1, 0, 0})}));
     const CachedField cached(field, {.band = 0.2f});
-    const auto points = points_in(field.surface_bounds(), 4000);
+    const auto points = random_points_in(field.surface_bounds(), 4000);
     const auto got = samples(FieldRef(cached), points), exact = samples(FieldRef(field), points);
     int checked = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -100,7 +100,7 @@ TEST(CachedField, CellsBetweenHoldAllSuchValues) {
     const CachedField cached(field);
     const auto cells = cached.cells_between(0.42f, 0.45f);
     EXPECT_LT(cells.size(), 512 * cached.blocks().size() / 4);
-    const auto points = points_in(field.surface_bounds(), 20000);
+    const auto points = random_points_in(field.surface_bounds(), 20000);
     std::vector<float> values(points.size());
     cached.values(points, values);
     int found = 0;
@@ -127,7 +127,7 @@ TEST(CachedField, AnyFieldCanBeCached) {
 TEST(CachedField, SameBitsForAnyNumberOfThreads) {
     TreeMaker maker(77);
     const SolidField field(maker.tree(4).solid);
-    const auto points = points_in(field.surface_bounds(), 5000);
+    const auto points = random_points_in(field.surface_bounds(), 5000);
     const auto one = samples(FieldRef(CachedField(field, {}, {.threads = 1})), points);
     for (const unsigned threads : {2u, 7u}) {
         const auto more = samples(FieldRef(CachedField(field, {}, {.threads = threads})), points);

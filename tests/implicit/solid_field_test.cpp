@@ -28,7 +28,7 @@ std::vector<FieldSample> samples(const SolidField& field, std::span<const Vec3> 
 
 void expect_field(const Twin& twin, int count, double tolerance) {
     const SolidField field(twin.solid);
-    const auto points = points_in(twin.solid.bounds(), count);
+    const auto points = random_points_in(twin.solid.bounds(), count);
     const auto got = samples(field, points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double expected = twin.field(Vec3d(points[i]));
@@ -40,7 +40,7 @@ void expect_field(const Twin& twin, int count, double tolerance) {
 /// Differences of the field in double precision; points where the field has an edge nearby are left out.
 int expect_gradients(const Twin& twin, int count) {
     const SolidField field(twin.solid);
-    const auto points = points_in(twin.solid.bounds(), count, 11);
+    const auto points = random_points_in(twin.solid.bounds(), count, 11);
     const auto got = samples(field, points);
     int checked = 0;
     constexpr double kStep = 1e-5;
@@ -160,7 +160,7 @@ TEST(SolidField, ClosedShapesByTheSoftLawHaveItsSkeletonAtTheDepthOfTheInfluence
 TEST(SolidField, CombinationsKeepTheLawsOfSets) {
     const Solid a = sphere({0, 0, 0}), b = sphere({1, 0, 0}),
                 c = line({0, -1, 0}, {0, 1, 1}, {.radius = 0.6f});
-    const auto points = points_in({{-2, -2, -2}, {3, 2, 2}}, 3000);
+    const auto points = random_points_in({{-2, -2, -2}, {3, 2, 2}}, 3000);
     const auto same = [&](const Solid& left, const Solid& right) {
         const auto l = samples(SolidField(left), points), r = samples(SolidField(right), points);
         for (std::size_t i = 0; i < points.size(); ++i) ASSERT_FLOAT_EQ(l[i].value, r[i].value);
@@ -197,7 +197,7 @@ TEST(SolidField, OnePointSaysTheSameInAnyBatch) {
         TreeMaker maker(100 + seed);
         const Twin twin = maker.tree(4);
         const SolidField field(twin.solid);
-        const auto points = points_in(twin.solid.bounds(), 700);
+        const auto points = random_points_in(twin.solid.bounds(), 700);
         const auto whole = samples(field, points);
         std::vector<float> values(points.size());
         field.values(points, values);
@@ -215,7 +215,7 @@ TEST(SolidField, EveryInstructionSetSaysTheSame) {
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         TreeMaker maker(700 + seed);
         const SolidField field(maker.tree(3).solid);
-        const auto points = points_in(field.bounds(), 500);
+        const auto points = random_points_in(field.bounds(), 500);
         const auto best = samples(field, points);
         for (const auto target : {HWY_SCALAR, HWY_SSE4, HWY_AVX2}) {
             SCOPED_TRACE(hwy::TargetName(target));
@@ -241,7 +241,7 @@ TEST(SolidField, ManyPartsAreGroupedWithoutAChange) {
     }
     for (const bool sum : {false, true}) {
         const SolidField field(sum ? blend(spheres) : unite(spheres));
-        const auto points = points_in({{0, 0, 0}, {10, 10, 10}}, 2000);
+        const auto points = random_points_in({{0, 0, 0}, {10, 10, 10}}, 2000);
         const auto got = samples(field, points);
         for (std::size_t i = 0; i < points.size(); ++i) {
             double expected = 0;
@@ -277,7 +277,7 @@ TEST(SolidField, LongPolylinesMatchTheirSegments) {
 void expect_ranges(const Solid& solid, float size, std::uint64_t seed) {
     const SolidField field(solid);
     std::vector<Box3> boxes;
-    const auto centers = points_in(solid.bounds(), 200, seed);
+    const auto centers = random_points_in(solid.bounds(), 200, seed);
     for (std::size_t i = 0; i < centers.size(); ++i) {
         const float half = size * static_cast<float>(1 + i % 40);
         boxes.push_back({centers[i] - Vec3{half, 2 * half, half}, centers[i] + Vec3{half, half, half}});
@@ -285,7 +285,7 @@ void expect_ranges(const Solid& solid, float size, std::uint64_t seed) {
     std::vector<ValueRange> ranges(boxes.size());
     field.ranges(boxes, ranges);
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-        std::vector<Vec3> within = points_in(boxes[i], 40, i);
+        std::vector<Vec3> within = random_points_in(boxes[i], 40, i);
         for (Vec3& p : within) {
             for (int axis = 0; axis < 3; ++axis) {
                 p[axis] = std::clamp(p[axis], boxes[i].low[axis], boxes[i].high[axis]);

@@ -61,7 +61,7 @@ TEST(Solid, BoundsHoldTheSupportAndTheSurface) {
         const Box3 support = twin.solid.bounds(), surface = twin.solid.surface_bounds();
         Box3 drawn = support;
         if (drawn.empty()) drawn = {{-3, -3, -3}, {3, 3, 3}};
-        for (const Vec3 p : points_in(drawn.inflated(0.3f * drawn.diagonal()), 3000)) {
+        for (const Vec3 p : random_points_in(drawn.inflated(0.3f * drawn.diagonal()), 3000)) {
             const double v = twin.field(Vec3d(p));
             const Box3 point = capsule_box(p, p, 0);
             ASSERT_TRUE(v <= 1e-9 || point.overlaps(support)) << p.x << " " << p.y << " " << p.z;

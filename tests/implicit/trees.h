@@ -246,7 +246,7 @@ class TreeMaker {
 };
 
 /// Points in and around a box, a row of them at a time so that batches are coherent.
-inline std::vector<Vec3> points_in(Box3 box, int count, std::uint64_t seed = 3) {
+inline std::vector<Vec3> random_points_in(Box3 box, int count, std::uint64_t seed = 3) {
     if (box.empty()) box = {{-1, -1, -1}, {1, 1, 1}};
     const CounterRandom random(seed, 5);
     std::vector<Vec3> out;

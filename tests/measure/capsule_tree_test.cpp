@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "coppice/base/random.h"
+#include "measure/support.h"
 
 namespace coppice {
 namespace {
-
-constexpr NodeId kRoot = NodeId::none();
 
 /// A fork of two radii: trunk up z to 4, leader on to 8 with a taper, lateral along x.
 Skeleton fork(Vec3d origin = {}) {

@@ -1,4 +1,5 @@
 #include "coppice/measure/match/cloud_distance.h"
+#include "measure/support.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +14,6 @@ namespace coppice {
 namespace {
 
 using namespace shapes;
-
-constexpr NodeId kRoot = NodeId::none();
 
 /// The unit square at height 0, seen from above: n x n quads.
 PolygonMesh square(std::uint32_t n) {

@@ -1,11 +1,10 @@
 #include "coppice/measure/cone_union.h"
+#include "measure/support.h"
 
 #include <gtest/gtest.h>
 
 namespace coppice {
 namespace {
-
-constexpr NodeId kRoot = NodeId::none();
 
 ConeUnion round_union(const Skeleton& s) { return {s, s.origin(), EndShape::round, EndShape::round}; }
 

@@ -1,4 +1,5 @@
 #include "coppice/measure/intersections.h"
+#include "measure/support.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,6 @@ namespace {
 
 using namespace shapes;
 
-constexpr NodeId kRoot = NodeId::none();
 constexpr std::uint32_t kMany = 1'000'000;
 
 std::size_t count(const PolygonMesh& m) { return crossing_faces(SurfaceTree(m), kMany).pairs.size(); }

@@ -1,4 +1,5 @@
 #include "coppice/measure/radius.h"
+#include "measure/support.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +12,6 @@ namespace coppice {
 namespace {
 
 using namespace shapes;
-
-constexpr NodeId kRoot = NodeId::none();
 
 /// One segment of ten metres along z, of radius 0.5.
 Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }

@@ -8,12 +8,11 @@
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/skeleton/random_tree.h"
 #include "coppice/skeleton/resample.h"
+#include "measure/support.h"
 #include "zoo.h"
 
 namespace coppice {
 namespace {
-
-constexpr NodeId kRoot = NodeId::none();
 
 /// One segment up z of ten metres, radius 0.5.
 Skeleton pole(float radius = 0.5f, Vec3 shift = {}, Vec3d origin = {}) {

@@ -6,14 +6,13 @@
 #include <string>
 
 #include "coppice/base/error.h"
+#include "measure/support.h"
 #include "mesh/shapes.h"
 
 namespace coppice {
 namespace {
 
 using namespace shapes;
-
-constexpr NodeId kRoot = NodeId::none();
 
 Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }
 

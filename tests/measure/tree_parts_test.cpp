@@ -1,4 +1,5 @@
 #include "coppice/measure/tree_parts.h"
+#include "measure/support.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,6 @@ namespace coppice {
 namespace {
 
 using namespace shapes;
-
-constexpr NodeId kRoot = NodeId::none();
 
 // Nodes at heights 0, 1, 2 ... along a pole of radius 0.5; beside it, ten away, a second of two nodes.
 const Skeleton kPole({kRoot, NodeId(0), NodeId(1), NodeId(2)}, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 10}},

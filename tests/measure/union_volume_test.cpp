@@ -7,12 +7,12 @@
 #include <stop_token>
 
 #include "coppice/base/error.h"
+#include "measure/support.h"
 #include "zoo.h"
 
 namespace coppice {
 namespace {
 
-constexpr NodeId kRoot = NodeId::none();
 constexpr double kPi = std::numbers::pi;
 
 UnionVolume volume(const Skeleton& s, EndShape base = EndShape::round, EndShape tips = EndShape::round,

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "coppice/mesh/shape.h"
+#include "measure/support.h"
 #include "mesh/shapes.h"
 
 namespace coppice {
@@ -12,7 +13,6 @@ namespace {
 
 using namespace shapes;
 
-constexpr NodeId kRoot = NodeId::none();
 constexpr double kPi = std::numbers::pi;
 
 VolumeReport report(const PolygonMesh& mesh, const Skeleton& s, EndShape base = EndShape::flat) {

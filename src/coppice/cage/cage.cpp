@@ -30,7 +30,7 @@ constexpr float kRoundEndOut = 1.1f;
 constexpr float kInnerRing = 0.5f;
 constexpr float kRim = (6 - 1 - kInnerRing) / 4;
 constexpr std::uint32_t kFlatEndQuads = 5;
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kCageGrain = 256;
 
 class CageBuilder {
   public:
@@ -86,7 +86,7 @@ class CageBuilder {
             at(n).hub = static_cast<std::uint32_t>(branching.size());
         }
         hub_.resize(branching.size());
-        parallel_for(ctx_, branching.size(), kGrain,
+        parallel_for(ctx_, branching.size(), kCageGrain,
                      [&](std::size_t i) { hub_[i] = make_hub(branching[i]); });
     }
 
@@ -175,7 +175,7 @@ class CageBuilder {
 
     // Rings whose orientation is their own: branch nodes, roots in the middle of a chain, single nodes.
     void fill_hubs() {
-        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx_, s_.size(), kCageGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
             if (degree(n) == 0) {
                 fill_ball(n);
@@ -242,7 +242,7 @@ class CageBuilder {
         for (const NodeId n : nodes(s_)) {
             if (!s_.is_root(n) && (is_fixed(s_.parent(n)) || s_.is_root(s_.parent(n)))) heads.push_back(n);
         }
-        parallel_for(ctx_, heads.size(), kGrain / 4, [&](std::size_t i) { fill_chain(heads[i]); });
+        parallel_for(ctx_, heads.size(), kCageGrain / 4, [&](std::size_t i) { fill_chain(heads[i]); });
     }
 
     void fill_chain(NodeId head) {
@@ -336,7 +336,7 @@ class CageBuilder {
     }
 
     void fill_tubes() {
-        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx_, s_.size(), kCageGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
             if (s_.is_root(n)) return;
             const Ring &p = at(n).upper, &q = at(n).lower;

@@ -9,7 +9,7 @@
 namespace coppice::cage_internal {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kCrossingsGrain = 4096;
 // Looks at so many pairs of boxes at most: per group, or on average where that is more.
 constexpr std::size_t kLooksPerGroup = std::size_t{1} << 12;
 constexpr std::size_t kLooks = std::size_t{1} << 24;
@@ -85,7 +85,7 @@ std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const 
                                      const Context& ctx) {
     const Search search(s, axes, enclosure);
     std::vector<Box3> boxes(s.size());
-    parallel_for(ctx, s.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, s.size(), kCrossingsGrain, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
         const NodeId from = s.is_root(n) ? n : s.parent(n);
         const float r = s.is_root(n) ? 0.0f : greatest_radius(s.segment(n));
@@ -94,7 +94,7 @@ std::vector<Crossing> find_crossings(const Skeleton& s, const Axes& axes, const 
     const BoxTree tree(boxes, ctx);
     std::vector<std::vector<Crossing>> found(tree.group_count());
     const std::size_t most_looks = std::max(kLooksPerGroup, kLooks / found.size());
-    parallel_for(ctx, found.size(), kGrain / BoxTree::kWidth, [&](std::size_t g) {
+    parallel_for(ctx, found.size(), kCrossingsGrain / BoxTree::kWidth, [&](std::size_t g) {
         std::size_t looks = 0;
         tree.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t p, std::uint32_t q) {
             search.add(NodeId(tree.item(p)), NodeId(tree.item(q)), found[g]);

@@ -11,8 +11,8 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 256;  // regions per task
-constexpr std::size_t kHub = 64;     // a node with more children gets a tree of boxes
+constexpr std::size_t kCandidateListsGrain = 256;  // regions per task
+constexpr std::size_t kHub = 64;                   // a node with more children gets a tree of boxes
 constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMinLimit = 256;
 constexpr std::size_t kLooked =
@@ -154,7 +154,7 @@ CandidateLists find_candidates(const Skeleton& skeleton, std::span<const Segment
     }));
     const std::vector<Hub> hubs = find_hubs(skeleton, supports, ctx);
     const std::size_t count = regions.size();
-    return collect_lists(count, kGrain, ctx, [&](IndexRange range, const auto& put) {
+    return collect_lists(count, kCandidateListsGrain, ctx, [&](IndexRange range, const auto& put) {
         Flood flood(skeleton, supports, hubs);
         std::vector<std::uint32_t> list;
         for (std::size_t i = range.begin; i < range.end; ++i) {
@@ -176,7 +176,7 @@ CandidateLists find_touching(std::span<const SegmentSupport> supports, std::span
     }
     const BoxTree tree(boxes, ctx);
     const std::size_t limit = longest_list(regions.size());
-    return collect_lists(regions.size(), kGrain, ctx, [&](IndexRange range, const auto& put) {
+    return collect_lists(regions.size(), kCandidateListsGrain, ctx, [&](IndexRange range, const auto& put) {
         std::vector<std::uint32_t> list;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             const Vec3 center = regions[i].center();

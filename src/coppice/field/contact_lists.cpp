@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 128;
+constexpr std::size_t kContactListsGrain = 128;
 // Beyond this many radii a rival's field is too weak to push back.
 constexpr float kRivalReach = 1.15f;
 // Surfaces in contact on more sides than this have nowhere to go.
@@ -60,7 +60,7 @@ Contents contents_of(const TubeTree& tubes) {
 std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& contents,
                                           std::span<const SegmentSupport> segments, const Context& ctx) {
     std::vector<SegmentSupport> out(tree.size());
-    parallel_for(ctx, tree.size(), kGrain * 16, [&](std::size_t i) {
+    parallel_for(ctx, tree.size(), kContactListsGrain * 16, [&](std::size_t i) {
         const auto inside = contents[i];
         const NodeId n(static_cast<std::uint32_t>(i));
         if (inside.size() == 1) {
@@ -81,7 +81,7 @@ std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& 
 /// By child node; a segment without length of its own has an empty box.
 std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Context& ctx) {
     std::vector<SegmentSupport> capsules(skeleton.size());
-    parallel_for(ctx, skeleton.size(), kGrain * 16, [&](std::size_t i) {
+    parallel_for(ctx, skeleton.size(), kContactListsGrain * 16, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
         Segment s{skeleton.position(n), skeleton.position(n), skeleton.radius(n), skeleton.radius(n)};
         if (!skeleton.is_root(n)) s = skeleton.segment(n);
@@ -203,7 +203,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
     const CandidateLists near =
         find_candidates(tubes.tree, tube_supports(tubes.tree, contents, supports, ctx), at_tubes, ctx);
     ContactLists out;
-    out.own = collect_lists(regions.size(), kGrain, ctx, [&](IndexRange range, const auto& put) {
+    out.own = collect_lists(regions.size(), kContactListsGrain, ctx, [&](IndexRange range, const auto& put) {
         std::vector<std::uint32_t> list;
         for (auto r = static_cast<std::uint32_t>(range.begin); r < range.end; ++r) {
             const Box3& box = regions[r].box;
@@ -223,7 +223,7 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
         }
     });
     const RivalSearch search(skeleton, regions, tubes.tube, out.own, ctx);
-    out.rivals = collect_lists(regions.size(), kGrain, ctx,
+    out.rivals = collect_lists(regions.size(), kContactListsGrain, ctx,
                                [&](IndexRange range, const auto& put) { search.run(range, put); });
     return out;
 }

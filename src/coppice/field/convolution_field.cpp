@@ -15,7 +15,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kConvolutionFieldGrain = 4096;
 constexpr std::size_t kRegionGrain = 256;
 constexpr std::size_t kContactBatch = 64;
 
@@ -77,7 +77,7 @@ ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions&
       blend_(checked_blend(options)),
       contact_(options.contact) {
     const std::vector<Vec3> direction = fallback_directions(skeleton);
-    parallel_for(ctx, skeleton.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, skeleton.size(), kConvolutionFieldGrain, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
         if (skeleton.is_root(n)) {
             segments_[i] = builder_.build_ball(skeleton.position(n), skeleton.radius(n));

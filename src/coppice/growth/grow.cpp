@@ -19,7 +19,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1024;       // nodes whose plans are worth a thread of their own
+constexpr std::size_t kGrowGrain = 1024;   // nodes whose plans are worth a thread of their own
 constexpr std::size_t kGuardedGrain = 64;  // the same where each samples a field
 constexpr std::uint32_t kNone = AttractorSet::kNone;
 constexpr double kLeastPull = 1e-6;  // of the number of attractors: below, their directions cancel
@@ -235,7 +235,7 @@ std::uint32_t node_nearest_to_attractors(const Growth& g, const Context& ctx) {
     std::uint32_t nearest = 0;
     float least = std::numeric_limits<float>::infinity();
     for (std::uint32_t n = 0; n < g.old_nodes(); ++n) {
-        if (n % kGrain == 0) ctx.throw_if_cancelled();
+        if (n % kGrowGrain == 0) ctx.throw_if_cancelled();
         const float d = g.attractors.nearest(g.nodes.position[n]).distance_squared;
         if (d < least) nearest = n;
         least = std::min(least, d);
@@ -317,7 +317,7 @@ void apply_plan(Growth& g, std::uint32_t node, const Plan& plan, std::uint32_t f
 
 void iterate(Growth& g, const Context& ctx) {
     g.plans.assign(g.active.size(), {});
-    const std::size_t grain = g.task.input.guard ? kGuardedGrain : kGrain;
+    const std::size_t grain = g.task.input.guard ? kGuardedGrain : kGrowGrain;
     parallel_for(ctx, g.active.size(), grain, [&](std::size_t i) { g.plans[i] = plan_of(g, g.active[i]); });
     const std::uint32_t first = g.nodes.size();
     for (std::size_t i = 0; i < g.active.size() && !g.full; ++i)

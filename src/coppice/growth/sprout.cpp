@@ -21,7 +21,7 @@ namespace coppice {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kSproutGrain = 4096;
 // Cosine of the turn by which a guard may make a shoot slide: else shoots would pave the wall that they meet.
 constexpr double kLeastAlong = 0.5;
 constexpr std::uint32_t kNodesPerLook = 4096;  // whether the work is cancelled, or takes too much memory
@@ -157,7 +157,7 @@ class Sprouting {
 
     void gather_light() {
         share_.assign(nodes_.size(), {});
-        parallel_for(ctx_, nodes_.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx_, nodes_.size(), kSproutGrain, [&](std::size_t i) {
             // The leaves of the node itself are in its cell too.
             const double own = has_leaves(nodes_[i]) ? double{o_.shade} : 0;
             share_[i].own_light = std::clamp(1 - grid_.shade(nodes_[i].position) + own, 0.0, 1.0);

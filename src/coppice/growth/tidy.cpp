@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kTidyGrain = 1024;
 constexpr int kRounds = 64;  // after these an edit is done without: what is left gives way one by one
 
 using Positions = std::vector<Vec3>;
@@ -62,7 +62,7 @@ class GuardCheck {
     std::vector<char> barred_from(std::span<const NodeId> parent, const Positions& p) const {
         std::vector<char> bad(s_.size(), 0);
         if (!guard_) return bad;
-        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx_, s_.size(), kTidyGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
             if (s_.is_root(n) || parent[i] == s_.parent(n)) return;
             bad[i] = !guard_->allows_segment(p[parent[i].index()], p[i]);
@@ -74,7 +74,7 @@ class GuardCheck {
     std::vector<char> barred(const Positions& from, const Positions& to,
                              const std::vector<char>& look) const {
         std::vector<char> bad(s_.size(), 0);
-        parallel_for(ctx_, s_.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx_, s_.size(), kTidyGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
             if (s_.is_root(n)) return;
             const std::uint32_t a = s_.parent(n).index();

@@ -180,7 +180,7 @@ std::pair<std::string, std::string> split(std::string_view name) {
 
 using namespace io_internal;
 
-Jail::Jail(const std::filesystem::path& folder, std::vector<std::filesystem::path> allowed) {
+Jail::Jail(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& allowed) {
     std::error_code error;
     folder_ = std::filesystem::canonical(folder.empty() ? "." : folder, error);
     if (!error) descriptor_ = ::open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);

@@ -18,7 +18,8 @@ class Jail {
   public:
     /// Throws IoError where the folder cannot be opened. `allowed` are files elsewhere that may be read,
     /// under their absolute names or relative ones that lead to them.
-    explicit Jail(const std::filesystem::path& folder, std::vector<std::filesystem::path> allowed = {});
+    explicit Jail(const std::filesystem::path& folder,
+                  const std::vector<std::filesystem::path>& allowed = {});
     ~Jail();
     Jail(const Jail&) = delete;
     Jail& operator=(const Jail&) = delete;

@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
+constexpr std::size_t kRadiusGrain = 1 << 12;
 constexpr double kEndZone = 2;
 constexpr double kFree = 1.3;
 constexpr double kMissing = 1.8;
@@ -82,7 +82,7 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton,
     const std::vector<char> used = used_vertices(mesh);
     const std::vector<Ends> ends = ends_of(skeleton, capsules);
     std::vector<CapsuleTree::Nearest> nearest(n);
-    parallel_for_ranges(ctx, n, kGrain, [&](IndexRange range) {
+    parallel_for_ranges(ctx, n, kRadiusGrain, [&](IndexRange range) {
         // Vertices that follow each other mostly lie near each other.
         std::uint32_t hint = CapsuleTree::kNone;
         for (std::size_t v = range.begin; v < range.end; ++v) {
@@ -113,7 +113,7 @@ RadiusReport radius_deviation(const PolygonMesh& mesh, const Skeleton& skeleton,
 std::vector<float> vertex_deviations(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
     const CapsuleTree capsules(skeleton, mesh.origin, ctx);
     std::vector<float> out(mesh.positions.size());
-    parallel_for_ranges(ctx, out.size(), kGrain, [&](IndexRange range) {
+    parallel_for_ranges(ctx, out.size(), kRadiusGrain, [&](IndexRange range) {
         std::uint32_t hint = CapsuleTree::kNone;
         for (std::size_t v = range.begin; v < range.end; ++v) {
             const auto nearest = capsules.nearest(Vec3d(mesh.positions[v]), hint);

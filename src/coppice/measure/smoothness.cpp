@@ -16,7 +16,7 @@ namespace {
 
 using measure_internal::Forks;
 
-constexpr std::size_t kGrain = 1 << 13;
+constexpr std::size_t kSmoothnessGrain = 1 << 13;
 constexpr double kForkReach = 2;  // [radii]
 constexpr double kNoAngle = -1;
 
@@ -39,7 +39,7 @@ Vec3d area_vector(const PolygonMesh& mesh, std::uint32_t f) {
 
 Buffer<Side> sides_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
     Buffer<Side> sides(mesh.corners.size());
-    parallel_for(ctx, mesh.face_count(), kGrain, [&](std::size_t f) {
+    parallel_for(ctx, mesh.face_count(), kSmoothnessGrain, [&](std::size_t f) {
         const auto id = static_cast<std::uint32_t>(f);
         const auto face = mesh.face(id);
         for (std::size_t k = 0; k < face.size(); ++k) {
@@ -79,7 +79,7 @@ double bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const
 // Of every face, whether its middle lies at a fork.
 std::vector<char> faces_at_forks(const PolygonMesh& mesh, const Forks& forks, const Context& ctx) {
     std::vector<char> out(mesh.face_count());
-    parallel_for(ctx, out.size(), kGrain, [&](std::size_t f) {
+    parallel_for(ctx, out.size(), kSmoothnessGrain, [&](std::size_t f) {
         const auto face = mesh.face(static_cast<std::uint32_t>(f));
         Vec3d sum;
         for (const std::uint32_t v : face) sum += at(mesh, v);
@@ -105,7 +105,7 @@ Sum bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const st
         }
         return sum;
     };
-    return parallel_reduce(ctx, mesh.face_count(), kGrain, Sum{}, range_sum, [](Sum a, Sum b) {
+    return parallel_reduce(ctx, mesh.face_count(), kSmoothnessGrain, Sum{}, range_sum, [](Sum a, Sum b) {
         return Sum{a.all + b.all, a.forks + b.forks};
     });
 }
@@ -117,7 +117,7 @@ std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec
     const auto same = [&](std::size_t i, std::size_t j) {
         return j < sides.size() && sides[i].low == sides[j].low && sides[i].high == sides[j].high;
     };
-    parallel_for(ctx, sides.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, sides.size(), kSmoothnessGrain, [&](std::size_t i) {
         if ((i > 0 && same(i - 1, i)) || !same(i, i + 1) || same(i, i + 2)) return;
         const Vec3d a = areas[sides[i].face], b = areas[sides[i + 1].face];
         if (!(length(a) > 0) || !(length(b) > 0)) return;
@@ -144,7 +144,7 @@ SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, c
     if (skeleton != nullptr)
         at_fork = faces_at_forks(mesh, Forks(*skeleton, mesh.origin, kForkReach, ctx), ctx);
     std::vector<Vec3d> areas(mesh.face_count());
-    parallel_for(ctx, areas.size(), kGrain,
+    parallel_for(ctx, areas.size(), kSmoothnessGrain,
                  [&](std::size_t f) { areas[f] = area_vector(mesh, static_cast<std::uint32_t>(f)); });
     SmoothnessReport report;
     const Sum sum = bending(mesh, vertex_normals(mesh, areas), at_fork, ctx);

@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 13;
+constexpr std::size_t kSurfaceTreeGrain = 1 << 13;
 
 TrianglePoints points_of(const PolygonMesh& mesh, const Triangle& t) {
     return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
@@ -62,9 +62,9 @@ struct SurfaceTree::Parts {
 
     static Parts of(const PolygonMesh& mesh, const Context& ctx) {
         const std::size_t n = mesh.face_count();
-        std::vector<Parts> ranges((n + kGrain - 1) / kGrain);
-        parallel_for_ranges(ctx, n, kGrain, [&](IndexRange range) {
-            Parts& parts = ranges[range.begin / kGrain];
+        std::vector<Parts> ranges((n + kSurfaceTreeGrain - 1) / kSurfaceTreeGrain);
+        parallel_for_ranges(ctx, n, kSurfaceTreeGrain, [&](IndexRange range) {
+            Parts& parts = ranges[range.begin / kSurfaceTreeGrain];
             for (std::size_t f = range.begin; f < range.end; ++f)
                 parts.add(mesh, static_cast<std::uint32_t>(f));
         });

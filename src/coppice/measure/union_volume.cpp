@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 16;
+constexpr std::size_t kUnionVolumeGrain = 16;
 constexpr std::uint32_t kFirstRound = 8;  // points in every part
 constexpr int kMostRounds = 12;
 
@@ -201,7 +201,7 @@ UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& optio
     const Sampler sample(solid, mark);
     Sums sums;
     for (int round = 0; round < kMostRounds; ++round) {
-        parallel_for(ctx, parts.size(), kGrain, [&](std::size_t i) { sample(parts[i]); });
+        parallel_for(ctx, parts.size(), kUnionVolumeGrain, [&](std::size_t i) { sample(parts[i]); });
         sums = sums_of(parts);
         ctx.report(static_cast<float>(round + 1) / kMostRounds);
         if (!allocate(parts, sums, options)) break;

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 14;
+constexpr std::size_t kShapeGrain = 1 << 14;
 
 struct Extent {
     double volume = 0, area = 0;
@@ -57,7 +57,7 @@ ShapeReport shape(const PolygonMesh& mesh, const Context& ctx) {
     const std::size_t n = mesh.face_count();
     if (n == 0) return report;
     std::vector<double> jacobian(n);
-    parallel_for(ctx, n, kGrain, [&](std::size_t f) {
+    parallel_for(ctx, n, kShapeGrain, [&](std::size_t f) {
         jacobian[f] = scaled_jacobian(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions);
     });
     report.inverted_faces = static_cast<std::uint64_t>(
@@ -65,7 +65,7 @@ ShapeReport shape(const PolygonMesh& mesh, const Context& ctx) {
     report.scaled_jacobian = statistics(std::move(jacobian));
     const Vec3d apex(mesh.positions[0]);
     const auto total = parallel_reduce(
-        ctx, n, kGrain, Extent{}, [&](IndexRange range) { return extent(mesh, range, apex); },
+        ctx, n, kShapeGrain, Extent{}, [&](IndexRange range) { return extent(mesh, range, apex); },
         [](Extent a, Extent b) {
             return Extent{a.volume + b.volume, a.area + b.area};
         });

@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 14;
+constexpr std::size_t kTopologyGrain = 1 << 14;
 
 /// A face as one of its vertices sees it.
 struct Corner {
@@ -29,7 +29,7 @@ struct Spoke {
 
 Buffer<Corner> corners_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
     Buffer<Corner> corners(mesh.corners.size());
-    parallel_for(ctx, mesh.face_count(), kGrain, [&](std::size_t f) {
+    parallel_for(ctx, mesh.face_count(), kTopologyGrain, [&](std::size_t f) {
         const auto id = static_cast<std::uint32_t>(f);
         const auto c = mesh.face(id);
         for (std::size_t k = 0, n = c.size(); k < n; ++k) {
@@ -144,7 +144,7 @@ TopologyReport topology(const PolygonMesh& mesh, const Context& ctx) {
         }
         return report;
     };
-    auto report = parallel_reduce(ctx, corners.size(), kGrain, TopologyReport{}, judge_range, sum);
+    auto report = parallel_reduce(ctx, corners.size(), kTopologyGrain, TopologyReport{}, judge_range, sum);
     report.faces = mesh.face_count();
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) report.quads += mesh.face(f).size() == 4;
     report.components = parts.set_count();

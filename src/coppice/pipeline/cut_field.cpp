@@ -8,7 +8,7 @@ namespace coppice {
 namespace {
 
 constexpr float kReach = 3;  // [radii] from its center a cut is felt; the line ends before
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kCutFieldGrain = 256;
 // The slope with which the quartic kernel's value^(2/5) falls at the surface, per radius: where plane and
 // bark meet, distances are guessed alike on both.
 constexpr float kSlope = 1.6f;
@@ -37,7 +37,7 @@ CutField::CutField(FieldRef field, const Skeleton& skeleton, const ControlOption
     for (const Cut& c : cuts_) boxes.push_back(capsule_box(c.center, c.center, kReach * c.radius));
     const BoxTree tree(boxes, ctx);
     of_region_.resize(regions.size());
-    parallel_for(ctx, regions.size(), kGrain, [&](std::size_t r) {
+    parallel_for(ctx, regions.size(), kCutFieldGrain, [&](std::size_t r) {
         tree.visit_overlapping(regions[r], [&](std::uint32_t cut) { of_region_[r].push_back(cut); });
     });
 }

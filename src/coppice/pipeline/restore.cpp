@@ -17,7 +17,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kRestoreGrain = 4096;
 constexpr double kFarFromAxis = 3;  // [radii] beyond, the nearest segment tells nothing about a vertex
 constexpr double kFacing = 0.25;    // least cosine between a vertex's normal and a face of the original
 
@@ -96,7 +96,7 @@ class Restoration {
   private:
     template <class Body>
     void for_vertices(const Body& body) const {
-        parallel_for(ctx_, count_, kGrain, body);
+        parallel_for(ctx_, count_, kRestoreGrain, body);
     }
 
     template <class Visit>
@@ -129,7 +129,7 @@ class Restoration {
         radius_.assign(count_, 0.0);
         found_.assign(count_, std::uint8_t{0});
         result_.offsets.assign(count_, 0.0f);
-        parallel_for_ranges(ctx_, count_, kGrain, [&](IndexRange range) {
+        parallel_for_ranges(ctx_, count_, kRestoreGrain, [&](IndexRange range) {
             std::uint32_t hint = CapsuleTree::kNone;
             for (std::size_t v = range.begin; v < range.end; ++v) {
                 const Vec3d p(start_[v]), n(normal_[v]);

@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kTetraSkeletonGrain = 1024;
 // Most cells are about half as wide as they may be, and edges a little shorter than the cells are wide.
 constexpr float kCellOverEdge = 2.8f;
 constexpr double kLeastPolyhedronEdge = 0.07;  ///< [radii] below it takes too many cuts
@@ -53,7 +53,7 @@ bool is_cut_away(const Skeleton& skeleton, const ControlOptions& ends) {
 
 std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
     std::vector<Box3> boxes(mesh.region_count());
-    parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t r) {
+    parallel_for(ctx, boxes.size(), kTetraSkeletonGrain, [&](std::size_t r) {
         for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
             for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
         }

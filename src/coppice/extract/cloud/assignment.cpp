@@ -28,7 +28,7 @@ constexpr double kOwnRadius = 2;       // [radius] of its own branch, more than 
 constexpr double kLeastGain = 1.5;     // points that a branch must explain
 constexpr double kLeastShare = 0.35;   // of its points, which it must explain
 constexpr double kThin = 0.08;         // [spacing] thinner branches within reach of others are not believed
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kAssignmentGrain = 4096;
 
 /// All segments of a tree, found by place.
 class Cones {
@@ -185,7 +185,7 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
     samples.node.assign(count, kNone);
     // A thin branch may be nearer than the thick one that a point is on.
     std::vector<std::uint32_t> on(count, kNone);
-    parallel_for(ctx, count, kGrain, [&](std::size_t i) {
+    parallel_for(ctx, count, kAssignmentGrain, [&](std::size_t i) {
         double best = std::numeric_limits<double>::infinity(), least = 0;
         const Vec3d p(samples.positions[i]);
         const double look = std::max(reach(i), kLook * double{spacing[i]});
@@ -220,7 +220,7 @@ std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<co
     const auto branch = branches_of(tree, links);
     std::vector<NearestBranches> nearest(samples.positions.size());
     std::vector<std::uint32_t> key(nearest.size(), kNone);
-    parallel_for(ctx, nearest.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, nearest.size(), kAssignmentGrain, [&](std::size_t i) {
         nearest[i] = nearest_branches(cones, branch, noise, samples.positions[i], spacing[i]);
         if (nearest[i].first != kNone) key[i] = branch[nearest[i].first];
     });

@@ -2,17 +2,15 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
+#include "coppice/extract/none_internal.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice::extract_internal {
-
-inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// Triangles with the neighbours that walks over a surface need. Half-edge 3 t + k runs from corner k of
 /// triangle t to the next. Edges of more than two triangles are taken apart: at most two of them are

@@ -16,7 +16,7 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kCleanGrain = 16384;
 
 Box3 bounds_of(std::span<const Vec3> points) {
     Box3 box;
@@ -38,7 +38,7 @@ Buffer<MortonPlace> morton_order(std::span<const Vec3> points, double edge, cons
     constexpr double kLast = kMortonCells - 1;
     edge = std::max(edge, widest(box) / kLast);
     Buffer<MortonPlace> place(points.size());
-    parallel_for(ctx, points.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, points.size(), kCleanGrain, [&](std::size_t i) {
         const auto cell = [&](int axis) {
             const double at = (double{points[i][axis]} - double{box.low[axis]}) / edge;
             return static_cast<std::uint64_t>(std::clamp(at, 0.0, kLast));
@@ -101,13 +101,13 @@ std::vector<std::uint8_t> find_outliers(const Neighbours& neighbours, double fac
     const std::uint32_t near = std::min(kNear, neighbours.count);
     const std::size_t n = neighbours.index.size() / neighbours.count;
     Buffer<float> mean(n);
-    parallel_for(ctx, n, kGrain, [&](std::size_t i) {
+    parallel_for(ctx, n, kCleanGrain, [&](std::size_t i) {
         double sum = 0;
         for (std::uint32_t k = 0; k < near; ++k) sum += neighbours.distances(i)[k];
         mean[i] = static_cast<float>(sum / near);
     });
     std::vector<std::uint8_t> outlier(n, 0);
-    parallel_for(ctx, n, kGrain, [&](std::size_t i) {
+    parallel_for(ctx, n, kCleanGrain, [&](std::size_t i) {
         std::array<float, kNear> about{};
         for (std::uint32_t k = 0; k < near; ++k) about[k] = mean[neighbours.of(i)[k]];
         outlier[i] = mean[i] > factor * median_in_place(std::span(about).first(near));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,11 +8,10 @@
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
+#include "coppice/extract/none_internal.h"
 #include "coppice/extract/points/neighbours_internal.h"
 
 namespace coppice::extract_internal {
-
-inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 using StemBases = std::span<const std::vector<std::uint32_t>>;  ///< points of the lowest slice of each tree
 

@@ -13,7 +13,7 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kLeavesGrain = 4096;
 constexpr double kCoarsest = 0.025;         // [height] spacing; beyond either, crowns of twigs look like
 constexpr double kWidest = 0.1;             // [m] leaves
 constexpr double kLeafyShare = 0.25;        // least share of places of high dispersion that tells of leaves
@@ -81,7 +81,7 @@ Buffer<float> smoothed(const Scale& scale, const Context& ctx) {
     Buffer<float> value(scale.points.size()), scratch(scale.points.size());
     for (std::size_t i = 0; i < value.size(); ++i) value[i] = scale.dispersion.value[scale.of(i)];
     for (int pass = 0; pass < kSmoothPasses; ++pass) {
-        parallel_for(ctx, value.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx, value.size(), kLeavesGrain, [&](std::size_t i) {
             float sum = value[i];
             for (const std::uint32_t j : near.of(i).first(count)) sum += value[j];
             scratch[i] = sum / static_cast<float>(count + 1);
@@ -127,7 +127,7 @@ Buffer<float> wood_reach(const Buffer<float>& beyond, const Neighbours& near, do
     Buffer<float> reach(beyond.size()), scratch(beyond.size());
     for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = beyond[i] > least ? beyond[i] / kSlender : -1;
     for (int pass = 0; pass < kReachPasses; ++pass) {
-        parallel_for(ctx, reach.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx, reach.size(), kLeavesGrain, [&](std::size_t i) {
             float most = reach[i];
             for (std::uint32_t k = 0; k < near.count; ++k)
                 most = std::max(most, reach[near.of(i)[k]] - near.distances(i)[k]);

@@ -10,7 +10,7 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kNeighboursGrain = 4096;
 
 /// Writes the row of point i without the point itself.
 void find_row(const KdTree& tree, Vec3 point, std::size_t i, std::vector<std::uint32_t>& index,
@@ -33,7 +33,7 @@ Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count,
     out.index.resize(points.size() * out.count);
     out.distance.resize(points.size() * out.count);
     const KdTree tree(points, ctx);
-    parallel_for_ranges(ctx, points.size(), kGrain, [&](IndexRange range) {
+    parallel_for_ranges(ctx, points.size(), kNeighboursGrain, [&](IndexRange range) {
         std::vector<std::uint32_t> index(out.count + 1);
         std::vector<double> squared(out.count + 1);
         for (std::size_t i = range.begin; i < range.end; ++i) {

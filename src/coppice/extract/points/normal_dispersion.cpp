@@ -13,7 +13,7 @@
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kNormalDispersionGrain = 4096;
 constexpr std::uint32_t kNormalNeighbours = 8;  // of which a normal is made
 constexpr std::uint32_t kSpacingRank = 4;       // the neighbour whose distance is the spacing
 constexpr int kPasses = 8;                      // of averaging
@@ -49,7 +49,7 @@ float least_eigenvalue(const Tensor& t) {
 
 void average(Buffer<Tensor>& tensor, Buffer<Tensor>& scratch, const Neighbours& near, const Context& ctx) {
     const std::uint32_t count = std::min(kDispersionNeighbours, near.count);
-    parallel_for(ctx, tensor.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, tensor.size(), kNormalDispersionGrain, [&](std::size_t i) {
         Tensor sum = tensor[i];
         for (const std::uint32_t j : near.of(i).first(count)) {
             for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += tensor[j][k];
@@ -106,12 +106,14 @@ NormalDispersion normal_dispersion(std::span<const Vec3> points, const Neighbour
     NormalDispersion out;
     const std::size_t count = points.size();
     Buffer<Tensor> tensor(count), scratch(count);
-    parallel_for(ctx, count, kGrain, [&](std::size_t i) { tensor[i] = normal_squared(points, near, i); });
+    parallel_for(ctx, count, kNormalDispersionGrain,
+                 [&](std::size_t i) { tensor[i] = normal_squared(points, near, i); });
     for (int pass = 0; pass < kPasses; ++pass) {
         average(tensor, scratch, near, ctx);
     }
     out.value.resize(count);
-    parallel_for(ctx, count, kGrain, [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
+    parallel_for(ctx, count, kNormalDispersionGrain,
+                 [&](std::size_t i) { out.value[i] = least_eigenvalue(tensor[i]); });
     out.spacing = median(local_spacing(near, kSpacingRank));
     out.share = static_cast<double>(std::ranges::count_if(out.value, [](float v) { return v > kHigh; })) /
                 static_cast<double>(count);

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/extract/none_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 constexpr int kWindow = 3;             // nodes on either side that see the same branch
 constexpr double kFreedom = 3;         // places and radius that a fit chooses freely
 constexpr double kFilled = 0.33;       // [radius] scatter that is between a tube and a filled disc

@@ -2,12 +2,11 @@
 
 #include <utility>
 
+#include "coppice/extract/none_internal.h"
 #include "coppice/extract/tree/draft_tree.h"
 
 namespace coppice::extract_internal {
 namespace {
-
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 
 /// Blocks of nodes that share a value, each named by its node nearest to the root, and below each block a
 /// heap of the blocks that hang on it, greatest mean first. Heaps are skew: they meld in O(log n) on average.

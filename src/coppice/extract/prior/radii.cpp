@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/extract/none_internal.h"
 #include "coppice/extract/prior/isotonic_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 // Of radius against length beyond, through the foot: 0.3 to 0.5 on models of scanned trees of many kinds.
 constexpr double kUsualExponent = 0.42, kExponentError = 0.1;
 constexpr double kLeastExponent = 0.3, kMostExponent = 1;

@@ -7,12 +7,12 @@
 #include <limits>
 #include <vector>
 
+#include "coppice/extract/none_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 constexpr double kOfSpacing = 0.05;                   // [spacing] least error of any node
 constexpr double kBendPerLength = 0.8;                // [rad] that axes turn by over kBendLength
 constexpr double kBendLength = 20;                    // [radius]

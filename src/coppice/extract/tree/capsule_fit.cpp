@@ -8,12 +8,15 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/round_cone.h"
+#include "coppice/extract/none_internal.h"
 
 namespace coppice {
+
+using extract_internal::kNone;
+
 namespace {
 
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kCapsuleFitGrain = 4096;
 constexpr double kMostChange = 3;  // of a radius in one fit, up or down
 
 using Vec4 = std::array<double, 4>;
@@ -67,7 +70,7 @@ std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i
 }
 
 void assign_samples(const Model& model, std::span<std::uint32_t> node, const Context& ctx) {
-    parallel_for(ctx, node.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, node.size(), kCapsuleFitGrain, [&](std::size_t i) {
         if (node[i] != kNone) node[i] = deepest_segment(model, node[i], i);
     });
 }
@@ -247,7 +250,7 @@ std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& sample
     std::vector<float> out(samples.positions.size(), 0);
     const DraftLinks links(tree);
     const Model model{tree, links, samples.positions, samples.normals};
-    parallel_for(ctx, out.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, out.size(), kCapsuleFitGrain, [&](std::size_t i) {
         if (samples.node[i] != kNone)
             out[i] = static_cast<float>(model.foot(samples.node[i], i).signed_distance());
     });

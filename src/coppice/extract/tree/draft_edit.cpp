@@ -7,12 +7,11 @@
 
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/round_cone.h"
+#include "coppice/extract/none_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
 namespace {
-
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 
 /// The tipward node of the edge that is thinnest on the way between two nodes of one tree: kNone when every
 /// edge is thicker than `limit`, or when the nodes belong to different trees.

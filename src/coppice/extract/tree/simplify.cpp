@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "coppice/extract/none_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 #include "coppice/skeleton/simplify_chain.h"
 
 namespace coppice::extract_internal {
 namespace {
 
-constexpr std::uint32_t kNone = DraftTree::kNoParent;
 constexpr double kForkSpacing = 0.5;  // [radius] nearer forks are one, which the measure told apart by chance
 constexpr double kMinSpacing = 0.9;   // [radius] nodes nearer together have too few samples of their own
 

@@ -15,7 +15,7 @@ namespace coppice {
 namespace {
 
 constexpr std::uint64_t kMostPairs = std::uint64_t{1} << 28;
-constexpr std::size_t kGrain = 64;
+constexpr std::size_t kGlobalWeightsGrain = 64;
 constexpr double kSeen = 0.01;  // of the level: the length of a column that can be told from nothing
 
 /// Where the field is asked: the constraints of one segment.
@@ -63,7 +63,7 @@ SparseRows contributions(const ConvolutionField& field, std::span<const WeightCo
         throw Unsupported("weights: too many segments overlap to be weighed together; set weights to local");
     f.column.resize(f.first.back());
     f.value.resize(f.first.back());
-    parallel_for(ctx, sites.size(), kGrain, [&](std::size_t r) {
+    parallel_for(ctx, sites.size(), kGlobalWeightsGrain, [&](std::size_t r) {
         const auto list = field.candidates(static_cast<std::uint32_t>(r));
         for (std::size_t k = 0; k < list.size(); ++k) {
             const auto segment = widened(field.segments()[list[k]]);

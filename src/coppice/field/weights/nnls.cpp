@@ -14,7 +14,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kNnlsGrain = 1024;
 constexpr double kTiny = 1e-11;     // below this a number of the wrong sign is rounding
 constexpr double kOptimal = 1e-8;   // of the violation
 constexpr double kSettled = 1e-13;  // of the descent's steps, relative to the greatest unknown
@@ -65,7 +65,7 @@ ScaledColumns scaled_columns(const SparseRows& a, const Context& ctx) {
     }
     std::rotate(s.first.begin(), s.first.end() - 1, s.first.end());
     s.first[0] = 0;
-    parallel_for(ctx, a.columns, kGrain, [&](std::size_t i) {
+    parallel_for(ctx, a.columns, kNnlsGrain, [&](std::size_t i) {
         const auto column = std::span(s.value).subspan(s.first[i], s.first[i + 1] - s.first[i]);
         s.length[i] = norm(column);
         if (s.length[i] > 0)
@@ -96,7 +96,7 @@ double violation(const ScaledColumns& a, std::span<const double> z, std::span<co
                  const Context& ctx) {
     const std::vector<double> r = residual(a, z, b);
     return parallel_reduce<double>(
-        ctx, z.size(), kGrain, 0.0,
+        ctx, z.size(), kNnlsGrain, 0.0,
         [&](IndexRange range) {
             double worst = 0;
             for (std::size_t i = range.begin; i < range.end; ++i) {
@@ -165,7 +165,7 @@ int descend(const ScaledColumns& a, std::span<double> z, std::span<const double>
 std::vector<double> product(const SparseRows& a, std::span<const double> x, const Context& ctx) {
     COPPICE_ASSERT(x.size() == a.columns);
     std::vector<double> sum(a.rows());
-    parallel_for(ctx, a.rows(), kGrain, [&](std::size_t j) {
+    parallel_for(ctx, a.rows(), kNnlsGrain, [&](std::size_t j) {
         double s = 0;
         for (std::uint64_t e = a.first[j]; e < a.first[j + 1]; ++e) s += a.value[e] * x[a.column[e]];
         sum[j] = s;

@@ -15,7 +15,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kWeightConstraintsGrain = 256;
 constexpr std::uint32_t kAround = 4;  // points of a circle
 constexpr std::uint64_t kMostConstraints = std::uint64_t{1} << 28;
 // A tapering branch lies a little inside the balls at its own nodes: points of the surface may, too.
@@ -143,7 +143,7 @@ std::vector<WeightConstraint> surface_constraints(const Skeleton& skeleton, cons
     std::vector<WeightConstraint> all(total);
     std::vector<std::uint8_t> hidden(total);
     const Cones cones(skeleton, names, ctx);
-    parallel_for(ctx, names.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, names.size(), kWeightConstraintsGrain, [&](std::size_t i) {
         const std::size_t begin = kAround * first[i], end = kAround * first[i + 1];
         place_circles(segment_of(skeleton, names[i]), names[i], std::span(all).subspan(begin, end - begin));
         for (std::size_t j = begin; j < end; ++j) hidden[j] = cones.hold(all[j].position, names[i]);
@@ -163,7 +163,7 @@ std::vector<WeightConstraint> attached_constraints(const Skeleton& skeleton, std
     const std::vector<NodeId> names = segment_names(skeleton);
     const Cones cones(skeleton, names, ctx);
     std::vector<WeightConstraint> all(points.size());
-    parallel_for(ctx, points.size(), kGrain, [&](std::size_t j) {
+    parallel_for(ctx, points.size(), kWeightConstraintsGrain, [&](std::size_t j) {
         all[j] = {points[j], cones.nearest(points[j])};
     });
     std::stable_sort(all.begin(), all.end(), [](const WeightConstraint& x, const WeightConstraint& y) {

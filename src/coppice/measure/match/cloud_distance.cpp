@@ -23,7 +23,7 @@ namespace {
 using measure_internal::AreaPoints;
 using measure_internal::Forks;
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kCloudDistanceGrain = 256;
 constexpr std::size_t kBlock = 1 << 16;  // between two reports of progress
 constexpr double kSpacings = 3;          // of the cloud: surface is bare beyond
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -33,7 +33,8 @@ constexpr std::size_t kLeastSamples = 10'000, kMostSamples = 1'000'000;
 template <class Body>
 void for_blocks(const Context& ctx, std::size_t count, float from, float to, const Body& body) {
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
-        parallel_for(ctx, std::min(kBlock, count - begin), kGrain, [&](std::size_t i) { body(begin + i); });
+        parallel_for(ctx, std::min(kBlock, count - begin), kCloudDistanceGrain,
+                     [&](std::size_t i) { body(begin + i); });
         const double done = static_cast<double>(std::min(begin + kBlock, count)) / static_cast<double>(count);
         ctx.report(from + (to - from) * static_cast<float>(done));
     }

@@ -9,7 +9,7 @@
 namespace coppice::measure_internal {
 namespace {
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kMatchPointsGrain = 256;
 constexpr int kMostTries = 32;
 
 std::vector<Box3> boxes_of(std::span<const Vec3d> points) {
@@ -82,7 +82,7 @@ std::vector<std::uint32_t> match_points(std::span<const Vec3d> a, std::span<cons
                                         std::span<const Vec3d> b, const Context& ctx) {
     FreePoints left(b, ctx);
     std::vector<FreePoints::Nearest> first(a.size());
-    parallel_for(ctx, a.size(), kGrain, [&](std::size_t i) {
+    parallel_for(ctx, a.size(), kMatchPointsGrain, [&](std::size_t i) {
         if (!ctx.stop.stop_requested()) first[i] = left.nearest(a[i], reach[i]);
     });
 

@@ -15,7 +15,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 64;
+constexpr std::size_t kSkeletonMatchGrain = 64;
 constexpr std::size_t kBlock = 1 << 13;   // [segments or samples] between two looks at the stop token
 constexpr double kMostSamples = 1 << 22;  // per skeleton, besides one for each segment
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -29,7 +29,8 @@ template <class Body>
 void for_blocks(const Context& ctx, std::size_t count, const Body& body) {
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
         ctx.throw_if_cancelled();
-        parallel_for(ctx, std::min(kBlock, count - begin), kGrain, [&](std::size_t i) { body(begin + i); });
+        parallel_for(ctx, std::min(kBlock, count - begin), kSkeletonMatchGrain,
+                     [&](std::size_t i) { body(begin + i); });
     }
 }
 
@@ -56,7 +57,7 @@ class Samples {
     void for_each(std::size_t segment, const Context& ctx, const Visit& visit) const {
         const std::uint32_t count = first_[segment + 1] - first_[segment];
         for (std::uint32_t k = 0; k < count; ++k) {
-            if (k % kGrain == 0 && ctx.stop.stop_requested()) return;
+            if (k % kSkeletonMatchGrain == 0 && ctx.stop.stop_requested()) return;
             visit(first_[segment] + k, (k + 0.5) / count);
         }
     }
@@ -68,7 +69,7 @@ class Samples {
         for (std::size_t begin = 0; begin < count;) {
             std::size_t end = begin + 1;
             while (end < count && end - begin < kBlock && first_[end + 1] - first_[begin] < kBlock) ++end;
-            parallel_for(ctx, end - begin, std::max<std::size_t>(1, (end - begin) / kGrain),
+            parallel_for(ctx, end - begin, std::max<std::size_t>(1, (end - begin) / kSkeletonMatchGrain),
                          [&](std::size_t i) { body(begin + i); });
             ctx.throw_if_cancelled();
             ctx.report(from + (to - from) * static_cast<float>(end) / static_cast<float>(count));

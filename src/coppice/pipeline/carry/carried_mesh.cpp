@@ -25,7 +25,7 @@ using namespace pipeline_internal;
 namespace {
 
 constexpr std::uint32_t kMostCrossings = 1u << 20;
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kCarriedMeshGrain = 4096;
 constexpr std::size_t kRegionGrain = 64;
 constexpr float kLongestWay =
     0.5f;  // onto the field, of the way from the anchor: what is farther is another branch's
@@ -159,7 +159,7 @@ void CarriedMesh::Body::bind(std::span<const Vec3> row_anchors, const Context& c
     anchors_.resize(count);
     influences_.resize(count);
     std::vector<std::uint32_t> region(count, kNoRow);
-    parallel_for(ctx, count, kGrain, [&](std::size_t v) {
+    parallel_for(ctx, count, kCarriedMeshGrain, [&](std::size_t v) {
         const Vec3 p = mesh().positions[v];
         NodeId segment(0);
         if (row[v] != KeptQuads::kNone && row_region[row[v]] != kNoRow) {
@@ -312,7 +312,7 @@ CarriedFrame CarriedMesh::Body::carry(const Pose& pose, std::span<const std::uin
     const CarriedPoints carried = carry_to(now, of_field.turns, ctx);
     out.positions = carried.positions;
     if (!free_.items.empty()) out.projected = project_onto(now, carried.anchors, out.positions, ctx);
-    parallel_for(ctx, out.positions.size(), kGrain, [&](std::size_t v) {
+    parallel_for(ctx, out.positions.size(), kCarriedMeshGrain, [&](std::size_t v) {
         const Vec3 start = carried.positions[v];
         if (distance(out.positions[v], start) > kLongestWay * distance(start, carried.anchors[v]))
             out.positions[v] = start;

@@ -9,7 +9,7 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kFaultsGrain = 8192;
 constexpr int kPasses = 12;
 
 // Whether all corners turn with the face by a margin, so that no rounding can make it folded.
@@ -45,7 +45,7 @@ Vec3 mean_beside(std::uint32_t v, std::span<const Quad> quads, std::span<const s
 std::vector<std::uint32_t> folded_faces(std::span<const Quad> quads, std::span<const Vec3> positions,
                                         const Context& ctx) {
     return parallel_reduce(
-        ctx, quads.size(), kGrain, std::vector<std::uint32_t>{},
+        ctx, quads.size(), kFaultsGrain, std::vector<std::uint32_t>{},
         [&](IndexRange range) {
             std::vector<std::uint32_t> found;
             for (std::size_t f = range.begin; f < range.end; ++f) {

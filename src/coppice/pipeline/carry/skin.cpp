@@ -13,7 +13,7 @@ constexpr float kWindow = 1.2f;        // [radii] to both sides
 constexpr float kHostWindow = 0.5f;    // [radii of the host] the same at least, where a lateral leaves it
 constexpr float kLongestBegin = 0.9f;  // of a lateral's first segment that moves with its host at most
 constexpr std::size_t kMostShares = 24;
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kSkinGrain = 4096;
 
 // Part of a triangular window of half width 1 that lies below x.
 float part_below(float x) {
@@ -167,7 +167,7 @@ Vec3 moved(const SegmentMove& m, Vec3 p) {
 void carry_points(std::span<const Influence> influences, std::span<const SegmentMove> moves,
                   std::span<const Vec3> rest_anchors, std::span<const Vec3> rest_positions,
                   std::span<Vec3> anchors, std::span<Vec3> positions, const Context& ctx) {
-    parallel_for(ctx, influences.size(), kGrain, [&](std::size_t v) {
+    parallel_for(ctx, influences.size(), kSkinGrain, [&](std::size_t v) {
         const Influence& by = influences[v];
         const Vec3 anchor = rest_anchors[v];
         const std::array<float, 4>& first = moves[by.segment[0]].turn;

@@ -20,7 +20,7 @@ namespace {
 using pipeline_internal::area_vector;
 using pipeline_internal::CrossingSearch;
 
-constexpr std::size_t kGrain = 2048;
+constexpr std::size_t kFitVolumeGrain = 2048;
 constexpr double kMostGap = 0.35;       // [radii] what is farther inside is no matter of fit
 constexpr double kMostSwelling = 0.15;  // [radii] nor what is farther outside, where faces span forks
 constexpr double kMostOffset = 0.08;    // [radii] of a vertex, beside twice the mean
@@ -71,7 +71,7 @@ void find_capsules(Fit& fit) {
     const pipeline_internal::NearestSegment nearest(fit.skeleton, fit.solid.capsules());
     fit.capsule.resize(fit.vertex_count());
     fit.radius.assign(fit.vertex_count(), 0);
-    parallel_for_ranges(fit.ctx, fit.vertex_count(), kGrain, [&](IndexRange range) {
+    parallel_for_ranges(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](IndexRange range) {
         std::uint32_t hint = CapsuleTree::kNone;
         for (std::size_t v = range.begin; v < range.end; ++v) {
             const Vec3d p(fit.start.positions[v]);
@@ -97,7 +97,7 @@ void find_flat_ends(Fit& fit) {
     fit.cut.assign(fit.vertex_count(), kNoRow);
     fit.flat.assign(fit.face_count(), 0);
     if (!fit.solid.has_cuts()) return;
-    parallel_for(fit.ctx, fit.vertex_count(), kGrain, [&](std::size_t v) {
+    parallel_for(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](std::size_t v) {
         if (fit.capsule[v] == CapsuleTree::kNone) return;
         fit.cut[v] = cut_at(fit.solid, fit.capsule[v], Vec3d(fit.start.positions[v]));
     });
@@ -136,7 +136,7 @@ Vec3d area_about(const Fit& fit, std::size_t v) {
 
 void find_directions(Fit& fit) {
     fit.direction.resize(fit.vertex_count());
-    parallel_for(fit.ctx, fit.vertex_count(), kGrain, [&](std::size_t v) {
+    parallel_for(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](std::size_t v) {
         if (fit.capsule[v] == CapsuleTree::kNone) return;
         fit.direction[v] = Vec3(normalized(area_about(fit, v), {0, 0, 0}));
     });
@@ -152,7 +152,7 @@ double volume(const Fit& fit) {
         return sum;
     };
     double sum = parallel_reduce(
-        fit.ctx, fit.face_count(), kGrain, 0.0,
+        fit.ctx, fit.face_count(), kFitVolumeGrain, 0.0,
         [&](IndexRange range) {
             double part = 0;
             for (std::size_t f = range.begin; f < range.end; ++f) {
@@ -218,7 +218,7 @@ double missing_at(const Fit& fit, const Triangle& t, std::span<const double> gap
 
 std::vector<double> gaps_of_vertices(const Fit& fit) {
     std::vector<double> gap(fit.vertex_count(), 0.0);
-    parallel_for(fit.ctx, gap.size(), kGrain, [&](std::size_t v) {
+    parallel_for(fit.ctx, gap.size(), kFitVolumeGrain, [&](std::size_t v) {
         if (fit.capsule[v] == CapsuleTree::kNone) return;
         const RoundCone& cone = fit.solid.capsules().cone(fit.capsule[v]);
         gap[v] = gap_to(cone, Vec3d(fit.positions[v]), Vec3d(fit.direction[v]));
@@ -238,13 +238,13 @@ double gain_at(const Fit& fit, std::size_t v) {
 std::vector<Need> find_needs(const Fit& fit) {
     const std::vector<double> gap = gaps_of_vertices(fit);
     std::vector<double> missing(fit.face_count(), 0.0);
-    parallel_for(fit.ctx, missing.size(), kGrain, [&](std::size_t f) {
+    parallel_for(fit.ctx, missing.size(), kFitVolumeGrain, [&](std::size_t f) {
         if (fit.flat[f]) return;
         for_each_triangle(fit.start.face(static_cast<std::uint32_t>(f)), fit.positions,
                           [&](const Triangle& t) { missing[f] += missing_at(fit, t, gap); });
     });
     std::vector<Need> needs(fit.vertex_count());
-    parallel_for(fit.ctx, needs.size(), kGrain, [&](std::size_t v) {
+    parallel_for(fit.ctx, needs.size(), kFitVolumeGrain, [&](std::size_t v) {
         for (const std::uint32_t f : fit.faces_of[v]) {
             needs[v].volume += missing[f] / static_cast<double>(fit.start.face(f).size());
         }
@@ -255,7 +255,7 @@ std::vector<Need> find_needs(const Fit& fit) {
 
 /// Every vertex gives what it has to its faces, and these to their corners.
 void spread(const Fit& fit, std::vector<Need>& needs, std::vector<Need>& of_face) {
-    parallel_for(fit.ctx, of_face.size(), kGrain, [&](std::size_t f) {
+    parallel_for(fit.ctx, of_face.size(), kFitVolumeGrain, [&](std::size_t f) {
         const auto face = fit.start.face(static_cast<std::uint32_t>(f));
         Need sum;
         for (const std::uint32_t v : face) {
@@ -263,7 +263,7 @@ void spread(const Fit& fit, std::vector<Need>& needs, std::vector<Need>& of_face
         }
         of_face[f] = sum * (1 / static_cast<double>(face.size()));
     });
-    parallel_for(fit.ctx, needs.size(), kGrain, [&](std::size_t v) {
+    parallel_for(fit.ctx, needs.size(), kFitVolumeGrain, [&](std::size_t v) {
         Need sum;
         for (const std::uint32_t f : fit.faces_of[v]) sum = sum + of_face[f];
         needs[v] = sum;
@@ -277,7 +277,7 @@ Need sum_of(std::span<const Need> needs) {
 }
 
 void move(Fit& fit, const std::function<double(std::size_t)>& radii) {
-    parallel_for(fit.ctx, fit.vertex_count(), kGrain, [&](std::size_t v) {
+    parallel_for(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](std::size_t v) {
         if (!fit.held[v]) fit.offset[v] += static_cast<float>(radii(v) * double{fit.radius[v]});
     });
     pipeline_internal::apply_offsets(fit.moving(), fit.offset, fit.positions, fit.ctx);
@@ -288,7 +288,7 @@ void move(Fit& fit, const std::function<double(std::size_t)>& radii) {
 int passes(const Fit& fit, std::span<const Need> needs) {
     constexpr double kPassesPerSquareRadius = 2, kMostPasses = 60, kMostVertices = 100;
     const double squares = parallel_reduce(
-        fit.ctx, needs.size(), kGrain, 0.0,
+        fit.ctx, needs.size(), kFitVolumeGrain, 0.0,
         [&](IndexRange range) {
             double part = 0;
             for (std::size_t v = range.begin; v < range.end; ++v) {
@@ -341,7 +341,7 @@ void close(Fit& fit, double cones) {
         const double missing = cones - volume(fit);
         if (std::fabs(missing) < kExact / 10 * cones) return;
         const double gain = parallel_reduce(
-            fit.ctx, fit.vertex_count(), kGrain, 0.0,
+            fit.ctx, fit.vertex_count(), kFitVolumeGrain, 0.0,
             [&](IndexRange range) {
                 double part = 0;
                 for (std::size_t v = range.begin; v < range.end; ++v) part += gain_at(fit, v);

@@ -13,7 +13,7 @@
 namespace coppice::pipeline_internal {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kLimitOffsetsGrain = 4096;
 constexpr double kFlatCorner = 0.05;  // scaled Jacobian below which a face may not get worse
 constexpr std::uint32_t kMostCrossings = 1'000'000;
 constexpr std::uint32_t kMostRounds = 40;
@@ -65,7 +65,7 @@ class Limiter {
     /// Of the faces that moved last: no others can have folded since.
     Faces new_folds() const {
         std::vector<std::uint8_t> folded(moved_last_.size(), 0);
-        parallel_for(ctx_, folded.size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx_, folded.size(), kLimitOffsetsGrain, [&](std::size_t i) {
             const auto face = start_.face(moved_last_[i]);
             if (std::ranges::all_of(face, [&](auto v) { return offsets_[v] == 0; })) return;
             const bool turned =
@@ -176,7 +176,7 @@ Vec3d area_vector(std::span<const std::uint32_t> face, std::span<const Vec3> pos
 void apply_offsets(const MovingSurface& surface, std::span<const float> offsets, Buffer<Vec3>& positions,
                    const Context& ctx) {
     positions = surface.start.positions;
-    parallel_for(ctx, positions.size(), kGrain, [&](std::size_t v) {
+    parallel_for(ctx, positions.size(), kLimitOffsetsGrain, [&](std::size_t v) {
         if (offsets[v] != 0) positions[v] = positions[v] + offsets[v] * surface.direction[v];
     });
 }

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 11;
+constexpr std::size_t kCellsGrain = 1 << 11;
 
 /// Steps by code along an axis: kStep[axis] is added to code 13 for a step up.
 constexpr std::array<int, 3> kStep{1, 3, 9};
@@ -34,7 +34,7 @@ LatticeCells::LatticeCells(Octree octree, const Context& ctx) : octree_(std::mov
     corner_.resize(8 * leaves);
     owned_.resize(leaves);
     first_vertex_.resize(leaves);
-    parallel_for(ctx, leaves, kGrain, [&](std::size_t i) {
+    parallel_for(ctx, leaves, kCellsGrain, [&](std::size_t i) {
         const auto leaf = static_cast<std::uint32_t>(i);
         unsigned owned = 0;
         for (unsigned c = 0; c < 8; ++c) {
@@ -45,7 +45,7 @@ LatticeCells::LatticeCells(Octree octree, const Context& ctx) : octree_(std::mov
         first_vertex_[i] = 1 + static_cast<std::uint32_t>(std::popcount(owned));
     });
     vertex_count_ = exclusive_scan<std::uint32_t>(first_vertex_);
-    parallel_for(ctx, 8 * leaves, 8 * kGrain, [&](std::size_t i) {
+    parallel_for(ctx, 8 * leaves, 8 * kCellsGrain, [&](std::size_t i) {
         const Corner corner = corner_[i];
         const unsigned before = owned_[corner / 8] & ((1u << corner % 8) - 1);
         corner_[i] = first_vertex_[corner / 8] + 1 + static_cast<std::uint32_t>(std::popcount(before));

@@ -11,11 +11,11 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
+constexpr std::size_t kLatticeGrain = 1 << 12;
 
 Buffer<RoundCone> cones_of(std::span<const Segment> segments, Vec3d corner, const Context& ctx) {
     Buffer<RoundCone> cones(segments.size());
-    parallel_for(ctx, segments.size(), kGrain,
+    parallel_for(ctx, segments.size(), kLatticeGrain,
                  [&](std::size_t i) { cones[i] = growing_cone(segments[i], corner); });
     return cones;
 }

@@ -10,7 +10,7 @@ namespace coppice {
 namespace {
 
 using Keys = Buffer<std::uint64_t>;
-constexpr std::size_t kGrain = 1 << 12;
+constexpr std::size_t kOctreeGrain = 1 << 12;
 
 /// For the octants of a cell that are split, the steps from that cell to where all cells must be split: those
 /// that touch a split octant.
@@ -53,9 +53,9 @@ void visit_steps(std::uint64_t key, unsigned level, std::uint32_t steps, const V
 
 /// The cells of the level above that must be split because these are, each once or more.
 Keys needed_above(const Keys& split, unsigned level, const Context& ctx) {
-    std::vector<std::vector<std::uint64_t>> found((split.size() + kGrain - 1) / kGrain);
-    parallel_for_ranges(ctx, split.size(), kGrain, [&](IndexRange range) {
-        std::vector<std::uint64_t>& out = found[range.begin / kGrain];
+    std::vector<std::vector<std::uint64_t>> found((split.size() + kOctreeGrain - 1) / kOctreeGrain);
+    parallel_for_ranges(ctx, split.size(), kOctreeGrain, [&](IndexRange range) {
+        std::vector<std::uint64_t>& out = found[range.begin / kOctreeGrain];
         for (std::size_t i = range.begin; i < range.end;) {
             const std::uint64_t parent = split[i] >> 3;
             unsigned octants = 0;
@@ -72,7 +72,7 @@ void balance(std::vector<Keys>& split, const Context& ctx) {
     for (std::size_t l = split.size(); l-- > 1;) {
         Keys keys = needed_above(split[l], static_cast<unsigned>(l), ctx);
         keys.insert(keys.end(), split[l - 1].begin(), split[l - 1].end());
-        if (keys.size() < kGrain) {
+        if (keys.size() < kOctreeGrain) {
             std::ranges::sort(keys);
         } else {
             radix_sort(ctx, keys, static_cast<unsigned>(3 * (l - 1)), [](std::uint64_t key) { return key; });
@@ -110,7 +110,7 @@ void Octree::link_nodes(const std::vector<Keys>& split, const Context& ctx) {
             link_[node[s]] = kSplit + s;
             cell_of_split_[s] = l == 0 ? Cell{{0, 0, 0}, kSide} : child_cell(cell_of_split_[parent], octant);
         }
-        parallel_for(ctx, split[l].size(), kGrain, [&](std::size_t i) {
+        parallel_for(ctx, split[l].size(), kOctreeGrain, [&](std::size_t i) {
             const std::uint32_t here = node[first + i];
             for (unsigned s = 0; s < 27; ++s)
                 around_split_[first + i][s] = s == 13 ? here : neighbor(here, s).node;

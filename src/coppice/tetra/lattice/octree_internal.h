@@ -6,10 +6,11 @@
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
+#include "coppice/tetra/none_internal.h"
 
 namespace coppice {
 
-inline constexpr std::uint32_t kNone = 0xffffffffu;
+using tetra_internal::kNone;
 
 /// One of the 27 steps to a cell of the same size around a cell: x, y, z in -1 .. 1. Code 13 is no step.
 constexpr unsigned step_code(int x, int y, int z) {

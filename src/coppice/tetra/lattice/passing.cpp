@@ -9,18 +9,18 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 8;
+constexpr std::size_t kPassingGrain = 1 << 8;
 /// Cells are taken this much larger, so that rounding loses no axis that runs along a face.
 constexpr double kSlack = 1e-9;
 
 /// A row for each of `count` items, by row(scratch, i), which appends to scratch.
 template <class Row>
 CompressedRows<std::uint32_t> make_rows(std::size_t count, const Row& row, const Context& ctx) {
-    std::vector<std::vector<std::uint32_t>> found((count + kGrain - 1) / kGrain);
+    std::vector<std::vector<std::uint32_t>> found((count + kPassingGrain - 1) / kPassingGrain);
     CompressedRows<std::uint32_t> out;
     out.first.assign(count + 1, 0);
-    parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
-        std::vector<std::uint32_t>& items = found[range.begin / kGrain];
+    parallel_for_ranges(ctx, count, kPassingGrain, [&](IndexRange range) {
+        std::vector<std::uint32_t>& items = found[range.begin / kPassingGrain];
         for (std::size_t i = range.begin; i < range.end; ++i) {
             const std::size_t before = items.size();
             row(items, static_cast<std::uint32_t>(i));

@@ -9,16 +9,19 @@
 #include <utility>
 
 #include "coppice/base/parallel.h"
+#include "coppice/tetra/none_internal.h"
 
 namespace coppice {
+
+using tetra_internal::kNone;
+
 namespace {
 
 using Local = TetraPattern::Local;
 using Kind = TetraRefinement::Kind;
 
-constexpr std::size_t kGrain = 2048;                      // tetrahedra
+constexpr std::size_t kRefinementGrain = 2048;            // tetrahedra
 constexpr std::uint32_t kFirstEdge = 4, kFirstFace = 10;  // groups
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// Whether a group of the pattern lies in the face opposite a corner.
 bool lies_in_face(std::uint32_t group, std::uint32_t opposite) {
@@ -164,7 +167,7 @@ void TetraRefinement::check(const Context& ctx) const {
         return !(d > 0 && std::isfinite(d));
     };
     const auto first_bad = parallel_reduce(
-        ctx, tetra.size(), kGrain, tetra.size(),
+        ctx, tetra.size(), kRefinementGrain, tetra.size(),
         [&](IndexRange r) {
             for (std::size_t t = r.begin; t < r.end; ++t) {
                 if (bad(tetra[t])) return t;
@@ -183,7 +186,7 @@ void TetraRefinement::describe(const Context& ctx) {
     const std::size_t count = coarse_.tetra.size();
     parts_.resize(count);
     traits_.resize(count);
-    parallel_for(ctx, count, kGrain, [&](std::size_t t) {
+    parallel_for(ctx, count, kRefinementGrain, [&](std::size_t t) {
         Tetra sorted = coarse_.tetra[t];
         bool odd = false;
         for (std::size_t i = 0; i < 4; ++i) {
@@ -203,21 +206,21 @@ void TetraRefinement::describe(const Context& ctx) {
 void TetraRefinement::find_vertex_stars(const Context& ctx) {
     const std::size_t tetra = coarse_.tetra.size();
     first_at_vertex_.assign(coarse_.positions.size() + 1, 0);
-    parallel_for(ctx, tetra, kGrain, [&](std::size_t t) {
+    parallel_for(ctx, tetra, kRefinementGrain, [&](std::size_t t) {
         for (const std::uint32_t v : coarse_.tetra[t])
             std::atomic_ref(first_at_vertex_[v]).fetch_add(1, std::memory_order_relaxed);
     });
     exclusive_scan(std::span(first_at_vertex_));
     Buffer<std::uint32_t> next(first_at_vertex_);
     at_vertex_.resize(4 * tetra);
-    parallel_for(ctx, tetra, kGrain, [&](std::size_t t) {
+    parallel_for(ctx, tetra, kRefinementGrain, [&](std::size_t t) {
         for (const std::uint32_t v : coarse_.tetra[t]) {
             const std::uint32_t at = std::atomic_ref(next[v]).fetch_add(1, std::memory_order_relaxed);
             at_vertex_[at] = static_cast<std::uint32_t>(t);
         }
     });
     // They came in the order of the threads.
-    parallel_for(ctx, coarse_.positions.size(), kGrain, [&](std::size_t v) {
+    parallel_for(ctx, coarse_.positions.size(), kRefinementGrain, [&](std::size_t v) {
         std::sort(at_vertex_.begin() + first_at_vertex_[v], at_vertex_.begin() + first_at_vertex_[v + 1]);
     });
 }
@@ -293,12 +296,12 @@ void TetraRefinement::find_parts(const Context& ctx) {
     }
     const std::uint32_t edge_count = exclusive_scan(std::span(first_edge_));
     shortest_at_.resize(vertices + edge_count + exclusive_scan(std::span(first_face_)));
-    parallel_for(ctx, parts_.size(), kGrain, [&](std::size_t t) {
+    parallel_for(ctx, parts_.size(), kRefinementGrain, [&](std::size_t t) {
         Parts& p = parts_[t];
         for (std::uint32_t e = 0; e < 6; ++e) p[kFirstEdge + e] += first_edge_[p[kTetraEdges[e][0]]];
         for (std::uint32_t f = 0; f < 4; ++f) p[kFirstFace + f] += first_face_[p[f == 0 ? 1 : 0]];
     });
-    parallel_for(ctx, vertices, kGrain, [&](std::size_t v) {
+    parallel_for(ctx, vertices, kRefinementGrain, [&](std::size_t v) {
         float shortest = std::numeric_limits<float>::infinity();
         for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v)))
             shortest = std::min(shortest, traits_[t].shortest_edge);

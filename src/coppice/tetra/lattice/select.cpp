@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 10;
+constexpr std::size_t kSelectGrain = 1 << 10;
 constexpr std::uint32_t kOutside = kNone, kShell = kNone - 1;  ///< else the segment that a vertex is deep in
 
 class Selection {
@@ -22,7 +22,7 @@ class Selection {
           options_(options),
           unit_(cube.side / Octree::kSide),
           state_(cells.vertex_count()) {
-        parallel_for(ctx, cells.leaf_count(), kGrain, [&](std::size_t leaf) {
+        parallel_for(ctx, cells.leaf_count(), kSelectGrain, [&](std::size_t leaf) {
             cells_.visit_vertices(static_cast<std::uint32_t>(leaf), [&](std::uint32_t vertex, auto place) {
                 state_[vertex] = state(at(place), segments(static_cast<std::uint32_t>(leaf)));
             });
@@ -150,7 +150,7 @@ SlotMasks select_tetra(const LatticeCells& cells, const LeafSegments& segments,
                        const LatticeOptions& options, const Context& ctx) {
     const Selection selection(cells, segments, cones, cube, options, ctx);
     SlotMasks masks(cells.leaf_count());
-    parallel_for_ranges(ctx, masks.size(), kGrain, [&](IndexRange range) {
+    parallel_for_ranges(ctx, masks.size(), kSelectGrain, [&](IndexRange range) {
         std::vector<std::uint32_t> scratch;
         for (std::size_t leaf = range.begin; leaf < range.end; ++leaf)
             masks[leaf] = selection.slots(static_cast<std::uint32_t>(leaf), scratch);
@@ -160,7 +160,7 @@ SlotMasks select_tetra(const LatticeCells& cells, const LeafSegments& segments,
 
 SlotMasks all_tetra(const LatticeCells& cells, const Context& ctx) {
     SlotMasks masks(cells.leaf_count());
-    parallel_for(ctx, masks.size(), kGrain, [&](std::size_t leaf) {
+    parallel_for(ctx, masks.size(), kSelectGrain, [&](std::size_t leaf) {
         masks[leaf] = 0;
         const auto want = [](std::uint32_t) { return true; };
         cells.visit_faces(static_cast<std::uint32_t>(leaf), want, [&](const LatticeFace& face) {
@@ -187,8 +187,8 @@ LatticeMesh gather_tetra(const LatticeCells& cells, const SlotMasks& masks, cons
     tetra.resize(total);
     // Every thread that uses a vertex writes the same number.
     Buffer<std::uint32_t> number(cells.vertex_count() + std::size_t{1});
-    parallel_for(ctx, number.size(), kGrain, [&](std::size_t v) { number[v] = 0; });
-    parallel_for(ctx, out.region_leaf.size(), kGrain, [&](std::size_t region) {
+    parallel_for(ctx, number.size(), kSelectGrain, [&](std::size_t v) { number[v] = 0; });
+    parallel_for(ctx, out.region_leaf.size(), kSelectGrain, [&](std::size_t region) {
         const std::uint32_t leaf = out.region_leaf[region];
         std::uint32_t next = out.mesh.first[region];
         LatticeFace face;
@@ -203,10 +203,10 @@ LatticeMesh gather_tetra(const LatticeCells& cells, const SlotMasks& masks, cons
         }
     });
     out.mesh.positions.resize(exclusive_scan<std::uint32_t>(number));
-    parallel_for(ctx, total, 4 * kGrain, [&](std::size_t t) {
+    parallel_for(ctx, total, 4 * kSelectGrain, [&](std::size_t t) {
         for (std::uint32_t& v : tetra[t]) v = number[v];
     });
-    parallel_for(ctx, cells.leaf_count(), kGrain, [&](std::size_t leaf) {
+    parallel_for(ctx, cells.leaf_count(), kSelectGrain, [&](std::size_t leaf) {
         cells.visit_vertices(static_cast<std::uint32_t>(leaf), [&](std::uint32_t v, auto place) {
             if (number[v] != number[v + 1]) out.mesh.positions[number[v]] = Vec3(cube.at(place));
         });

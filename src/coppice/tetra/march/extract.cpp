@@ -5,6 +5,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/march/snapping_internal.h"
 #include "coppice/tetra/march/solid_internal.h"
+#include "coppice/tetra/none_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -13,8 +14,6 @@ using Local = TetraPattern::Local;
 
 /// Where a vertex holds an axis that lies near the surface, the branch is not thinner than this.
 constexpr float kThinnest = 0.5f;  // [radii]
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
 /// A fine edge between inside and outside, the part of it that the surface crosses, and the heights at the
 /// ends of that part.
 struct CutEdge {

@@ -4,14 +4,13 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
+#include "coppice/tetra/none_internal.h"
 
 namespace coppice::tetra_internal {
 namespace {
 
 using Local = TetraPattern::Local;
 using Ids = std::array<std::uint32_t, 4>;
-
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 constexpr std::uint32_t edge_between(std::size_t a, std::size_t b) {
     std::uint32_t e = 0;

@@ -95,7 +95,7 @@ void put_back(std::span<const std::uint32_t> vertices, Samples& samples) {
     for (const std::uint32_t v : vertices) samples.put_back(v);
 }
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kUnsnapGrain = 256;
 
 /// The coarse tetrahedra that have one of the vertices, ascending.
 std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
@@ -106,7 +106,7 @@ std::vector<std::uint32_t> tetra_around(const TetraRefinement& refinement,
             std::ranges::for_each(refinement.around(place.kind, place.part), mark);
         }
     };
-    return collect_marked(refinement.coarse().tetra.size(), vertices.size(), kGrain, visit, ctx);
+    return collect_marked(refinement.coarse().tetra.size(), vertices.size(), kUnsnapGrain, visit, ctx);
 }
 
 std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, const Samples& samples,
@@ -115,7 +115,7 @@ std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, cons
         Star star(refinement, samples);
         for (std::size_t i = range.begin; i < range.end; ++i) star.for_each_neighbour_on(vertices[i], mark);
     };
-    return collect_marked(refinement.vertex_count(), vertices.size(), kGrain, visit, ctx);
+    return collect_marked(refinement.vertex_count(), vertices.size(), kUnsnapGrain, visit, ctx);
 }
 
 /// Puts vertices back until nothing is folded.
@@ -140,7 +140,7 @@ SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samp
         if (fans[rank++] == Fan::unknown) open.push_back(v);
     });
     while (true) {
-        parallel_for_ranges(ctx, open.size(), kGrain, [&](IndexRange r) {
+        parallel_for_ranges(ctx, open.size(), kUnsnapGrain, [&](IndexRange r) {
             Star star(refinement, samples);
             for (std::size_t i = r.begin; i < r.end; ++i)
                 fans[samples.placed.rank(open[i])] = star.fan(open[i]);

@@ -11,7 +11,7 @@
 namespace coppice::tetra_internal {
 namespace {
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kNearGrain = 256;
 constexpr std::size_t kPoll = 4096;                              ///< cells between two looks for a stop
 constexpr std::uint64_t kMostMeetings = std::uint64_t{1} << 29;  ///< of cells and cones
 
@@ -21,7 +21,7 @@ std::vector<std::uint32_t> cells_about_ends(const Filling& filling, std::span<co
     std::vector<std::uint32_t> out(cones.size());
     std::uint32_t cell = filling.cells.some_cell();
     for (std::size_t i = 0; i < cones.size(); ++i) {
-        if (i % kGrain == 0) ctx.throw_if_cancelled();
+        if (i % kNearGrain == 0) ctx.throw_if_cancelled();
         out[i] = cell = filling.cells.locate(filling.place(cones[i].a), cell);
     }
     return out;
@@ -50,11 +50,11 @@ bool parted(const RoundCone& cone, double times, const std::array<Vec3d, 4>& cor
 CompressedRows<std::uint32_t> cells_near(const Filling& filling, std::span<const RoundCone> cones,
                                          double times, const Context& ctx) {
     const std::vector<std::uint32_t> start = cells_about_ends(filling, cones, ctx);
-    std::vector<std::vector<std::uint32_t>> found((cones.size() + kGrain - 1) / kGrain);
+    std::vector<std::vector<std::uint32_t>> found((cones.size() + kNearGrain - 1) / kNearGrain);
     CompressedRows<std::uint32_t> out;
     out.first.assign(cones.size() + 1, 0);
-    parallel_for_ranges(ctx, cones.size(), kGrain, [&](IndexRange range) {
-        std::vector<std::uint32_t>& items = found[range.begin / kGrain];
+    parallel_for_ranges(ctx, cones.size(), kNearGrain, [&](IndexRange range) {
+        std::vector<std::uint32_t>& items = found[range.begin / kNearGrain];
         NumberSet seen(filling.cells.cells().size());
         std::vector<std::uint32_t> looked_at;
         for (std::size_t i = range.begin; i < range.end; ++i) {

@@ -12,16 +12,19 @@
 #include "coppice/base/random.h"
 #include "coppice/base/sort.h"
 #include "coppice/tetra/lattice/cone_internal.h"
+#include "coppice/tetra/none_internal.h"
 #include "coppice/tetra/polyhedron/near_internal.h"
 #include "coppice/tetra/polyhedron/sections_internal.h"
 
 namespace coppice {
+
+using tetra_internal::kNone;
+
 namespace {
 
 using namespace tetra_internal;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kGrain = 256, kFewCones = 8;
+constexpr std::size_t kPolyhedronGrain = 256, kFewCones = 8;
 constexpr double kLeastRadius = 16;  ///< [grid] of a segment
 constexpr int kGridBits = 24;        ///< of a coordinate: so places are floats
 /// Rounds at most, and those of them in which squares are put in. What is too wide or too flat then, stays.
@@ -299,7 +302,7 @@ std::uint32_t Polyhedron::State::nearest_axis(std::uint32_t c) const {
 /// Takes the cells that a cone is near.
 void Polyhedron::State::choose(const Context& ctx) {
     owner.assign(filling.cells.cells().size(), kNone);
-    parallel_for(ctx, owner.size(), kGrain,
+    parallel_for(ctx, owner.size(), kPolyhedronGrain,
                  [&](std::size_t c) { owner[c] = nearest_axis(static_cast<std::uint32_t>(c)); });
 }
 

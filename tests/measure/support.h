@@ -1,0 +1,10 @@
+// What tests of measures share.
+#pragma once
+
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice {
+
+inline constexpr NodeId kRoot = NodeId::none();  ///< the parent of a root
+
+}  // namespace coppice
