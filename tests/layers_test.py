@@ -13,7 +13,7 @@ import tempfile
 
 INCLUDE = re.compile(r'\s*#\s*include\s*["<]coppice/([^/">]+)/[^">]*[">]')
 LONGEST = 600  # lines
-ENDINGS = {".h", ".cpp", ".py", ".mjs", ".cmake"}
+ENDINGS = {".h", ".cpp", ".py", ".mjs", ".ts", ".tsx", ".css", ".cmake"}
 
 
 def read_layers(path):
@@ -42,7 +42,7 @@ def module_of(relative):
 
 
 def source_files(root):
-    for folder in ("src", "app", "bench", "tests", "examples"):
+    for folder in ("src", "app", "web", "bench", "tests", "examples"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in ENDINGS and "node_modules" not in path.parts:
                 yield path

@@ -1,5 +1,5 @@
 // Work on geometry that would hold up the page.
-import { triangulateQuads } from "./view/triangles";
+import { triangulateQuads } from "./view/picking/triangles";
 
 interface Job {
     id: number;

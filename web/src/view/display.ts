@@ -2,8 +2,8 @@
 import { signal, type Signal } from "@preact/signals-core";
 import type { Point } from "../protocol";
 import { setting } from "../settings";
+import { kPresets, type Preset } from "./camera/presets";
 import type { ColorMap, Range } from "./colors";
-import { kPresets, type Preset } from "./presets";
 
 export type Coloring = "plain" | "radius" | "order" | "deviation" | "evidence" | "crossings";
 export type SkeletonForm = "surface" | "tubes" | "lines";

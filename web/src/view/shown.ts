@@ -5,11 +5,11 @@ import type { ObjectName } from "../protocol";
 import { paint, type Range } from "./colors";
 import type { Coloring, Display } from "./display";
 import { treeOf } from "./extent";
-import { withTriangles } from "./indexer";
 import { type Drawn, drawBones, drawCage, drawCurve, drawPoints } from "./marks";
+import { withTriangles } from "./picking/indexer";
+import { edgeLines } from "./picking/triangles";
 import { SurfaceModel } from "./surface";
 import type { Theme } from "./theme";
-import { edgeLines } from "./triangles";
 import { kManySegments, kRoughness, type ShadedMaterial, TubeModel } from "./tubes";
 import { kMeanings, rangeOf, union, valuesOf } from "./values";
 

@@ -2,8 +2,8 @@
 import * as THREE from "three";
 import type { Geometry } from "../app";
 import { type ColorMap, paint, type Range } from "./colors";
-import { TriangleTree } from "./triangle_tree";
-import { edgeLines, fillTriangles } from "./triangles";
+import { TriangleTree } from "./picking/triangle_tree";
+import { edgeLines, fillTriangles } from "./picking/triangles";
 
 const kSlack = 1.3; // room for what patches add
 

@@ -6,7 +6,7 @@ import { setting } from "../../settings";
 import { CheckField, ChoiceField } from "../../tools/kit/fields";
 import { useValue } from "../../use";
 import type { Coloring, SkeletonForm, SolidForm } from "../../view/display";
-import { kPresetButtons, kPresetNames } from "../../view/presets";
+import { kPresetButtons, kPresetNames } from "../../view/camera/presets";
 import { checkWhereUnknown } from "./checks";
 import { SectionFields, SliceFields } from "./cuts";
 import { Slider } from "./slider";

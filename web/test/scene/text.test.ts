@@ -2,14 +2,14 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import fc from "fast-check";
-import { bind, findCommand, kindsOf, usage } from "../src/script/commands";
-import { placesIn, renamed, stepsOf } from "../src/script/names";
-import { linesOf, pieceAt, piecesOf, textOf } from "../src/script/pieces";
-import { unfinished } from "../src/script/unfinished";
-import { defaultWord, lineOf, missing, readCall, type Values, withValue, written } from "../src/script/values";
-import { isComputed, joined, readLine } from "../src/script/words";
-import type { Argument } from "../src/protocol";
-import { called, schema } from "./scene_schema";
+import { bind, findCommand, kindsOf, usage } from "../../src/script/commands";
+import { placesIn, renamed, stepsOf } from "../../src/script/names";
+import { linesOf, pieceAt, piecesOf, textOf } from "../../src/script/pieces";
+import { unfinished } from "../../src/script/unfinished";
+import { defaultWord, lineOf, missing, readCall, type Values, withValue, written } from "../../src/script/values";
+import { isComputed, joined, readLine } from "../../src/script/words";
+import type { Argument } from "../../src/protocol";
+import { called, schema } from "./schema";
 
 test("words stand where the engine reads them", () => {
     const line = 'save tree "my tree.glb" kind=mesh note="a # b" # end';

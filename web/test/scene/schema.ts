@@ -1,7 +1,7 @@
 // Some commands of scenes as the engine's schema has them, with every kind of argument.
-import type { Argument, Command, State } from "../src/protocol";
-import { piecesOf } from "../src/script/pieces";
-import { kEmptyState } from "../src/store";
+import type { Argument, Command, State } from "../../src/protocol";
+import { piecesOf } from "../../src/script/pieces";
+import { kEmptyState } from "../../src/store";
 
 function argument(name: string, type: Argument["type"], more: Partial<Argument> = {}): Argument {
     return { name, help: `what ${name} is`, type, positional: false, required: false, repeats: false, ...more };

@@ -1,8 +1,8 @@
 // Rays against triangles in a tree: the same as against all of them.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Point } from "../src/protocol";
-import { TriangleTree } from "../src/view/triangle_tree";
+import type { Point } from "../../src/protocol";
+import { TriangleTree } from "../../src/view/picking/triangle_tree";
 
 // Numbers that look random and are the same each time.
 function numbers(): () => number {

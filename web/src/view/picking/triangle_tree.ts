@@ -1,5 +1,5 @@
 // Triangles in a tree of boxes, so that a ray meets few of them.
-import type { Point } from "../protocol";
+import type { Point } from "../../protocol";
 
 const kLeaf = 8; // triangles that are not parted any more
 

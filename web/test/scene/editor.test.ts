@@ -5,16 +5,16 @@ import { CompletionContext } from "@codemirror/autocomplete";
 import { EditorState } from "@codemirror/state";
 import type { EditorView } from "@codemirror/view";
 import fc from "fast-check";
-import type { App } from "../src/app";
-import { askedAt, commandCompletions, completions, explained } from "../src/panels/scene/editor/complete";
-import { helpAt } from "../src/panels/scene/editor/help";
-import { newLine, toggleComments } from "../src/panels/scene/editor/keys";
-import { marksOf } from "../src/panels/scene/editor/marks";
-import { changesBetween, normal, Sync } from "../src/panels/scene/editor/sync";
-import { tokensOf } from "../src/panels/scene/editor/tokens";
-import { difference, merged } from "../src/script/merge";
-import { createStore, placed } from "../src/store";
-import { schema, stateOf } from "./scene_schema";
+import type { App } from "../../src/app";
+import { askedAt, commandCompletions, completions, explained } from "../../src/panels/scene/editor/complete";
+import { helpAt } from "../../src/panels/scene/editor/help";
+import { newLine, toggleComments } from "../../src/panels/scene/editor/keys";
+import { marksOf } from "../../src/panels/scene/editor/marks";
+import { changesBetween, normal, Sync } from "../../src/panels/scene/editor/sync";
+import { tokensOf } from "../../src/panels/scene/editor/tokens";
+import { difference, merged } from "../../src/script/merge";
+import { createStore, placed } from "../../src/store";
+import { schema, stateOf } from "./schema";
 
 function begun(text: string): Sync {
     const sync = new Sync();

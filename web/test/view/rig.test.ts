@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as THREE from "three";
-import { between, Rig } from "../src/view/rig";
-import { cutTriangles, SectionPlane } from "../src/view/section";
+import { between, Rig } from "../../src/view/camera/rig";
+import { cutTriangles, SectionPlane } from "../../src/view/section";
 
 function rig(): Rig {
     const made = new Rig();

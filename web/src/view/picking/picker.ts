@@ -1,12 +1,12 @@
 // What lies under a point of the picture.
 import * as THREE from "three";
-import type { Pick } from "../app";
-import type { Kind, Point } from "../protocol";
-import { treeOf } from "./extent";
+import type { Pick } from "../../app";
+import type { Kind, Point } from "../../protocol";
+import type { Rig } from "../camera/rig";
+import { treeOf } from "../extent";
+import type { SectionPlane } from "../section";
+import type { Shown } from "../shown";
 import { hitLine, hitPoints, hitSkeleton, type Projection } from "./rays";
-import type { Rig } from "./rig";
-import type { SectionPlane } from "./section";
-import type { Shown } from "./shown";
 
 const kTwig = 3.5; // [px] a segment counts as thick as this
 const kPoint = 7;

@@ -1,9 +1,9 @@
 // Large trees while they move: the thickest segments stay round, the others become lines.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Geometry } from "../src/app";
-import { treeOf } from "../src/view/extent";
-import { thickest } from "../src/view/tubes";
+import type { Geometry } from "../../src/app";
+import { treeOf } from "../../src/view/extent";
+import { thickest } from "../../src/view/tubes";
 
 const kNone = 0xffffffff;
 

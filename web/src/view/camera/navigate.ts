@@ -1,7 +1,7 @@
 // Turning, moving and nearing the picture by mouse, trackpad, fingers and keys.
 import * as THREE from "three";
-import type { ToolPointer } from "../app";
-import type { Hand } from "../hand";
+import type { ToolPointer } from "../../app";
+import type { Hand } from "../../hand";
 import { dragMotion, type Keys, type Motion, type Preset, wheelFactor, wheelMotion } from "./presets";
 import type { Rig } from "./rig";
 

@@ -1,17 +1,17 @@
 // The tree of objects, the history, and what forms begin with.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { App } from "../src/app";
-import { setDefault } from "../src/panels/scene/defaults";
-import { searched } from "../src/panels/scene/forms/chooser";
-import { foremost } from "../src/panels/scene/forms/fields";
-import { canShow, Form } from "../src/panels/scene/forms/form";
-import { tupleWord } from "../src/panels/scene/forms/tuple_field";
-import { changesOf } from "../src/panels/scene/history/model";
-import { nextName, refusal } from "../src/panels/scene/objects/actions";
-import { consumers, found, rowsOf } from "../src/panels/scene/objects/model";
-import { createStore } from "../src/store";
-import { called, schema, stateOf } from "./scene_schema";
+import type { App } from "../../src/app";
+import { setDefault } from "../../src/panels/scene/defaults";
+import { searched } from "../../src/panels/scene/forms/chooser";
+import { foremost } from "../../src/panels/scene/forms/fields";
+import { canShow, Form } from "../../src/panels/scene/forms/form";
+import { tupleWord } from "../../src/panels/scene/forms/tuple_field";
+import { changesOf } from "../../src/panels/scene/history/model";
+import { nextName, refusal } from "../../src/panels/scene/objects/actions";
+import { consumers, found, rowsOf } from "../../src/panels/scene/objects/model";
+import { createStore } from "../../src/store";
+import { called, schema, stateOf } from "./schema";
 
 const text = "sphere a\nsphere b\nunion a b crown\nsphere c\npointset generate crown\n";
 const state = stateOf(text, [["solid:a", 0], ["solid:b", 1], ["solid:crown", 2], ["solid:c", 3], ["points:crown", 4]]);

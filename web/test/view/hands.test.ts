@@ -2,11 +2,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as THREE from "three";
-import type { ToolPointer } from "../src/app";
-import type { Hand } from "../src/hand";
-import { Navigation } from "../src/view/navigate";
-import { dragMotion, type Preset, wheelMotion } from "../src/view/presets";
-import { Rig } from "../src/view/rig";
+import type { ToolPointer } from "../../src/app";
+import type { Hand } from "../../src/hand";
+import { Navigation } from "../../src/view/camera/navigate";
+import { dragMotion, type Preset, wheelMotion } from "../../src/view/camera/presets";
+import { Rig } from "../../src/view/camera/rig";
 
 class FakePointer extends Event {}
 (globalThis as { PointerEvent?: unknown }).PointerEvent = FakePointer;

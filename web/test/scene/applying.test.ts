@@ -1,11 +1,11 @@
 // What is typed on its way into the document, while others change that too.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type App, EngineError } from "../src/app";
-import { Applying } from "../src/panels/scene/editor/applying";
-import { textOf } from "../src/script/pieces";
-import { createStore } from "../src/store";
-import { stateOf } from "./scene_schema";
+import { type App, EngineError } from "../../src/app";
+import { Applying } from "../../src/panels/scene/editor/applying";
+import { textOf } from "../../src/script/pieces";
+import { createStore } from "../../src/store";
+import { stateOf } from "./schema";
 
 globalThis.setTimeout = (() => 0) as unknown as typeof setTimeout; // nothing happens by waiting
 

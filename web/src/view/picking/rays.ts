@@ -1,6 +1,6 @@
 // Rays against what is no mesh: tapered capsules, and places in the picture.
-import type { Point } from "../protocol";
-import type { Tree } from "./extent";
+import type { Point } from "../../protocol";
+import type { Tree } from "../extent";
 
 const kNone = 0xffffffff;
 
