@@ -19,6 +19,8 @@ TEST(Quantity, OnlyAnglesChangeTheirUnit) {
 TEST(Quantity, TextsLeaveOutWhatThereIsNot) {
     EXPECT_EQ(quantity_text("number", Unit::metre, 0, 2.5), "number of metres from 0 to 2.5");
     EXPECT_EQ(quantity_text("whole number", Unit::none, -3, 7), "whole number from -3 to 7");
+    EXPECT_EQ(quantity_text("whole number", Unit::none, 0, 2147483647), "whole number from 0 to 2147483647");
+    EXPECT_EQ(quantity_text("whole number", Unit::none, 1, 1e8), "whole number from 1 to 1e+08");
     EXPECT_EQ(quantity_text("number", Unit::second, 0, 0), "number of seconds");
     EXPECT_EQ(quantity_text("number", Unit::none, 0, 0), "number");
 }

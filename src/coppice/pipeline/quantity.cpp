@@ -34,7 +34,11 @@ std::string_view unit_text(Unit unit) {
 }
 
 std::string number_text(Unit unit, double value) {
-    return fmt::format("{:.{}g}", in_typed_unit(unit, value), unit == Unit::radian ? 4 : 6);
+    const double typed = in_typed_unit(unit, value);
+    const std::string text = fmt::format("{:.{}g}", typed, unit == Unit::radian ? 4 : 6);
+    // Of a whole number every digit counts.
+    const bool is_rounded = unit == Unit::none && typed == std::floor(typed) && parse_finite(text) != typed;
+    return is_rounded ? fmt::format("{:.0f}", typed) : text;
 }
 
 std::string range_text(Unit unit, double low, double high) {

@@ -18,8 +18,8 @@ double in_typed_unit(Unit unit, double value);  ///< the other way round
 /// "metres", "degrees", "radii", "seconds"; nothing for a plain number.
 std::string_view unit_text(Unit unit);
 
-/// A value in the typed unit with six digits; four for an angle, since bounds of angles are rounded radians,
-/// so that their degrees have stray digits.
+/// A value in the typed unit with six digits, all of a whole number without unit; four for an angle, since
+/// bounds of angles are rounded radians, so that their degrees have stray digits.
 std::string number_text(Unit unit, double value);
 
 /// "0 to 90": bounds in the library's unit, shown in the typed one.
