@@ -160,10 +160,8 @@ TEST_F(Session, AGrowthIsSeenWhileItGrowsAndKeptByAnOptionWhereItWasStopped) {
     const std::string line = "grow tree crown influence_radius=0.5 kill_radius=0.05 step=0.02";
     std::stop_source stop;
     std::vector<StudioGrown> seen;
-    std::string last;
     session_->watch({.runs = {}, .grown = [&](const StudioGrown& grown) {
                          seen.push_back(grown);
-                         last = *blobs_.get(grown.key);
                          if (seen.size() == 2) stop.request_stop();
                      }});
     const Context ctx{.threads = 0, .stop = stop.get_token(), .progress = {}};
@@ -171,7 +169,9 @@ TEST_F(Session, AGrowthIsSeenWhileItGrowsAndKeptByAnOptionWhereItWasStopped) {
     EXPECT_EQ(reply["kind"], "cancelled");
     ASSERT_EQ(seen.size(), 2u);
     EXPECT_EQ(seen[1].statement, 2u);
+    const std::string last = *blobs_.get(seen[1].key);
     EXPECT_EQ(header(last)["kind"], "skeleton");
+    EXPECT_EQ(*blobs_.get(seen[0].key), last) << "who comes late takes what is newest";
     EXPECT_EQ(session_->state()["statements"].size(), 2u);
     // Growth had begun to go on before it saw that it was to stop.
     const std::string until = reply["grown"]["until"].get<std::string>();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <utility>
 
 #include "coppice/studio/growth_relay_internal.h"
@@ -11,16 +12,25 @@ namespace coppice::studio_internal {
 namespace {
 
 constexpr std::chrono::milliseconds kApart{100};
-constexpr int kShare = 50;                  // one part of so many of the time is taken
-constexpr std::size_t kHanded = 2;          // skeletons that may be fetched
+constexpr int kShare = 50;        // one part of so many of the time is taken
+constexpr std::size_t kHeld = 2;  // skeletons: the newest, and the one before it while that is encoded
 constexpr std::uint64_t kBytesOfNode = 64;  // with what making a skeleton takes
 
 }  // namespace
 
+/// What one growth has so far. Whoever comes late takes what is newest then.
+struct GrowthRelay::Newest {
+    std::mutex mutex;
+    ObjectPtr object;
+    std::uint64_t version = 0;
+};
+
 void GrowthRelay::runs(std::optional<std::size_t> statement) {
-    if (statement) last_.reset();
+    if (statement) {
+        last_.reset();
+        newest_ = std::make_shared<Newest>();
+    }
     statement_ = statement;
-    handed_.clear();
     next_ = Clock::now() + kApart;
 }
 
@@ -31,7 +41,7 @@ void GrowthRelay::take(const GrowthSoFar& so_far) {
                         .until = fmt::format("{}={}", so_far.limit, so_far.rounds),
                         .key = {}};
     const auto start = Clock::now();
-    if (!tell_ || start < next_ || so_far.nodes * kBytesOfNode > most_bytes_ / kHanded) return;
+    if (!tell_ || start < next_ || so_far.nodes * kBytesOfNode > most_bytes_ / kHeld) return;
     last_->key = offer(so_far.skeleton());
     tell_(*last_);
     const auto end = Clock::now();
@@ -39,14 +49,20 @@ void GrowthRelay::take(const GrowthSoFar& so_far) {
 }
 
 std::string GrowthRelay::offer(Skeleton skeleton) {
-    handed_.push_back(std::make_shared<const SceneObject>(SceneObject{std::move(skeleton), 0}));
-    if (handed_.size() > kHanded) handed_.pop_front();
-    const GeometryHead head{ObjectKind::skeleton, {}, ++count_, {}};
+    {
+        const std::scoped_lock lock(newest_->mutex);
+        newest_->object = std::make_shared<const SceneObject>(SceneObject{std::move(skeleton), 0});
+        newest_->version = ++count_;
+    }
     std::string key = fmt::format("grown-{}", count_);
-    blobs_.offer(key, [object = std::weak_ptr(handed_.back()), head]() -> std::optional<std::string> {
-        const ObjectPtr grown = object.lock();
-        if (!grown) return std::nullopt;
-        return encode_object(*grown, head, 1, StudioColor::plain, {});
+    blobs_.offer(key, [growth = std::weak_ptr(newest_)]() -> std::optional<std::string> {
+        const std::shared_ptr<Newest> newest = growth.lock();
+        if (!newest) return std::nullopt;
+        std::unique_lock lock(newest->mutex);
+        const ObjectPtr object = newest->object;
+        const GeometryHead head{ObjectKind::skeleton, {}, newest->version, {}};
+        lock.unlock();
+        return encode_object(*object, head, 1, StudioColor::plain, {});
     });
     return key;
 }

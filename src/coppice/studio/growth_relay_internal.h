@@ -2,8 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -15,7 +15,8 @@
 namespace coppice::studio_internal {
 
 /// Hands out what growth has so far as blobs, without holding it up: at most ten times a second, and in at
-/// most a fiftieth of the time. One thread's; the blobs are encoded by those who fetch them.
+/// most a fiftieth of the time. One thread's; the blobs are encoded by those who fetch them, until the next
+/// growth begins.
 class GrowthRelay {
   public:
     using Tell = std::function<void(const StudioGrown&)>;  ///< told that there is more
@@ -30,6 +31,8 @@ class GrowthRelay {
     const std::optional<StudioGrown>& last() const { return last_; }  ///< how far growth came in this request
 
   private:
+    struct Newest;
+
     std::string offer(Skeleton skeleton);
 
     using Clock = std::chrono::steady_clock;
@@ -39,8 +42,8 @@ class GrowthRelay {
     Tell tell_;
     std::optional<std::size_t> statement_;
     std::optional<StudioGrown> last_;
-    Clock::time_point next_;        ///< nothing is handed out before
-    std::deque<ObjectPtr> handed_;  ///< the newest last: the one before it may just be fetched
+    Clock::time_point next_;  ///< nothing is handed out before
+    std::shared_ptr<Newest> newest_ = nullptr;
     std::uint64_t count_ = 0;
 };
 

@@ -50,10 +50,10 @@ export class Grown {
     private async fetch(theme: Theme): Promise<void> {
         this.isFetching = true;
         while (this.wanted !== null) {
-            await this.turn(); // newer ones that wait already come first: the engine keeps the last two
+            await this.turn(); // newer ones that wait already come first
             const { wanted, round } = this;
             this.wanted = null;
-            const geometry = wanted && (await this.engine.blob(wanted).catch(() => null)); // null: it has gone on meanwhile
+            const geometry = wanted && (await this.engine.blob(wanted).catch(() => null)); // null: another growth has begun
             if (geometry && round === this.round) {
                 this.draw(geometry, theme);
             }
