@@ -164,10 +164,13 @@ test("a tab that crashes, and one that is closed, find all as it was", async () 
     await isDrawn(page, "crown");
     await page.keyboard.press("Control+z");
     await untilLines(page, ["sphere crown", "scale crown 2"]);
+    await typeAtEnd(page, "translate cr");
+    page.once("dialog", (dialog) => dialog.accept()); // "leave the page?"
     await page.reload(); // the token is in no address any more
     await untilConnected(page);
     await untilLines(page, ["sphere crown", "scale crown 2"]);
     await isDrawn(page, "crown");
+    assert.match(await editorText(page), /^translate cr$/m, "half a line that was typed is there again");
 });
 
 test("what was asked while a connection went is done once", async () => {

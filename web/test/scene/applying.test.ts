@@ -62,6 +62,27 @@ class Desk {
     }
 }
 
+test("what was typed is there again when the page is loaded anew, and takes in what was changed since", () => {
+    const kept = new Map<string, string>();
+    const storage = {
+        getItem: (key: string) => kept.get(key) ?? null,
+        setItem: (key: string, value: string) => void kept.set(key, value),
+        removeItem: (key: string) => void kept.delete(key),
+    };
+    Object.assign(globalThis, { sessionStorage: storage });
+    const before = new Desk("sphere a\nsphere b\n");
+    before.typed = "sphere a\nsphere b\nbox c low=";
+    before.applying.typed();
+    const after = new Desk("sphere a radius=2\nsphere b\n");
+    assert.equal(after.typed.trimEnd(), "sphere a radius=2\nsphere b\nbox c low=");
+    assert.equal(after.kind, "typed");
+    after.typed = "sphere a radius=2\nsphere b\n";
+    after.applying.typed();
+    assert.equal(new Desk("sphere b\n").typed, "sphere b\n", "what was taken back is not kept");
+    assert.equal(kept.size, 0);
+    Object.assign(globalThis, { sessionStorage: undefined });
+});
+
 test("what is typed becomes the document, once", async () => {
     const desk = new Desk("sphere a\n");
     assert.equal(desk.typed, "sphere a\n");

@@ -5,6 +5,7 @@ import type { App } from "../../../app";
 import type { State } from "../../../protocol";
 import { difference } from "../../../script/merge";
 import { piecesOf, textOf } from "../../../script/pieces";
+import { keepDraft, keptDraft } from "./draft";
 import { normal, Sync } from "./sync";
 
 export interface Status {
@@ -31,6 +32,7 @@ export class Applying {
     private timer: ReturnType<typeof setTimeout> | undefined;
     private noteTimer: ReturnType<typeof setTimeout> | undefined;
     private known = false; // whether a document has come at all
+    private recalled = false; // what is typed is from before, and waits for hands
 
     constructor(
         private readonly app: App,
@@ -49,6 +51,9 @@ export class Applying {
 
     /** Takes in what the document is now. */
     receive(state: State): void {
+        if (!this.known && state.revision > 0) {
+            this.recall();
+        }
         const before = this.sync.base;
         this.typist.write(this.sync.receive(textOf(state.statements), this.typist.text()));
         const changed = this.sync.base !== before || this.sync.theirs !== null;
@@ -65,15 +70,26 @@ export class Applying {
         this.typist.changed();
     }
 
+    // What was typed before the page was loaded anew; the document may have gone on since.
+    private recall(): void {
+        const draft = keptDraft(this.app.store.folder.peek());
+        if (draft) {
+            this.sync.begin(draft.base);
+            this.typist.write(draft.text);
+            this.recalled = true;
+        }
+    }
+
     /** Something was typed, or the cursor went elsewhere. */
     typed(): void {
+        this.recalled = false;
         this.tell();
         this.soon();
     }
 
     soon(): void {
         clearTimeout(this.timer);
-        if (!this.isTyped) {
+        if (!this.isTyped || this.recalled) {
             return;
         }
         this.timer = setTimeout(() => {
@@ -91,6 +107,7 @@ export class Applying {
         if (!this.sync.isTyped(text) || this.sync.theirs !== null || store.connection.peek() !== "ready") {
             return;
         }
+        this.recalled = false;
         if (this.sync.sent !== null) {
             this.hurry(text);
             return;
@@ -140,6 +157,13 @@ export class Applying {
         void this.apply();
     }
 
+    private keep(): void {
+        if (this.known) {
+            const draft = this.isTyped ? { base: this.sync.base, text: this.typist.text() } : null;
+            keepDraft(this.app.store.folder.peek(), draft);
+        }
+    }
+
     private say(text: string): void {
         this.note.value = text;
         clearTimeout(this.noteTimer);
@@ -149,6 +173,7 @@ export class Applying {
     }
 
     private tell(): void {
+        this.keep();
         const { theirs, base, sent } = this.sync;
         const kind = theirs !== null ? "conflict" : sent !== null ? "applying" : this.isTyped ? "typed" : "same";
         const lines = theirs === null ? [] : difference(base.split("\n"), theirs.split("\n")).flatMap((hunk) => hunk.lines);

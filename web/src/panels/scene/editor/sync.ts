@@ -28,6 +28,11 @@ export class Sync {
         return normal(mine) !== this.known;
     }
 
+    /** Begins with what was typed into another text than the document is now. */
+    begin(base: string): void {
+        this.known = base;
+    }
+
     /** Takes in what the document is now. Returns what the editor has to show. */
     receive(document: string, mine: string): string {
         const theirs = normal(document);
