@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
-import { after, before, describe, test } from "node:test";
-import { endBrowser, openPage, openPanel, runLines, settled, startBrowser, startStudio } from "./browser.mjs";
+import { before, describe, test } from "node:test";
+import { openPage, openPanel, runLines, settled, withStudio } from "./browser.mjs";
 import { dialog, drop, emptyScene, typeAtEnd, until, untilLines, untilObject } from "./user.mjs";
 
 const kScene = [
@@ -21,18 +21,12 @@ let page;
 let axe;
 let scheme = "dark";
 
-before(async () => {
+withStudio(async (begun) => {
     axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-    await startBrowser();
-    studio = await startStudio();
+    studio = begun;
     page = await openPage(studio, { colorScheme: "dark", deviceScaleFactor: 0.5, reducedMotion: "reduce" });
     await page.evaluate(axe);
     await page.evaluate(() => (globalThis.coppice.view.display.shadow.value = false));
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 /** Fails with what axe finds within parts of the page: by all its rules, and in the light scheme again for contrast. */

@@ -1,8 +1,8 @@
 // Branches by hand: picked, bent, moved, turned, sized, drawn, thickened, pruned, cut, detached and joined, mirrored.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { after, before, test } from "node:test";
-import { drag, endBrowser, lines, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
+import { test } from "node:test";
+import { drag, lines, placeOf, settled, withStudio } from "./browser.mjs";
 import {
     assertCalm, assertDiffer, begin, button, clickAt, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, select, selection, take, untilFollows,
 } from "./hands.mjs";
@@ -10,15 +10,9 @@ import { until } from "./user.mjs";
 
 let studio, page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openFront(studio);
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 const kOnRight = [0.9, 0, 1.72]; // on the segment that leads to node 20

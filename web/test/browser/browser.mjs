@@ -4,6 +4,7 @@ import { existsSync } from "node:fs";
 import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { after, before } from "node:test";
 import { chromium } from "playwright-core";
 
 const kPrograms = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
@@ -80,8 +81,19 @@ export async function endBrowser() {
     await browser?.close();
 }
 
-// What has grown so far is gone when more has: pages that come too late take the next, but browsers tell of each.
-const kPassedOver = /\/blob\/grown-\d+$/;
+/** A studio for all tests of a file, and the browser to look at it with. */
+export function withStudio(begin) {
+    let studio;
+    before(async () => {
+        await startBrowser();
+        studio = await startStudio();
+        await begin(studio);
+    });
+    after(async () => {
+        await endBrowser();
+        await studio?.end();
+    });
+}
 
 /** A tab with the studio's page, connected and drawn; what it complains of fails the test that looks at `complaints`. */
 export async function openPage(studio, options = {}) {
@@ -89,9 +101,8 @@ export async function openPage(studio, options = {}) {
     const page = await context.newPage();
     const complaints = [];
     page.on("console", (message) => {
-        const { url } = message.location();
-        if (message.type() === "error" && !kPassedOver.test(url)) {
-            complaints.push(`${message.text()} ${url}`);
+        if (message.type() === "error") {
+            complaints.push(`${message.text()} ${message.location().url}`);
         }
     });
     page.on("pageerror", (error) => complaints.push(String(error)));

@@ -1,23 +1,17 @@
 // Crowns by hand: primitives, gizmo, combinations, warps, profiles, curves, and solids made of them.
 import assert from "node:assert/strict";
-import { after, before, beforeEach, test } from "node:test";
-import { endBrowser, lines, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
+import { beforeEach, test } from "node:test";
+import { lines, placeOf, settled, withStudio } from "./browser.mjs";
 import {
     assertCalm, assertDiffer, begin, button, chooseIn, clickAt, dragIn, field, hideAll, lastLine, near, numbers, openFront, picture, select, selection, take, untilFollows,
 } from "./hands.mjs";
-import { until } from "./user.mjs";
+import { until, untilSelected } from "./user.mjs";
 
 let studio, page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openFront(studio);
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 beforeEach(() => begin(page));
@@ -54,7 +48,7 @@ test("every primitive is placed by a drag, and by its fields", async () => {
     await untilFollows(page, "solid", "ball2", "fields show what they would make");
     await field(page, "Radius [m]").press("Enter");
     assert.equal(await lastLine(page, /^sphere /), "sphere ball2 center=1.5,0,2.25 radius=0.75");
-    assert.deepEqual((await selection(page)).object, { kind: "solid", name: "ball2" });
+    await untilSelected(page, "solid", "ball2");
     await assertCalm(page);
 });
 

@@ -1,21 +1,15 @@
 // Points and growth by hand: from a crown to a tree that is seen while it grows; and trees composed of the branches of others.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { endBrowser, lines, openPanel, placeOf, runLines, settled, startBrowser, startStudio } from "./browser.mjs";
+import { test } from "node:test";
+import { lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
 import { assertCalm, assertDiffer, begin, button, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, pictureNow, select, take, untilFollows } from "./hands.mjs";
 import { until, untilLines, untilObject } from "./user.mjs";
 
 let studio, page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openFront(studio);
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 const kCrown = "sphere crown radius=1 center=0,0,2";
@@ -342,7 +336,7 @@ test("branches are kept in a library with their pictures, and grafted by drag an
     await dragOut(1, onStem, () => untilFollows(page, "skeleton", "tree", "the branch is seen on the tree"));
     await lastLine(page, /^library graft tree oaks\.branches 1 /); // behind what filled the library
     await until(page, "the branch has been put on", (count) => globalThis.coppice.store.find("skeleton", "tree").count === count, 25 + nodes);
-    assert.equal(await page.evaluate(() => globalThis.coppice.store.tool.value), "select");
+    await until(page, "the tool is put down", () => globalThis.coppice.store.tool.value === "select");
     await page.keyboard.press("Control+z");
     await untilLines(page, all);
     await dragOut(1, [2.5, 0, 0.5]); // beside the tree

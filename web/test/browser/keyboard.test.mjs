@@ -1,15 +1,14 @@
 // From an empty scene to an exported surface by keys alone: nothing here moves or presses a pointer.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { endBrowser, lines, openPage, settled, startBrowser, startStudio } from "./browser.mjs";
+import { test } from "node:test";
+import { lines, openPage, settled, withStudio } from "./browser.mjs";
 import { judge, until, untilObject } from "./user.mjs";
 
 let studio;
 let page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openPage(studio);
     await page.evaluate(() => {
         globalThis.pointed = 0;
@@ -17,11 +16,6 @@ before(async () => {
             addEventListener(type, () => ++globalThis.pointed, true);
         }
     });
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 const press = async (...keys) => {

@@ -1,9 +1,9 @@
 // What the view draws, by its pixels: against geometry, against the path tracer, and against itself. No pictures are kept,
 // since each driver draws a little otherwise.
 import assert from "node:assert/strict";
-import { after, before, beforeEach, test } from "node:test";
+import { beforeEach, test } from "node:test";
 import { PNG } from "pngjs";
-import { endBrowser, openPage, runLines, settled, startBrowser, startStudio } from "./browser.mjs";
+import { openPage, runLines, settled, withStudio } from "./browser.mjs";
 import { assertCalm, begin } from "./hands.mjs";
 import { chooseItem, dialog, until } from "./user.mjs";
 
@@ -19,15 +19,9 @@ const kSeen = 24; // [of 255] by which a pixel has to differ to be another one
 
 let studio, page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openPage(studio, { viewport: { width: 1180, height: 760 }, reducedMotion: "reduce", colorScheme: "dark" });
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 beforeEach(async () => {

@@ -1,29 +1,19 @@
 // The scene's text, its objects, history and parameters, as a user meets them.
 import assert from "node:assert/strict";
-import { after, before, beforeEach, test } from "node:test";
-import { endBrowser, lines, openPage, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
-import { editorText, emptyScene, typeAtEnd, until, untilLines } from "./user.mjs";
+import { beforeEach, test } from "node:test";
+import { lines, openPage, placeOf, settled, withStudio } from "./browser.mjs";
+import { editorText, emptyScene, typeAtEnd, until, untilLines, untilSelected } from "./user.mjs";
 
 let studio;
 let page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openPage(studio);
 });
 
 beforeEach(() => emptyScene(page));
 
-after(async () => {
-    await endBrowser();
-    await studio?.end();
-});
-
-const isSelected = ([kind, name]) => {
-    const { object } = globalThis.coppice.store.selection.peek();
-    return object?.kind === kind && object.name === name;
-};
 const undoNames = () => page.evaluate(() => globalThis.coppice.store.state.peek().undo);
 
 async function write(...all) {
@@ -102,11 +92,11 @@ test("a click in the picture selects an object and shows its line; a line select
     await write("sphere crown", "sphere other center=5,0,0", "translate crown 0 0 1");
     const place = await placeOf(page, [0, 0, 1]);
     await page.mouse.click(place.x, place.y);
-    await until(page, "the crown is selected", isSelected, ["solid", "crown"]);
+    await untilSelected(page, "solid", "crown");
     await until(page, "its line is shown", () => document.querySelector(".cm-made")?.textContent === "translate crown 0 0 1");
     assert.equal(await page.locator(".cm-step").first().textContent(), "sphere crown");
     await page.locator(".cm-line").nth(1).click();
-    await until(page, "the other one is selected", isSelected, ["solid", "other"]);
+    await untilSelected(page, "solid", "other");
 });
 
 test("a parameter follows its slider, and one undo takes the drag back", async () => {
@@ -143,7 +133,7 @@ test("another name goes through the whole scene", async () => {
     await name.fill("leaves");
     await page.keyboard.press("Enter");
     await untilLines(page, ["sphere leaves", "scale leaves 2", "pointset generate leaves count=100", "delete leaves kind=solid", "# crown is gone"]);
-    await until(page, "it stays selected", isSelected, ["points", "leaves"]);
+    await untilSelected(page, "points", "leaves");
     await page.keyboard.press("Control+z");
     await until(page, "undo brings the name back", () => globalThis.coppice.store.state.peek().statements[0].text === "sphere crown");
 });

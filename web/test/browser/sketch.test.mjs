@@ -1,9 +1,9 @@
 // Sketches by hand: a known fork, photographed twice, is drawn over its pictures and stands in space again.
 import assert from "node:assert/strict";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { PNG } from "pngjs";
-import { drag, endBrowser, lines, runLines, settled, startBrowser, startStudio } from "./browser.mjs";
+import { drag, lines, runLines, settled, withStudio } from "./browser.mjs";
 import { assertCalm, assertDiffer, begin, button, field, lastLine, near, openFront, picture, take } from "./hands.mjs";
 import { coppice, until } from "./user.mjs";
 
@@ -23,18 +23,12 @@ const kViews = Object.keys(kCameras);
 
 let studio, page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openFront(studio);
     for (const view of kViews) {
         await studio.write(`${view}.png`, photograph(view));
     }
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 /** Where a view shows a point of space, and how many of its pixels a metre has there. */

@@ -1,26 +1,20 @@
 // By fingers: the picture is turned, moved and neared, things are picked, placed, bent and drawn.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { endBrowser, lines, placeOf, settled, startBrowser, startStudio } from "./browser.mjs";
+import { test } from "node:test";
+import { lines, placeOf, settled, withStudio } from "./browser.mjs";
 import { down, drag, lead, pinch, tapAt, up } from "./fingers.mjs";
 import { assertCalm, assertDiffer, begin, field, held, kTree, lastLine, near, numbers, openFront, picture, selection, untilFollows } from "./hands.mjs";
-import { until } from "./user.mjs";
+import { until, untilSelected } from "./user.mjs";
 
 let studio, page;
 
-before(async () => {
-    await startBrowser();
-    studio = await startStudio();
+withStudio(async (begun) => {
+    studio = begun;
     page = await openFront(studio, { hasTouch: true, viewport: { width: 1280, height: 760 } });
     await page.evaluate(() => {
         globalThis.pointers = new Set();
         addEventListener("pointerdown", (event) => globalThis.pointers.add(event.pointerType), true);
     });
-});
-
-after(async () => {
-    await endBrowser();
-    await studio?.end();
 });
 
 const kOnRight = [0.9, 0, 1.72]; // on the segment that leads to node 20
@@ -152,7 +146,7 @@ test("handles of a section, menus and lists work by taps", async () => {
     await page.locator(".menu-item", { hasText: "Ball of 2 m" }).tap();
     await lastLine(page, /^sphere crown2 radius=2/);
     await page.getByRole("treeitem", { name: /^crown2/ }).tap();
-    assert.deepEqual((await selection(page)).object, { kind: "solid", name: "crown2" });
+    await untilSelected(page, "solid", "crown2");
     await page.evaluate(() => {
         globalThis.coppice.view.display.section.value = { on: true, axis: "x", at: 0, flipped: false };
     });

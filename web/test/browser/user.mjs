@@ -53,6 +53,15 @@ export async function untilObject(page, kind, name) {
     await until(page, `there is a ${kind} ${name}`, isSo, [kind, name]);
 }
 
+/** Waits until an object is what is selected. */
+export async function untilSelected(page, kind, name) {
+    const isSelected = ([wanted, called]) => {
+        const { object } = globalThis.coppice.store.selection.peek();
+        return object?.kind === wanted && object.name === called;
+    };
+    await until(page, `the ${kind} ${name} is selected`, isSelected, [kind, name]);
+}
+
 /** Waits until the page says something that holds this text. */
 export async function untilSaid(page, text) {
     await until(page, `a message says "${text}"`, (wanted) => globalThis.coppice.store.messages.peek().some((one) => one.text.includes(wanted)), text);
