@@ -143,6 +143,8 @@ export async function moveTo(page, point) {
 /** The middle of the 3D view as a picture, without what lies over its edges. */
 export async function picture(page) {
     await settled(page);
+    // What has been drawn is on the screen a frame later.
+    await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next))));
     return pictureNow(page);
 }
 
