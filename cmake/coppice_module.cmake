@@ -111,7 +111,8 @@ function(coppice_group_sources target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # Names of one source may be used within another, but not twice within one function; and no other source can see what stands in
   # an anonymous namespace, though the compiler takes it for what a header holds.
-  target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wno-subobject-linkage>)
+  set(options -Wno-shadow "$<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wno-subobject-linkage>")
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()
 
 # coppice_precompiled_headers(TARGET modules|tests): with COPPICE_PRECOMPILED_HEADERS, the headers of others that most sources

@@ -1,9 +1,10 @@
 # Warnings for our own targets; errors only when this is the top-level project.
 function(coppice_warnings target)
   # Option structs are made by designated initialisers that leave out what stays at its default.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic
-                                           -Wno-missing-field-initializers)
+  set(options -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic -Wno-missing-field-initializers)
   if(PROJECT_IS_TOP_LEVEL)
-    target_compile_options(${target} PRIVATE -Werror)
+    list(APPEND options -Werror)
   endif()
+  # What nvcc makes of kernels for the compiler of the host has no manners.
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()

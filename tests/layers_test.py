@@ -13,7 +13,7 @@ import tempfile
 
 INCLUDE = re.compile(r'\s*#\s*include\s*["<]coppice/([^/">]+)/[^">]*[">]')
 LONGEST = 600  # lines
-ENDINGS = {".h", ".cpp", ".py", ".mjs", ".ts", ".tsx", ".css", ".cmake"}
+ENDINGS = {".h", ".cpp", ".py", ".mjs", ".ts", ".tsx", ".css", ".cmake", ".cu", ".cuh"}
 
 
 def read_layers(path):

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "coppice/base/host_device.h"
+
 namespace coppice {
 
 /// A point or direction in space: metres in world space, Z up, right-handed, unless said otherwise.
@@ -70,13 +72,13 @@ constexpr T length_squared(BasicVec3<T> a) {
 
 /// [m] Of a position or a difference of positions.
 template <class T>
-T length(BasicVec3<T> a) {
+COPPICE_HOST_DEVICE T length(BasicVec3<T> a) {
     return std::sqrt(dot(a, a));
 }
 
 /// Length of a - b.
 template <class T>
-T distance(BasicVec3<T> a, BasicVec3<T> b) {
+COPPICE_HOST_DEVICE T distance(BasicVec3<T> a, BasicVec3<T> b) {
     return length(a - b);
 }
 
@@ -88,7 +90,7 @@ constexpr BasicVec3<T> lerp(BasicVec3<T> a, BasicVec3<T> b, T t) {
 
 /// The unit vector along a, or `fallback` when a is too short to have a direction.
 template <class T>
-BasicVec3<T> normalized(BasicVec3<T> a, BasicVec3<T> fallback = {0, 0, 1}) {
+COPPICE_HOST_DEVICE BasicVec3<T> normalized(BasicVec3<T> a, BasicVec3<T> fallback = {0, 0, 1}) {
     const T l = length(a);
     return l > T{1e-30} ? a / l : fallback;
 }
@@ -96,7 +98,7 @@ BasicVec3<T> normalized(BasicVec3<T> a, BasicVec3<T> fallback = {0, 0, 1}) {
 /// Some unit vector perpendicular to the unit vector a; continuous except where a points along -z.
 /// Source: [Duff2017].
 template <class T>
-BasicVec3<T> perpendicular(BasicVec3<T> a) {
+COPPICE_HOST_DEVICE BasicVec3<T> perpendicular(BasicVec3<T> a) {
     const T sign = std::copysign(T{1}, a.z);
     const T k = T{-1} / (sign + a.z);
     return {T{1} + sign * a.x * a.x * k, sign * a.x * a.y * k, -sign * a.x};
@@ -104,7 +106,7 @@ BasicVec3<T> perpendicular(BasicVec3<T> a) {
 
 /// No coordinate is infinite or not a number.
 template <class T>
-bool is_finite(BasicVec3<T> a) {
+COPPICE_HOST_DEVICE bool is_finite(BasicVec3<T> a) {
     return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 

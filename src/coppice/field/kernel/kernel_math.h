@@ -3,12 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// Marks what a CUDA build compiles for both sides.
-#ifdef __CUDACC__
-#define COPPICE_HOST_DEVICE __host__ __device__
-#else
-#define COPPICE_HOST_DEVICE
-#endif
+#include "coppice/base/host_device.h"
 
 /// The namespace of the formulas in *_kernel.h. Plain numbers use coppice::kernel; field_simd.cpp defines
 /// COPPICE_KERNEL_PER_TARGET and includes the same headers again for every instruction set, each into a
