@@ -47,6 +47,7 @@ Command table_command();
 Command chart_command();
 Command convert_command();
 Command render_command();
+Command view_command();
 Command scan_command();
 Command run_command();
 Command grow_command();

@@ -173,6 +173,14 @@ std::string count(Figures& counts, const CylinderMesh& surface) {
                        grouped(surface.mesh.face_count()));
 }
 
+/// What the surface was computed on, and why that is not what was asked for.
+template <class Surface>
+void tell_device(Run& run, const Surface& surface) {
+    run.counts()["device"] = surface.device.name;
+    if (!surface.device.note.empty()) run.warn(surface.device.note);
+}
+void tell_device(Run&, const CylinderMesh&) {}
+
 }  // namespace
 
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
@@ -208,6 +216,7 @@ void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std
 std::string count_surface(Run& run, const MeshResult& result) {
     std::string said =
         std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
+    std::visit([&](const auto& surface) { tell_device(run, surface); }, result.surface);
     if (result.bent_apart) {
         run.counts()["trees_bent_apart"] = counts_of(*result.bent_apart);
         said = told(*result.bent_apart) + said;

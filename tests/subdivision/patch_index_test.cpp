@@ -1,4 +1,4 @@
-#include "coppice/subdivision/patch_index_internal.h"
+#include "coppice/subdivision/kernel/patch_index.h"
 
 #include <gtest/gtest.h>
 

@@ -194,7 +194,7 @@ TEST(TetraRefinement, PlacesPartsAndOwnersFitTogether) {
         for (std::uint32_t t = 0; t < scene.mesh.tetra.size(); ++t) {
             const TetraPattern& pattern = refinement.pattern(t);
             for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
-                const auto kind = static_cast<Kind>(TetraRefinement::kKindOf[g]);
+                const auto kind = static_cast<Kind>(part_kind(g));
                 const std::uint32_t part = refinement.parts(t)[g];
                 const auto around = refinement.around(kind, part);
                 EXPECT_TRUE(std::ranges::is_sorted(around));
@@ -209,14 +209,14 @@ TEST(TetraRefinement, PlacesPartsAndOwnersFitTogether) {
                     EXPECT_EQ(refinement.shortest_edge(t, g), shortest);
                 }
                 if (owns) {
-                    EXPECT_TRUE(owned.insert({TetraRefinement::kKindOf[g], part}).second);
+                    EXPECT_TRUE(owned.insert({part_kind(g), part}).second);
                 }
             }
             for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
                 const std::uint32_t number = refinement.vertex(t, static_cast<Local>(v));
                 const auto place = refinement.place(number);
                 const std::uint32_t g = pattern.group[v];
-                EXPECT_EQ(static_cast<std::uint32_t>(place.kind), TetraRefinement::kKindOf[g]);
+                EXPECT_EQ(static_cast<std::uint32_t>(place.kind), part_kind(g));
                 EXPECT_EQ(place.part, g == TetraPattern::kInside ? t : refinement.parts(t)[g]);
                 EXPECT_EQ(pattern.first_vertex[g] + place.index, v);
                 if ((refinement.owned(t) >> g & 1) != 0) ++sampled[number];
@@ -225,6 +225,43 @@ TEST(TetraRefinement, PlacesPartsAndOwnersFitTogether) {
         EXPECT_EQ(owned.size(),
                   scene.mesh.positions.size() + refinement.edge_count() + refinement.face_count());
         EXPECT_TRUE(std::ranges::all_of(sampled, [](int n) { return n == 1; }));
+    }
+}
+
+TEST(TetraRefinement, ViewNamesEveryFineEdgeOnce) {
+    for (const Scene& scene : scenes()) {
+        for (int levels = 0; levels <= 3; ++levels) {
+            SCOPED_TRACE(testing::Message() << scene.name << " levels " << levels);
+            const TetraRefinement refinement(scene.mesh, levels);
+            const RefinementView view = refinement.view();
+            std::map<std::array<std::uint32_t, 2>, std::uint32_t> number_of;
+            std::set<std::uint32_t> numbers;
+            for (std::uint32_t t = 0; t < scene.mesh.tetra.size(); ++t) {
+                const TetraPattern& pattern = refinement.pattern(t);
+                for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
+                    const auto local = static_cast<Local>(v);
+                    ASSERT_EQ(view.vertex(t, local), refinement.vertex(t, local));
+                    ASSERT_EQ(view.position(t, local), refinement.position(t, local));
+                    ASSERT_EQ(view.shortest_edge(t, pattern.group[v]),
+                              refinement.shortest_edge(t, pattern.group[v]));
+                }
+                for (std::size_t e = 0; e < pattern.edges.size(); ++e) {
+                    std::array<std::uint32_t, 2> ends{refinement.vertex(t, pattern.edges[e][0]),
+                                                      refinement.vertex(t, pattern.edges[e][1])};
+                    std::ranges::sort(ends);
+                    const std::uint32_t number = view.edge(t, static_cast<Local>(e));
+                    ASSERT_EQ(number_of.emplace(ends, number).first->second, number);
+                    numbers.insert(number);
+                    const FinePlace place = view.edges.place(number);
+                    const std::uint32_t g = pattern.edge_group[e];
+                    ASSERT_EQ(static_cast<std::uint32_t>(place.kind), part_kind(g));
+                    ASSERT_EQ(pattern.first_edge[g] + place.index, e);
+                }
+            }
+            EXPECT_EQ(number_of.size(), view.edge_count);
+            EXPECT_EQ(numbers.size(), view.edge_count);
+            EXPECT_EQ(*numbers.rbegin() + 1, view.edge_count);
+        }
     }
 }
 

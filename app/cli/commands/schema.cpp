@@ -24,6 +24,7 @@
 #include "coppice/scene/reference.h"
 #include "coppice/sketch/draw.h"
 #include "coppice/sketch/reconstruct.h"
+#include "coppice/view/view_options.h"
 
 namespace coppice::cli {
 namespace {
@@ -81,6 +82,8 @@ ExitCode schema(Run& run) {
                    {"growing", described<GrowingOptions>()},
                    {"wind", described<WindOptions>()},
                    {"render", described<RenderOptions>()},
+                   {"view", described<ViewOptions>()},
+                   {"edit_demo", described<EditDemoOptions>()},
                    {"scan", described<ScanOptions>()},
                    {"read_skeleton", described<ReadSkeletonOptions>()},
                    {"write_skeleton", described<WriteSkeletonOptions>()},

@@ -6,3 +6,6 @@
 #else
 #define COPPICE_HOST_DEVICE
 #endif
+
+/// For what has to be part of the loop that it is called from.
+#define COPPICE_ALWAYS_INLINE inline __attribute__((always_inline))

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "coppice/base/host_device.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {
 
 /// Parameter in [0, 1] of the point of the segment from a to a + d that is closest to p; `none` where d is 0.
 template <class T>
-T closest_parameter(BasicVec3<T> p, BasicVec3<T> a, BasicVec3<T> d, T none = 0) {
+COPPICE_HOST_DEVICE T closest_parameter(BasicVec3<T> p, BasicVec3<T> a, BasicVec3<T> d, T none = 0) {
     const T squared = length_squared(d);
     return squared > 0 ? std::clamp(dot(p - a, d) / squared, T{0}, T{1}) : none;
 }

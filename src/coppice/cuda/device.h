@@ -31,6 +31,8 @@ struct DeviceInfo {
     std::uint32_t multiprocessors = 0;  ///< that it has
     std::uint64_t memory = 0;           ///< [bytes] in all
     std::uint64_t free = 0;             ///< [bytes] not in use when it was looked for
+    double flops = 0;                   ///< [1/s] in single precision at most, product and sum counted apart
+    double bandwidth = 0;               ///< [bytes/s] of its memory at most
 };
 
 /// What looking for a card found: one of the two.

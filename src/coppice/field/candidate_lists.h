@@ -8,6 +8,7 @@
 #include "coppice/base/box.h"
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
+#include "coppice/base/host_device.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -29,21 +30,22 @@ struct SegmentSupport {
 };
 
 /// [m^2] From p to the axis of a support.
-inline float axis_distance_squared(const SegmentSupport& s, Vec3 p) {
+COPPICE_HOST_DEVICE inline float axis_distance_squared(const SegmentSupport& s, Vec3 p) {
     const Vec3 axis = s.b - s.a;
     return length_squared(p - s.a - closest_parameter(p, s.a, axis) * axis);
 }
 
 /// Whether the capsule may reach the box: by boxes, then by the ball about the box, which is the closer test
 /// for a thin capsule that runs aslant.
-inline bool may_touch(const SegmentSupport& s, const Box3& box, Vec3 center, float half_diagonal) {
+COPPICE_HOST_DEVICE inline bool may_touch(const SegmentSupport& s, const Box3& box, Vec3 center,
+                                          float half_diagonal) {
     if (!s.box.overlaps(box)) return false;
     const float reach = 1.0001f * (s.radius + half_diagonal);
     return axis_distance_squared(s, center) <= reach * reach;
 }
 
 /// How far p lies outside a support; negative within.
-inline float clearance(const SegmentSupport& s, Vec3 p) {
+COPPICE_HOST_DEVICE inline float clearance(const SegmentSupport& s, Vec3 p) {
     return std::sqrt(axis_distance_squared(s, p)) - s.radius;
 }
 

@@ -8,42 +8,34 @@
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/collect_lists_internal.h"
+#include "coppice/field/list_kernel.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kContactListsGrain = 128;
-// Beyond this many radii a rival's field is too weak to push back.
-constexpr float kRivalReach = 1.15f;
-// Surfaces in contact on more sides than this have nowhere to go.
-constexpr std::size_t kMostRivals = 48;
-constexpr std::size_t kMostNear = 1024;  // segments that a run looks at
-constexpr float kEmptyReach = 1.5f;      // [radii] of a tube without a segment
-constexpr float kLongestRun = 2;         // of regions searched together, in diagonals of the first one's box
+constexpr float kLongestRun = 2;  // of regions searched together, in diagonals of the first one's box
 
-/// Depth-first order makes a subtree a range of tubes.
+/// Which tubes grow together.
 class Kinship {
   public:
-    explicit Kinship(std::span<const NodeId> parent) : parent_(parent), end_(parent.size()) {
-        for (std::size_t i = end_.size(); i-- > 0;) {
-            end_[i] = std::max(end_[i], static_cast<std::uint32_t>(i + 1));
-            if (const NodeId p = parent[i]) end_[p.index()] = std::max(end_[p.index()], end_[i]);
-        }
-    }
+    explicit Kinship(std::span<const NodeId> parent) : parent_(parent), end_(subtree_ends(parent)) {}
 
-    bool related(std::uint32_t a, std::uint32_t b) const {
-        return contains(a, b) || contains(b, a) || (parent_[a] && parent_[a] == parent_[b]);
-    }
+    bool related(std::uint32_t a, std::uint32_t b) const { return are_related(kin(a), kin(b)); }
 
   private:
-    bool contains(std::uint32_t ancestor, std::uint32_t descendant) const {
-        return ancestor <= descendant && descendant < end_[ancestor];
-    }
+    TubeKin kin(std::uint32_t tube) const { return {tube, end_[tube], parent_[tube]}; }
 
     std::span<const NodeId> parent_;
     std::vector<std::uint32_t> end_;
 };
+
+/// The segment of a node; that of a root has no length.
+Segment line_of(const Skeleton& skeleton, NodeId n) {
+    if (!skeleton.is_root(n)) return skeleton.segment(n);
+    return {skeleton.position(n), skeleton.position(n), skeleton.radius(n), skeleton.radius(n)};
+}
 
 /// The segments that each tube wraps.
 using Contents = CompressedRows<std::uint32_t>;
@@ -55,38 +47,22 @@ Contents contents_of(const TubeTree& tubes) {
     });
 }
 
-/// Where each tube has influence: the capsule of its one segment, the ball about several, its own line for
-/// none.
 std::vector<SegmentSupport> tube_supports(const Skeleton& tree, const Contents& contents,
                                           std::span<const SegmentSupport> segments, const Context& ctx) {
     std::vector<SegmentSupport> out(tree.size());
     parallel_for(ctx, tree.size(), kContactListsGrain * 16, [&](std::size_t i) {
-        const auto inside = contents[i];
         const NodeId n(static_cast<std::uint32_t>(i));
-        if (inside.size() == 1) {
-            out[i] = segments[inside[0]];
-            return;
-        }
-        Box3 box;
-        for (const std::uint32_t s : inside) box.extend(segments[s].box);
-        if (inside.empty()) {
-            const Vec3 a = tree.position(tree.is_root(n) ? n : tree.parent(n));
-            box = capsule_box(a, tree.position(n), kEmptyReach * tree.radius(n));
-        }
-        out[i] = {box, box.center(), box.center(), 0.5f * box.diagonal()};
+        out[i] = tube_support(contents[i], segments, line_of(tree, n));
     });
     return out;
 }
 
-/// By child node; a segment without length of its own has an empty box.
+/// By child node.
 std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Context& ctx) {
     std::vector<SegmentSupport> capsules(skeleton.size());
     parallel_for(ctx, skeleton.size(), kContactListsGrain * 16, [&](std::size_t i) {
         const NodeId n(static_cast<std::uint32_t>(i));
-        Segment s{skeleton.position(n), skeleton.position(n), skeleton.radius(n), skeleton.radius(n)};
-        if (!skeleton.is_root(n)) s = skeleton.segment(n);
-        const float reach = kRivalReach * std::max(s.radius_a, s.radius_b);
-        capsules[i] = {capsule_box(s.a, s.b, reach), s.a, s.b, reach};
+        capsules[i] = rival_capsule(line_of(skeleton, n));
     });
     return capsules;
 }
@@ -111,10 +87,12 @@ class RivalSearch {
         std::vector<Ranked> found;
         for (std::size_t begin = range.begin; begin < range.end;) {
             Box3 all = regions_[begin].box;
-            const std::size_t end = end_of_run(begin, range.end, all);
-            near.clear();
-            if (!all.empty()) tree_.visit_overlapping(all, [&](std::uint32_t s) { return add(s, near); });
-            std::sort(near.begin(), near.end());
+            std::size_t end = end_of_run(begin, range.end, all);
+            gather(all, near);
+            if (near.size() == kMostNear && end > begin + 1) {
+                end = begin + 1;  // too many for all of the run
+                gather(regions_[begin].box, near);
+            }
             boxes.clear();
             for (const std::uint32_t s : near) boxes.push_back(capsules_[s].box);
             for (std::size_t r = begin; r < end; ++r) {
@@ -145,6 +123,12 @@ class RivalSearch {
             all = more;
         }
         return end;
+    }
+    // The segments that reach a box, ascending.
+    void gather(const Box3& box, std::vector<std::uint32_t>& near) const {
+        near.clear();
+        if (!box.empty()) tree_.visit_overlapping(box, [&](std::uint32_t s) { return add(s, near); });
+        std::sort(near.begin(), near.end());
     }
     // False when no more are wanted.
     bool add(std::uint32_t segment, std::vector<std::uint32_t>& near) const {
@@ -192,6 +176,15 @@ class RivalSearch {
 };
 
 }  // namespace
+
+std::vector<std::uint32_t> subtree_ends(std::span<const NodeId> parent) {
+    std::vector<std::uint32_t> end(parent.size());
+    for (std::size_t i = end.size(); i-- > 0;) {
+        end[i] = std::max(end[i], static_cast<std::uint32_t>(i + 1));
+        if (const NodeId p = parent[i]) end[p.index()] = std::max(end[p.index()], end[i]);
+    }
+    return end;
+}
 
 ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                            std::span<const FieldRegion> regions, const TubeTree& tubes, const Context& ctx) {

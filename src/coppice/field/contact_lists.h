@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct ContactLists {
     CandidateLists own;     ///< segments that a region's tube grows together with
     CandidateLists rivals;  ///< segments that it is in contact with
 };
+
+/// Depth-first order makes a subtree a range of tubes: by tube, one past the last of its subtree.
+std::vector<std::uint32_t> subtree_ends(std::span<const NodeId> parent);
 
 /// `supports` has one entry per node of the skeleton. O((regions + lists) log n). Deterministic for any
 /// number of threads.

@@ -11,6 +11,8 @@
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/field/field_simd_internal.h"
+#include "coppice/field/kernel/contact_kernel.h"
+#include "coppice/field/list_kernel.h"
 
 namespace coppice {
 namespace {
@@ -18,18 +20,6 @@ namespace {
 constexpr std::size_t kConvolutionFieldGrain = 4096;
 constexpr std::size_t kRegionGrain = 256;
 constexpr std::size_t kContactBatch = 64;
-
-SegmentSupport support_of(const kernel::SegmentConstants<float>& s, float reach) {
-    const Vec3 start{s.ax, s.ay, s.az}, u{s.ux, s.uy, s.uz};
-    const Vec3 a = start + s.begin * u, b = start + s.end * u;
-    // An extension of SCALIS goes on tapering, the others keep the node's radius: the greater of both is
-    // safe.
-    const float radius_a = reach * std::max(s.radius, s.radius + s.slope * s.begin);
-    const float radius_b = reach * std::max(s.radius + s.slope * s.length, s.radius + s.slope * s.end);
-    SegmentSupport support{capsule_box(a, a, radius_a), a, b, std::max(radius_a, radius_b)};
-    support.box.extend(capsule_box(b, b, radius_b));
-    return support;
-}
 
 /// The direction of each segment without length: that of the nearest ancestor that has a length, else +Z.
 std::vector<Vec3> fallback_directions(const Skeleton& skeleton) {
@@ -87,7 +77,7 @@ ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions&
             segments_[i] = builder_.build(skeleton.segment(n), direction[i], skeleton.is_tip(n),
                                           skeleton.is_root(p) && skeleton.leader(p) == n);
         }
-        supports_[i] = support_of(segments_[i], builder_.reach());
+        supports_[i] = segment_support(segments_[i], builder_.reach());
     });
 }
 
@@ -161,13 +151,7 @@ void ConvolutionField::apply_contact(std::span<const std::uint32_t> rivals, std:
     for (std::size_t begin = 0; begin < points.size(); begin += kContactBatch) {
         const std::size_t count = std::min(kContactBatch, points.size() - begin);
         sum(rivals, points.subspan(begin, count), std::span(batch).first(count));
-        for (std::size_t i = 0; i < count; ++i) {
-            const float against = contact_ * batch[i].value;
-            if (against <= 1) continue;
-            FieldSample& own = out[begin + i];
-            own.value /= against;
-            own.gradient = own.gradient / against - batch[i].gradient * (own.value / batch[i].value);
-        }
+        for (std::size_t i = 0; i < count; ++i) press(batch[i], contact_, out[begin + i]);
     }
 }
 

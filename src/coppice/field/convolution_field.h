@@ -82,6 +82,11 @@ class ConvolutionField {
     /// How balls stand along the segments; unused for other kernels than Kernel::balls.
     const BallChain& chain() const { return builder_.chain(); }
     const KernelConstants& kernel() const { return builder_.kernel(); }  ///< the kernel of all segments
+    int blend() const { return blend_; }              ///< see FieldOptions; 1 for global weights
+    float contact() const { return contact_; }        ///< see FieldOptions
+    float reach() const { return builder_.reach(); }  ///< [radii] how far from a segment its influence counts
+    const CandidateLists& own_lists() const { return lists_; }     ///< candidates() of all regions
+    const CandidateLists& rival_lists() const { return rivals_; }  ///< rivals() of all regions
 
   private:
     void set_lists(CandidateLists lists, const Context& ctx);

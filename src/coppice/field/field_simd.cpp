@@ -15,6 +15,8 @@
 #include <hwy/foreach_target.h>  // includes this file once per instruction set
 #include <hwy/highway.h>
 
+#include "coppice/base/simd_lane.h"
+
 HWY_BEFORE_NAMESPACE();
 
 #define COPPICE_KERNEL_PER_TARGET
@@ -27,65 +29,26 @@ HWY_BEFORE_NAMESPACE();
 #include "coppice/field/kernel/quartic_kernel.h"
 #include "coppice/field/kernel/scalis_kernel.h"
 
+#include "coppice/field/kernel/axis_sum_kernel.h"
+
 namespace coppice::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::ScalableTag<float>;
-constexpr std::size_t kLanes = hn::MaxLanes(Tag());
-
-/// One number per point.
-struct Lane {
-    hn::Vec<Tag> v;
-
-    HWY_INLINE Lane() = default;
-    template <class Number>
-    requires std::is_arithmetic_v<Number> HWY_INLINE explicit Lane(Number x)
-        : v(hn::Set(Tag(), static_cast<float>(x))) {}
-    HWY_INLINE explicit Lane(hn::Vec<Tag> x) : v(x) {}
-};
-
-HWY_INLINE Lane operator+(Lane a, Lane b) { return Lane(hn::Add(a.v, b.v)); }
-HWY_INLINE Lane operator-(Lane a, Lane b) { return Lane(hn::Sub(a.v, b.v)); }
-HWY_INLINE Lane operator-(Lane a) { return Lane(hn::Neg(a.v)); }
-HWY_INLINE Lane operator*(Lane a, Lane b) { return Lane(hn::Mul(a.v, b.v)); }
-HWY_INLINE Lane operator/(Lane a, Lane b) { return Lane(hn::Div(a.v, b.v)); }
-HWY_INLINE Lane smaller(Lane a, Lane b) { return Lane(hn::Min(a.v, b.v)); }
-HWY_INLINE Lane larger(Lane a, Lane b) { return Lane(hn::Max(a.v, b.v)); }
-HWY_INLINE float least(Lane a) { return hn::GetLane(hn::MinOfLanes(Tag(), a.v)); }
-HWY_INLINE float greatest(Lane a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
-HWY_INLINE Lane square_root(Lane a) { return Lane(hn::Sqrt(a.v)); }
-
 /// x from `low` on, else 0.
-HWY_INLINE Lane from(Lane x, Lane low) { return Lane(hn::IfThenElseZero(hn::Ge(x.v, low.v), x.v)); }
+HWY_INLINE Lane value_from(Lane x, Lane low) { return value_where(x >= low, x); }
 
 HWY_INLINE Lane value_within(Lane x, Lane high, Lane value) {
-    const auto inside = hn::And(hn::Gt(x.v, hn::Zero(Tag())), hn::Lt(x.v, high.v));
-    return Lane(hn::IfThenElseZero(inside, value.v));
+    return value_where((x > Lane(0)) & (x < high), value);
 }
 
 HWY_INLINE Lane upper_angle(Lane y, Lane x) {
-    const Lane size = Lane(hn::Abs(x.v));
+    const Lane size = absolute(x);
     const Lane z = smaller(y, size) / larger(y, size);
     const Lane s = z * z;
     Lane p(kArctan[0]);
     for (std::size_t k = 1; k < kArctan.size(); ++k) p = p * s + Lane(kArctan[k]);
     p = p * z;
-    const auto steep = hn::Gt(y.v, size.v);
-    p = Lane(hn::IfThenElse(steep, (Lane(1.57079632679) - p).v, p.v));
-    return Lane(hn::IfThenElse(hn::Lt(x.v, hn::Zero(Tag())), (Lane(3.14159265359) - p).v, p.v));
-}
-
-template <class K>
-HWY_INLINE void add(const K& formula, const SegmentConstants<Lane>& s, Point<Lane> p, Sample<Lane>& sum) {
-    add_segment(formula, s, p, sum);
-}
-HWY_INLINE void add(const ScalisKernel<Lane>& formula, const SegmentConstants<Lane>& s, Point<Lane> p,
-                    Sample<Lane>& sum) {
-    formula.add(s, p, sum);
-}
-HWY_INLINE void add(const BallKernel<Lane>& formula, const SegmentConstants<Lane>& s, Point<Lane> p,
-                    Sample<Lane>& sum) {
-    formula.add(s, p, sum);
+    p = choose(y > size, Lane(1.57079632679) - p, p);
+    return choose(x < Lane(0), Lane(3.14159265359) - p, p);
 }
 
 template <class K>
@@ -95,35 +58,7 @@ HWY_INLINE void add_entry(const K& formula, const SegmentList& list, std::size_t
     const SegmentConstants<Lane> broadcast{
         Lane(s.ax),  Lane(s.ay),     Lane(s.az),     Lane(s.ux),    Lane(s.uy),     Lane(s.uz), Lane(s.begin),
         Lane(s.end), Lane(s.length), Lane(s.radius), Lane(s.slope), Lane(s.weight), s.balls};
-    add(formula, broadcast, p, sum);
-}
-
-/// total += F^n, and its gradient / n: F^(n-1) times that of F.
-template <int n>
-HWY_INLINE void add_power(Sample<Lane> axis, Sample<Lane>& total) {
-    // Powers stay finite even for the sum of all 2^32 segments that a skeleton can have, and are normal
-    // numbers or 0: others are slow. What a power hides is beyond the accuracy of the field.
-    constexpr float kLeast = n == 8 ? 0x1p-15f : n == 4 ? 0x1p-30f : 0x1p-60f;
-    const Lane f = smaller(from(axis.value, Lane(kLeast)), Lane(2048.0f));
-    Lane power = f, square = f;  // F^(n-1) is F, F F^2 or F F^2 F^4
-    for (int k = 2; k < n; k *= 2) {
-        square = square * square;
-        power = power * square;
-    }
-    total.value = total.value + power * f;
-    total.gx = total.gx + power * axis.gx;
-    total.gy = total.gy + power * axis.gy;
-    total.gz = total.gz + power * axis.gz;
-}
-
-/// The n-th root of what add_power summed up.
-template <int n>
-HWY_INLINE Sample<Lane> take_root(Sample<Lane> total) {
-    Lane root = total.value;
-    for (int k = 1; k < n; k *= 2) root = square_root(root);
-    // F^(1-n); of nothing, 0. The least normal number keeps the quotient finite.
-    const Lane scale = root * (Lane(1.0f) / larger(total.value, Lane(1.17549435e-38f)));
-    return {root, scale * total.gx, scale * total.gy, scale * total.gz};
+    add_contribution(formula, broadcast, p, sum);
 }
 
 /// kLanes points, as x y z of each, against the whole list: the sums stay in registers.

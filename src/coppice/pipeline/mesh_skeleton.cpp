@@ -4,6 +4,7 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/progress.h"
+#include "coppice/field/list_kernel.h"
 #include "coppice/pipeline/fit/fit_volume_internal.h"
 #include "coppice/pipeline/fit/kept_quads_internal.h"
 #include "coppice/pipeline/quad_origin_internal.h"
@@ -134,11 +135,9 @@ MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, con
 namespace pipeline_internal {
 
 void complete(std::vector<FieldRegion>& regions, std::span<const NodeId> seeds, const Skeleton& skeleton) {
-    constexpr float kMargin = 0.3f;  // [radii]
     for (std::size_t r = 0; r < regions.size(); ++r) {
         regions[r].seed = seeds[r];
-        if (!regions[r].box.empty())
-            regions[r].box = regions[r].box.inflated(kMargin * skeleton.radius(seeds[r]));
+        regions[r].box = region_box(regions[r].box, skeleton.radius(seeds[r]));
     }
 }
 

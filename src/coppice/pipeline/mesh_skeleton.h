@@ -11,6 +11,7 @@
 #include "coppice/cage/cage.h"
 #include "coppice/cage/graft.h"
 #include "coppice/cage/part.h"
+#include "coppice/cuda/device.h"
 #include "coppice/edit/bend_apart.h"
 #include "coppice/field/field_options.h"
 #include "coppice/field/kernel/ball_chain.h"
@@ -126,6 +127,7 @@ struct MeshOptions {
     TetraOptions tetra;        ///< for tetrahedra only
     RamificationOptions ramification;         ///< for ramifications only
     TubeSides tube_sides = TubeSides::equal;  ///< for cylinders only: faces around thin axes
+    Device device = Device::automatic;        ///< where quads are subdivided and tetrahedra sampled
 };
 
 template <class Self, class Visitor>
@@ -165,6 +167,12 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
             "tube_sides",
             "faces around thin cylinders: as many as around thick ones, or fewer, by the root of the radius"},
         o.tube_sides);
+    visit(
+        Field{
+            "device",
+            "where the surface is computed: on a graphics card where there is one and the surface is large, "
+            "on the CPU, or on a card with CUDA"},
+        o.device);
 }
 
 /// What remeshing did at knots, where tubes cross each other or themselves.
@@ -185,6 +193,12 @@ struct BallReport {
     BallChain chain;          ///< how they stand, and how smooth that is
 };
 
+/// What a surface was computed on.
+struct DeviceUse {
+    std::string name = "CPU";  ///< that, or what the card is called
+    std::string note;          ///< where a card was asked for and did not do it, why: a sentence
+};
+
 /// What MeshMethod::quads, MeshMethod::ramifications and MeshMethod::bmesh make.
 struct QuadSurface {
     QuadMesh mesh;             ///< of at least one face
@@ -196,6 +210,7 @@ struct QuadSurface {
     KnotReport knots;          ///< crossings found and remeshed
     std::optional<RamificationReport> ramified;  ///< how ramifications were joined
     std::optional<BallReport> balls;             ///< where the kernel was balls
+    DeviceUse device;                            ///< what refined and projected it
 };
 
 /// What MeshMethod::tetrahedra makes.
@@ -206,6 +221,7 @@ struct TetraSurface {
     std::uint32_t coarse = 0;                    ///< tetrahedra before they are cut into eight
     std::uint32_t grown = 0;                     ///< times more tetrahedra were taken to enclose the surface
     std::optional<PolyhedronReport> polyhedron;  ///< where tetra.base asked for one
+    DeviceUse device;                            ///< what sampled the tetrahedra
 };
 
 /// A surface, and what every stage did.

@@ -4,6 +4,8 @@
 
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
+#include "coppice/pipeline/field_regions_internal.h"
+#include "coppice/pipeline/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 
 namespace coppice {
@@ -11,20 +13,6 @@ namespace {
 
 using pipeline_internal::QuadRows;
 using pipeline_internal::RemeshTrace;
-
-// Boxes about the quads of the regions and their anchors.
-std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
-    std::vector<FieldRegion> regions(control.region_node.size());
-    for (std::size_t f = 0; f < control.region.size(); ++f) {
-        Box3& box = regions[control.region[f]].box;
-        for (const std::uint32_t v : control.cage.quads[f]) {
-            box.extend(control.cage.positions[v]);
-            box.extend(control.anchors[v]);
-        }
-    }
-    pipeline_internal::complete(regions, control.region_node, skeleton);
-    return regions;
-}
 
 // The map that follows one map by another; none stays none.
 std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
@@ -62,33 +50,69 @@ struct Refined {
     Buffer<Vec3> anchors;  // per refined vertex
 };
 
+// Refines positions and anchors, moves these onto the field, and unfolds them.
+void refine_on_cpu(QuadSurface& out, Refined& refined, const ConvolutionField& field,
+                   const MeshOptions& options, const Context& ctx, Stages& stages) {
+    const PatchRefinement& patches = refined.patches;
+    out.mesh.positions =
+        stages.run("refine", 0.45f, [&] { return patches.refine(out.cage.cage.positions, ctx); });
+    refined.anchors = stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
+    const ProjectionTarget target{FieldRef(field), out.cage.region, out.cage.clip};
+    out.projected = stages.run("project", 0.85f, [&] {
+        return project(out.mesh.positions, refined.anchors, patches, target, options.project, ctx);
+    });
+    if (options.project.method == ProjectionMethod::none || patches.levels() == 0) return;
+    out.untangled = stages.run("untangle", 1.0f, [&] {
+        return untangle({out.mesh.positions, refined.anchors, out.mesh.quads}, patches, target,
+                        options.untangle, ctx);
+    });
+}
+
 // Subdivides the cage of a surface, moves it onto the field, and unfolds it.
 Refined refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
                     const MeshOptions& options, const Context& ctx, Stages& stages) {
-    stages.run("field", 0.25f, [&] {
-        field.set_regions(field_regions(out.cage, wrapped.skeleton()), {wrapped.tubes(), wrapped.tube}, ctx);
-        return true;
-    });
+    bool has_regions = false;
+    const auto set_regions = [&] {
+        if (has_regions) return;
+        field.set_regions(pipeline_internal::field_regions(out.cage, wrapped.skeleton()),
+                          {wrapped.tubes(), wrapped.tube}, ctx);
+        has_regions = true;
+    };
     const QuadMesh& cage = out.cage.cage;
     PatchRefinement patches = stages.run("topology", 0.3f, [&] {
         return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), levels, ctx);
     });
     out.mesh.origin = cage.origin;
+    const cuda::QuadJob job{patches.cage(),  levels,        cage.positions,  out.cage.anchors,
+                            out.cage.region, out.cage.clip, options.project, options.untangle};
+    std::optional<DeviceQuads> device;
+    if (goes_to_device(options.device, patches.quad_count(), out.device)) {
+        const cuda::ContactInput contacts{
+            wrapped.skeleton(), {wrapped.tubes(), wrapped.tube}, field, out.cage};
+        device = stages.run("send", 0.3f,
+                            [&] { return begin_on_device(job, contacts, set_regions, out.device, ctx); });
+    }
+    // The card works meanwhile; what the job refers to stays where it is when the patches are moved.
     out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
-    out.mesh.positions = stages.run("refine", 0.45f, [&] { return patches.refine(cage.positions, ctx); });
-    Buffer<Vec3> anchors =
-        stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
-    const ProjectionTarget target{FieldRef(field), out.cage.region, out.cage.clip};
-    out.projected = stages.run("project", 0.85f, [&] {
-        return project(out.mesh.positions, anchors, patches, target, options.project, ctx);
-    });
-    if (options.project.method != ProjectionMethod::none && levels > 0) {
-        out.untangled = stages.run("untangle", 1.0f, [&] {
-            return untangle({out.mesh.positions, anchors, out.mesh.quads}, patches, target, options.untangle,
-                            ctx);
+    Refined refined{std::move(patches), {}};
+    std::optional<cuda::QuadReport> done;
+    if (device) {
+        done = stages.run("device", 1.0f, [&] {
+            return on_device(out.device,
+                             [&] { return device->finish(out.mesh.positions, &refined.anchors); });
         });
     }
-    return {std::move(patches), std::move(anchors)};
+    if (done) {
+        out.projected = done->projected;
+        out.untangled = done->untangled;
+    } else {
+        stages.run("field", 0.4f, [&] {
+            set_regions();
+            return true;
+        });
+        refine_on_cpu(out, refined, field, options, ctx, stages);
+    }
+    return refined;
 }
 
 BallReport balls_of(const ConvolutionField& field) {

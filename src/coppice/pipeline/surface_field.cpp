@@ -1,11 +1,10 @@
 #include "coppice/pipeline/surface_field_internal.h"
 
 namespace coppice {
-namespace {
 
 // Where the end of a tree is cut flat, the field goes on far enough to be full there. Branches that are to
 // become one body do not press on each other.
-FieldOptions field_options(const MeshOptions& options) {
+FieldOptions surface_field_options(const MeshOptions& options) {
     constexpr float kBeyondCut = 1.5f;
     const ControlOptions& control = options.control;
     FieldOptions field = options.field;
@@ -15,12 +14,10 @@ FieldOptions field_options(const MeshOptions& options) {
     return field;
 }
 
-}  // namespace
-
 ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,
                                const PointSet& constraints, std::optional<GlobalWeights>& weights,
                                const Context& ctx) {
-    const FieldOptions with = field_options(options);
+    const FieldOptions with = surface_field_options(options);
     ConvolutionField field(skeleton, with, ctx);
     if (with.weights == Weights::local) return field;
     std::vector<Vec3> points(constraints.size());

@@ -7,6 +7,9 @@
 
 namespace coppice {
 
+/// The options of the field whose surface is asked for: how lines go on beyond ends follows from the cage's.
+FieldOptions surface_field_options(const MeshOptions& options);
+
 /// The field whose surface is asked for, without its regions: with lines that go on beyond flat ends, and
 /// with the weights wanted. Constraints have the frame of their origin.
 ConvolutionField surface_field(const Skeleton& skeleton, const MeshOptions& options,

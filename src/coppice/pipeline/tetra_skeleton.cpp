@@ -5,7 +5,9 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
-#include "coppice/pipeline/cut_field_internal.h"
+#include "coppice/cuda/tetra/device_marcher.h"
+#include "coppice/pipeline/end_cuts_internal.h"
+#include "coppice/pipeline/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 
@@ -88,6 +90,33 @@ Polyhedron make_polyhedron(const Task& task, std::span<const Segment> axes) {
     return task.stages.run("polyhedron", 0.2f, [&] { return Polyhedron(task.prepared, axes, {}, task.ctx); });
 }
 
+/// The tetrahedra on a card, where they go to one.
+class Marcher {
+  public:
+    explicit Marcher(const Task& task) : task_(task) {}
+
+    MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& inside,
+                      const MarchOptions& how, DeviceUse& use) {
+        const Context& ctx = task_.ctx;
+        if (task_.with_solid) return march_solid(mesh, FieldRef(field), inside, how, ctx);
+        const std::uint64_t fine = std::uint64_t{mesh.tetra.size()} << (3 * how.levels);
+        if (goes_to_device(task_.options.device, fine / kPerFace, use)) {
+            const auto done = on_device(use, [&] {
+                if (!device_) device_.emplace(ctx);
+                return device_->march(mesh, field, inside, how, ctx);
+            });
+            if (done) return *done;
+        }
+        return coppice::march(mesh, FieldRef(field), inside, how, ctx);
+    }
+
+  private:
+    static constexpr std::uint64_t kPerFace = 8;  // fine tetrahedra for each triangle, about
+
+    const Task& task_;
+    std::optional<DeviceMarcher> device_;
+};
+
 /// Marches in the tetrahedra of `base`, a Lattice or a Polyhedron, which grows until the surface is enclosed.
 template <class Base>
 TetraSurface surface_in(Base& base, std::vector<Segment> axes, const MarchOptions& how, const Task& task) {
@@ -97,6 +126,7 @@ TetraSurface surface_in(Base& base, std::vector<Segment> axes, const MarchOption
     ConvolutionField field = task.stages.run("weights", 0.25f, [&] {
         return surface_field(task.prepared, task.options, task.constraints, task.weights, ctx);
     });
+    Marcher marcher(task);
     for (bool again = true; again;) {
         const TetraMesh& mesh = base.mesh();
         const std::vector<Box3> boxes = task.stages.run("regions", 0.4f, [&] {
@@ -104,11 +134,9 @@ TetraSurface surface_in(Base& base, std::vector<Segment> axes, const MarchOption
             field.set_regions(found, ctx);
             return found;
         });
-        const CutField cut(FieldRef(field), task.prepared, task.options.control, boxes, ctx);
+        const EndCuts ends = end_cuts(task.prepared, task.options.control, boxes, ctx);
         MarchResult marched = task.stages.run("march", 0.95f, [&] {
-            const InsideAxes inside{axes, base.passing()};
-            return task.with_solid ? march_solid(mesh, FieldRef(cut), inside, how, ctx)
-                                   : march(mesh, FieldRef(cut), inside, how, ctx);
+            return marcher.march(mesh, {field, ends}, {axes, base.passing()}, how, out.device);
         });
         out.march = marched.report;
         out.coarse = static_cast<std::uint32_t>(mesh.tetra.size());

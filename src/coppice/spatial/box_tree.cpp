@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 
@@ -10,14 +9,11 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kGrain = 1 << 14;
-constexpr unsigned kBitsPerAxis = 14;
 
 struct Place {
     std::uint64_t key;
     std::uint32_t item;
 };
-
-Vec3d center(const Box3& box) { return (Vec3d(box.low) + Vec3d(box.high)) * 0.5; }
 
 Box3 bounds_of(std::span<const Box3> boxes) {
     Box3 all;
@@ -28,17 +24,12 @@ Box3 bounds_of(std::span<const Box3> boxes) {
 }  // namespace
 
 BoxTree::BoxTree(std::span<const Box3> boxes, const Context& ctx) : item_(boxes.size()) {
-    const Box3 all = bounds_of(boxes);
-    const Vec3d low(all.low), size = Vec3d(all.high) - low;
-    const double extent = std::max({size.x, size.y, size.z, 1e-300});
-    const double scale = ((1 << kBitsPerAxis) - 1) / extent;
+    const BoxGrid grid = box_grid(bounds_of(boxes));
     Buffer<Place> order(boxes.size());
     parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {
-        const Vec3d cell = (center(boxes[i]) - low) * scale;
-        const auto at = [&](int axis) { return static_cast<std::uint64_t>(cell[axis]); };
-        order[i] = {morton_code(at(0), at(1), at(2)), static_cast<std::uint32_t>(i)};
+        order[i] = {box_code(grid, boxes[i]), static_cast<std::uint32_t>(i)};
     });
-    radix_sort(ctx, order, 3 * kBitsPerAxis, [](const Place& p) { return p.key; });
+    radix_sort(ctx, order, 3 * kBoxCodeBits, [](const Place& p) { return p.key; });
 
     level_.emplace_back(boxes.size());
     parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {

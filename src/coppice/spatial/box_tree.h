@@ -9,6 +9,7 @@
 
 #include "coppice/base/box.h"
 #include "coppice/base/context.h"
+#include "coppice/spatial/box_tree_kernel.h"
 
 namespace coppice {
 
@@ -18,7 +19,8 @@ namespace coppice {
 /// however the boxes lie. A place is the position of an item in the sorted order. O(n).
 class BoxTree {
   public:
-    static constexpr std::uint32_t kWidth = 8;  ///< boxes that one box of the level above bounds
+    static constexpr std::uint32_t kWidth =
+        BoxGroup::kWidth;  ///< boxes that one box of the level above bounds
 
     /// Boxes must be finite and not empty.
     BoxTree(std::span<const Box3> boxes, const Context& ctx);
@@ -117,36 +119,18 @@ class BoxTree {
         return true;
     }
 
-    /// The boxes of a group by coordinate, so that one more box is tested against all of them at once.
+    /// A group of places.
     struct Group {
         Group(const BoxTree& tree, std::uint32_t group)
             : bounds(tree.level_[1][group]), first(kWidth * group) {
-            const auto [begin, end] = tree.children(0, group);
-            for (std::uint32_t axis = 0; axis < 3; ++axis) {
-                low[axis].fill(Box3::kInfinity);
-                high[axis].fill(-Box3::kInfinity);
-                for (std::uint32_t p = begin; p < end; ++p) {
-                    low[axis][p - begin] = tree.level_[0][p].low[static_cast<int>(axis)];
-                    high[axis][p - begin] = tree.level_[0][p].high[static_cast<int>(axis)];
-                }
+            for (std::uint32_t i = 0; i < kWidth; ++i) {
+                boxes.set(i, first + i < tree.size() ? tree.level_[0][first + i] : Box3{});
             }
-        }
-        /// Bit p: the box at place first + p overlaps.
-        std::uint32_t overlapping(const Box3& b) const {
-            std::array<std::uint32_t, kWidth> hit;
-            for (std::uint32_t p = 0; p < kWidth; ++p) {
-                hit[p] = std::uint32_t{low[0][p] <= b.high.x} & std::uint32_t{b.low.x <= high[0][p]} &
-                         std::uint32_t{low[1][p] <= b.high.y} & std::uint32_t{b.low.y <= high[1][p]} &
-                         std::uint32_t{low[2][p] <= b.high.z} & std::uint32_t{b.low.z <= high[2][p]};
-            }
-            std::uint32_t bits = 0;
-            for (std::uint32_t p = 0; p < kWidth; ++p) bits |= hit[p] << p;
-            return bits;
         }
 
         Box3 bounds;
         std::uint32_t first;
-        std::array<std::array<float, kWidth>, 3> low, high;
+        BoxGroup boxes;
     };
 
     template <class Visit>
@@ -160,7 +144,7 @@ class BoxTree {
                 if (!overlaps_below(l - 1, i, own, visit)) return false;
                 continue;
             }
-            std::uint32_t bits = own.overlapping(level_[0][i]);
+            std::uint32_t bits = own.boxes.overlapping(level_[0][i]);
             if (i - own.first < kWidth) bits &= (1u << (i - own.first)) - 1;
             for (; bits != 0; bits &= bits - 1) {
                 const std::uint32_t p = own.first + static_cast<std::uint32_t>(std::countr_zero(bits));

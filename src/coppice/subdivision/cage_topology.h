@@ -7,6 +7,7 @@
 #include "coppice/base/column.h"
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
+#include "coppice/base/host_device.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice {
@@ -37,9 +38,13 @@ struct CageTopology {
     /// the vertex where a half-edge starts
     std::uint32_t corner(std::uint32_t half) const { return quads[half >> 2][half & 3]; }
     /// the one after it in its quad
-    static std::uint32_t next(std::uint32_t half) { return (half & ~3u) | ((half + 1) & 3); }
+    COPPICE_HOST_DEVICE static std::uint32_t next(std::uint32_t half) {
+        return (half & ~3u) | ((half + 1) & 3);
+    }
     /// the one before it in its quad
-    static std::uint32_t prev(std::uint32_t half) { return (half & ~3u) | ((half + 3) & 3); }
+    COPPICE_HOST_DEVICE static std::uint32_t prev(std::uint32_t half) {
+        return (half & ~3u) | ((half + 3) & 3);
+    }
 
     /// True for the lower of the one or two half-edges of an edge: that face counts the edge as its own.
     bool owns_edge(std::uint32_t half) const {

@@ -7,118 +7,19 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
-#include "coppice/subdivision/patch_index_internal.h"
+#include "coppice/subdivision/kernel/patch_index.h"
+#include "coppice/subdivision/kernel/refine_kernel.h"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kNone = CageTopology::kNone;
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 constexpr std::size_t kPointsPerRange = 32768;
-
-// The cubic B-spline's two rules.
-template <class T>
-T between(const T& a, const T& b) {
-    return 0.5f * (a + b);
-}
-template <class T>
-T beside(const T& a, const T& b, const T& c) {
-    return 0.125f * (a + c) + 0.75f * b;
-}
-
-// N + 1 points of a curve to the 2 N - 1 refined ones strictly between its ends.
-template <int N>
-void refine_curve(const Vec3* points, Vec3* out) {
-    out[0] = between(points[0], points[1]);
-    for (int i = 1; i < N; ++i) {
-        out[2 * i - 1] = beside(points[i - 1], points[i], points[i + 1]);
-        out[2 * i] = between(points[i], points[i + 1]);
-    }
-}
-
-template <int N>
-void refine_face(const PatchIndex<N>& index, std::uint32_t f, std::span<const Vec3> in, Vec3* out) {
-    constexpr int kWidth = 2 * N - 1;
-    typename PatchIndex<N>::Grid grid;
-    index.grid(f, grid);
-    std::array<std::array<Vec3, kWidth>, N + 1> rows;
-    for (int j = 0; j <= N; ++j) {
-        std::array<Vec3, N + 1> row;
-        for (int i = 0; i <= N; ++i) row[i] = in[grid[j][i]];
-        refine_curve<N>(row.data(), rows[j].data());
-    }
-    for (int j = 0; j < N; ++j) {
-        if (j > 0) {
-            for (int i = 0; i < kWidth; ++i) *out++ = beside(rows[j - 1][i], rows[j][i], rows[j + 1][i]);
-        }
-        for (int i = 0; i < kWidth; ++i) *out++ = between(rows[j][i], rows[j + 1][i]);
-    }
-}
-
-template <int N>
-void refine_edge(const CageTopology& cage, const PatchIndex<N>& index, std::uint32_t e,
-                 std::span<const Vec3> in, Vec3* out) {
-    const auto [forward, backward] = cage.edge_half[e];
-    const bool has_forward = forward != kNone;
-    std::array<Vec3, N + 1> curve;
-    curve[0] = in[has_forward ? cage.corner(forward) : cage.corner(CageTopology::next(backward))];
-    curve[N] = in[has_forward ? cage.corner(CageTopology::next(forward)) : cage.corner(backward)];
-    for (int i = 1; i < N; ++i) curve[i] = in[index.edge_begin(e) + static_cast<std::uint32_t>(i - 1)];
-    if (has_forward && backward != kNone) {
-        std::array<std::uint32_t, N + 1> left;
-        std::array<std::uint32_t, N + 1> right;
-        index.row_beside(forward, left);
-        index.row_beside(backward, right);
-        for (int i = 0; i <= N; ++i) curve[i] = beside(in[left[i]], curve[i], in[right[N - i]]);
-    }
-    refine_curve<N>(curve.data(), out);
-}
-
-// Neighbours along the boundary only. Where several boundaries meet in a vertex, all count alike.
-template <int N>
-Vec3 refine_boundary_vertex(const CageTopology& cage, const PatchIndex<N>& index, std::uint32_t v,
-                            std::span<const Vec3> in) {
-    const auto is_boundary = [&](std::uint32_t half) {
-        const auto& pair = cage.edge_half[cage.side[half >> 2][half & 3] >> 1];
-        return pair[0] == kNone || pair[1] == kNone;
-    };
-    Vec3 sum;
-    float count = 0;
-    for (const std::uint32_t half : cage.fans[v]) {
-        const std::uint32_t before = CageTopology::prev(half);
-        if (is_boundary(half)) {
-            sum += in[index.along(half)];
-            count += 1;
-        }
-        if (is_boundary(before)) {
-            sum += in[N == 1 ? cage.corner(before) : index.on_side(before, N - 1)];
-            count += 1;
-        }
-    }
-    return 0.75f * in[v] + sum * (0.25f / count);
-}
-
-template <int N>
-Vec3 refine_vertex(const CageTopology& cage, const PatchIndex<N>& index, std::uint32_t v,
-                   std::span<const Vec3> in) {
-    const auto fan = cage.fans[v];
-    if (fan.empty()) return in[v];
-    if (!cage.closed() && cage.on_boundary[v] != 0) return refine_boundary_vertex<N>(cage, index, v, in);
-    Vec3 along;
-    Vec3 across;
-    for (const std::uint32_t half : fan) {
-        along += in[index.along(half)];
-        across += in[index.across(half)];
-    }
-    const float per_valence = 1.0f / static_cast<float>(fan.size());
-    return (1 - 1.75f * per_valence) * in[v] + per_valence * per_valence * (1.5f * along + 0.25f * across);
-}
 
 // One Catmull-Clark step from patches of N x N quads: three loops that only read `in` and write each output
 // once.
 template <int N>
-void refine_level(const CageTopology& cage, std::span<const Vec3> in, std::span<Vec3> out,
-                  const Context& ctx) {
+void refine_level(const CageView& cage, std::span<const Vec3> in, std::span<Vec3> out, const Context& ctx) {
     const PatchIndex<N> from(cage);
     const PatchIndex<2 * N> to(cage);
     const auto grain = [](std::size_t points_each) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "coppice/base/disjoint_sets.h"
-#include "coppice/subdivision/fold_clusters_internal.h"
+#include "coppice/subdivision/fold_clusters.h"
 
 namespace coppice {
 namespace {
@@ -13,9 +13,8 @@ constexpr int kRings = 4;  // of faces around the bad ones: unfolding takes two,
 struct Surroundings {
     std::vector<std::uint32_t> vertices, faces;
 
-    Surroundings(std::span<const std::uint32_t> bad, std::span<const Quad> quads, std::size_t vertex_count,
-                 const PatchStars& stars) {
-        NumberSet seen_vertices(vertex_count), seen_faces(quads.size());
+    Surroundings(std::span<const std::uint32_t> bad, std::size_t vertex_count, const PatchStars& stars) {
+        NumberSet seen_vertices(vertex_count), seen_faces(stars.quad_count());
         const auto add_face = [&](std::uint32_t face) {
             const bool is_new = seen_faces.add(face);
             if (is_new) faces.push_back(face);
@@ -23,7 +22,7 @@ struct Surroundings {
         };
         const auto add_corners = [&](std::uint32_t face) {
             if (!add_face(face)) return;
-            for (const std::uint32_t v : quads[face]) {
+            for (const std::uint32_t v : stars.quad(face)) {
                 if (seen_vertices.add(v)) vertices.push_back(v);
             }
         };
@@ -59,10 +58,10 @@ void set_places(const CompressedRows<std::uint32_t>& rows, Buffer<std::uint32_t>
 
 }  // namespace
 
-FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::span<const Quad> quads,
-                           std::size_t vertex_count, const PatchStars& stars)
-    : movable_(vertex_count), vertex_place_(vertex_count), face_place_(quads.size()) {
-    Surroundings around(all_bad, quads, vertex_count, stars);
+FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::size_t vertex_count,
+                           const PatchStars& stars)
+    : movable_(vertex_count), vertex_place_(vertex_count), face_place_(stars.quad_count()) {
+    Surroundings around(all_bad, vertex_count, stars);
     std::erase_if(around.vertices, [&](std::uint32_t v) { return stars.on_boundary(v); });
     for (std::uint32_t i = 0; i < around.vertices.size(); ++i) {
         movable_.add(around.vertices[i]);
@@ -72,7 +71,7 @@ FoldClusters::FoldClusters(std::span<const std::uint32_t> all_bad, std::span<con
     DisjointSets sets(around.vertices.size());
     const auto first_movable = [&](std::uint32_t face) {
         std::uint32_t first = kNoRow;
-        for (const std::uint32_t v : quads[face]) {
+        for (const std::uint32_t v : stars.quad(face)) {
             if (!may_move(v)) continue;
             if (first == kNoRow) first = vertex_place_[v];
             sets.join(first, vertex_place_[v]);

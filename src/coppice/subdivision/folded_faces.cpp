@@ -7,23 +7,13 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/subdivision/folded_faces_internal.h"
-#include "coppice/subdivision/patch_index_internal.h"
+#include "coppice/subdivision/kernel/patch_index.h"
 
 namespace coppice {
 namespace {
 
-constexpr float kInward = 0.05f;              // cosine below which a face looks inward
 constexpr std::size_t kPointsPerBlock = 512;  // small enough for the first cache
 constexpr std::size_t kFacesPerRange = 1 << 15;
-
-// The power of two that brings a length to between 1 and 2, within what floats can hold.
-float scale_of(float extent) {
-    constexpr std::int32_t kExponent = 0x7f800000;
-    const std::int32_t exponent = std::bit_cast<std::int32_t>(extent) & kExponent;
-    return std::bit_cast<float>(std::clamp(0x7f000000 - exponent, 0x00800000, 0x7f000000));
-}
-
-float extent(Vec3 a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
 
 // Points of some cage quads, one array per coordinate: quad (i, j) of a patch has the corners k, k + 1,
 // k + N + 2, k + N + 1 with k = j (N + 1) + i. The last row and column start no quad.
@@ -111,8 +101,6 @@ void test_patches(const FoldedFaces& mesh, const PatchIndex<N>& index, IndexRang
     block->test(first, bad);
 }
 
-FaceLimits limits_of(const FoldedFaces& mesh) { return {mesh.quality * mesh.quality, kInward * kInward}; }
-
 }  // namespace
 
 std::vector<std::uint32_t> FoldedFaces::all(const PatchRefinement& patches, const Context& ctx) const {
@@ -122,7 +110,7 @@ std::vector<std::uint32_t> FoldedFaces::all(const PatchRefinement& patches, cons
     with_grid_size(patches.levels(), [&]<int N>() {
         const PatchIndex<N> index(patches.cage());
         parallel_for_ranges(ctx, count, grain, [&](IndexRange range) {
-            test_patches<N>(*this, index, range, limits_of(*this), parts[range.begin / grain]);
+            test_patches<N>(*this, index, range, FaceLimits(quality), parts[range.begin / grain]);
         });
     });
     std::vector<std::uint32_t> bad;
@@ -131,13 +119,7 @@ std::vector<std::uint32_t> FoldedFaces::all(const PatchRefinement& patches, cons
 }
 
 bool FoldedFaces::is_bad(const Quad& face) const {
-    const Vec3 a = positions[face[0]];
-    const float scale = scale_of(std::max(
-        {extent(positions[face[1]] - a), extent(positions[face[2]] - a), extent(positions[face[3]] - a)}));
-    const auto away = [&](int k) { return scale * (positions[face[k]] - anchors[face[k]]); };
-    const Vec3 outward = (away(0) + away(1)) + (away(2) + away(3));
-    const auto point = [&](int k) { return scale * positions[face[k]]; };
-    return bad_face(point(0), point(1), point(2), point(3), outward, limits_of(*this)) != 0;
+    return is_bad_face(face, positions, anchors, FaceLimits(quality));
 }
 
 }  // namespace coppice

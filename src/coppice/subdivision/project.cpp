@@ -12,7 +12,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
-#include "coppice/subdivision/flat_ends_internal.h"
+#include "coppice/subdivision/kernel/flat_ends.h"
 #include "coppice/subdivision/project_internal.h"
 #include "coppice/subdivision/ray_steps_internal.h"
 #include "coppice/subdivision/relax.h"
@@ -22,68 +22,6 @@ namespace {
 
 constexpr std::size_t kPointsPerRange = 16384;
 constexpr std::size_t kEndsPerRange = 64;
-constexpr float kShortest = 1.0f / 32;  // nothing inside down to here: the anchor does not help
-constexpr float kShrink = 0.35f;        // way to the anchor where a gradient step has no gradient
-constexpr float kLongestStep = 0.5f;    // of a gradient step, in distances from the start to the anchor
-constexpr float kNearest = 0.25f;       // part of the distance to the anchor that a gradient step leaves
-constexpr float kSameSpot = 1e-6f;      // anchor and vertex coincide within rounding
-
-// Of a way along the gradient; no_surface: it led into the anchor.
-enum class Outcome : std::uint8_t { running, converged, failed, no_surface };
-
-// A vertex that follows the gradient.
-class GradientWalk {
-  public:
-    GradientWalk() = default;
-    // The direction leads from the anchor to the vertex and is not zero.
-    GradientWalk(Vec3 anchor, Vec3 direction)
-        : anchor_(anchor),
-          start_(anchor + direction),
-          point_(start_),
-          best_(start_),
-          reach_(length(direction)) {}
-
-    Vec3 point() const { return point_; }
-
-    Outcome advance(const Reading& here, const ProjectOptions& o) {
-        const float error = std::abs(here.ratio - 1);
-        if (error < best_error_) {
-            best_error_ = error;
-            best_ = point_;
-        }
-        const float slope_squared = length_squared(here.gradient);
-        const Vec3 from_anchor = point_ - anchor_;
-        const bool plain = o.method == ProjectionMethod::newton;
-        if (!(slope_squared > 0)) {
-            if (plain) return Outcome::failed;
-            if (length(from_anchor) < kShortest * reach_) return Outcome::no_surface;
-            point_ += from_anchor * (here.ratio >= 1 ? kShrink : -kShrink);
-            return Outcome::running;
-        }
-        Vec3 step = plain ? here.gradient * (-o.damping * (here.ratio - 1) / slope_squared)
-                          : newton_step(here, slope_squared, o.damping);
-        const float size = length(step);
-        if (!std::isfinite(size)) return Outcome::failed;
-        float longest = kLongestStep * reach_;
-        if (dot(step, from_anchor) < 0) longest = std::min(longest, (1 - kNearest) * length(from_anchor));
-        if (!plain && size > longest) step *= longest / size;
-        point_ += step;
-        if (length(point_ - anchor_) > o.max_stretch * reach_) return Outcome::failed;
-        const float left = (1 - o.damping) * size + size * size / reach_;
-        return left <= o.tolerance * reach_ ? Outcome::converged : Outcome::running;
-    }
-
-    Vec3 result(Outcome& outcome) {
-        if (outcome == Outcome::running) outcome = Outcome::failed;
-        if (outcome == Outcome::failed) return best_;
-        return outcome == Outcome::no_surface ? start_ : point_;
-    }
-
-  private:
-    Vec3 anchor_, start_, point_, best_;
-    float best_error_ = std::numeric_limits<float>::infinity();
-    float reach_ = 0;
-};
 
 // What all ranges of one pass share.
 struct Task {
@@ -91,16 +29,10 @@ struct Task {
     std::span<const Vec3> anchors;
     FieldRef field;
     const ProjectOptions& options;
-};
 
-// Anchor and direction of a vertex's ray; none when the two coincide or are not finite.
-struct Ray {
-    Vec3 anchor, direction;
-    bool is_usable;
-
-    Ray(Vec3 from, Vec3 through) : anchor(from), direction(through - from) {
-        const float size = length_squared(direction);
-        is_usable = size > kSameSpot * kSameSpot * length_squared(anchor) && std::isfinite(size);
+    WalkRule walk_rule() const {
+        return {options.damping, options.tolerance, options.max_stretch,
+                options.method == ProjectionMethod::newton};
     }
 };
 
@@ -114,7 +46,7 @@ class RayBatch {
 
     void add(std::uint32_t vertex, Vec3 anchor) {
         ++report_.vertices;
-        const Ray ray(anchor, task_.positions[vertex]);
+        const AnchorRay ray(anchor, task_.positions[vertex]);
         if (!ray.is_usable) return;
         const std::size_t k = size_++;
         vertex_[k] = vertex;
@@ -201,7 +133,7 @@ class GradientBatch {
 
     void add(std::uint32_t vertex, Vec3 anchor) {
         ++report_.vertices;
-        const Ray ray(anchor, task_.positions[vertex]);
+        const AnchorRay ray(anchor, task_.positions[vertex]);
         if (!ray.is_usable) return;
         vertex_[size_] = vertex;
         std::construct_at(&walk_[size_], ray.anchor, ray.direction);
@@ -213,6 +145,7 @@ class GradientBatch {
         std::size_t active = size_;
         for (std::size_t k = 0; k < size_; ++k) active_[k] = static_cast<std::uint16_t>(k);
         const float per_level = 1 / task_.field.level();
+        const WalkRule rule = task_.walk_rule();
         for (int evaluation = 1; active > 0 && evaluation <= task_.options.max_evaluations; ++evaluation) {
             for (std::size_t k = 0; k < active; ++k) point_[k] = walk_[active_[k]].point();
             task_.field.sample(region, std::span(point_).first(active), std::span(sample_).first(active));
@@ -223,9 +156,8 @@ class GradientBatch {
             std::size_t left = 0;
             for (std::size_t k = 0; k < active; ++k) {
                 const std::uint16_t i = active_[k];
-                const Outcome outcome =
-                    walk_[i].advance(readings_.at(k, sample_[k], per_level), task_.options);
-                if (outcome == Outcome::running) {
+                const WalkOutcome outcome = walk_[i].advance(readings_.at(k, sample_[k], per_level), rule);
+                if (outcome == WalkOutcome::running) {
                     active_[left++] = i;
                 } else {
                     finish(i, outcome);
@@ -233,15 +165,15 @@ class GradientBatch {
             }
             active = left;
         }
-        for (std::size_t k = 0; k < active; ++k) finish(active_[k], Outcome::running);
+        for (std::size_t k = 0; k < active; ++k) finish(active_[k], WalkOutcome::running);
         size_ = 0;
     }
 
   private:
-    void finish(std::size_t i, Outcome outcome) {
+    void finish(std::size_t i, WalkOutcome outcome) {
         task_.positions[vertex_[i]] = walk_[i].result(outcome);
-        report_.not_converged += outcome == Outcome::failed || outcome == Outcome::no_surface;
-        report_.anchors_outside += outcome == Outcome::no_surface;
+        report_.not_converged += outcome == WalkOutcome::failed || outcome == WalkOutcome::no_surface;
+        report_.anchors_outside += outcome == WalkOutcome::no_surface;
     }
 
     const Task& task_;
@@ -450,7 +382,7 @@ ProjectReport project(Buffer<Vec3>& positions, std::span<const Vec3> anchors, co
     check_fields(options, "project");
     check_projection("project", positions.size(), anchors.size(), patches, regions, field);
     if (options.method == ProjectionMethod::none) return {};
-    const FlatVertices flat(patches, clips);
+    const FlatVertices flat(PatchStars(patches.cage(), patches.levels()), patches.levels(), clips);
     const Surface surface{patches, regions, flat};
     ProjectReport report = project_once({positions, anchors, field, options}, surface, ctx);
     if (options.relax_passes == 0) return report;

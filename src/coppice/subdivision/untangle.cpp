@@ -11,24 +11,14 @@
 #include "coppice/base/error.h"
 #include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
-#include "coppice/subdivision/flat_ends_internal.h"
-#include "coppice/subdivision/fold_clusters_internal.h"
+#include "coppice/subdivision/fold_clusters.h"
 #include "coppice/subdivision/folded_faces_internal.h"
-#include "coppice/subdivision/patch_index_internal.h"
+#include "coppice/subdivision/kernel/unfold_kernel.h"
 #include "coppice/subdivision/project_internal.h"
 
 namespace coppice {
 namespace {
 
-constexpr int kRings = 2;                // of faces around the bad ones that move too, at most
-constexpr int kPassesPerRing = 3;        // before free passes take another ring
-constexpr float kWeight = 0.6f;          // part of the way to the neighbours' mean
-constexpr int kSteps = 3;                // along the gradient, at most, while passes project
-constexpr float kDamping = 0.95f;        // of each
-constexpr float kLongestStep = 0.3f;     // in distances to the anchor
-constexpr float kTolerance = 1e-4f;      // of the distance to the anchor
-constexpr std::uint32_t kPatience = 10;  // passes without gain
-constexpr std::size_t kMostMoves = 25;  // of each vertex of a cluster, on average: a tangle is not worth more
 constexpr std::size_t kFacesPerRange = 1024;
 constexpr std::size_t kLarge = 8192;  // vertices of a cluster that is worth all threads
 constexpr std::size_t kClustersPerRange = 8;
@@ -48,54 +38,15 @@ struct Task {
     FieldRef field;
 };
 
-// A vertex on its way back to the surface; on a flat end it keeps to the plane.
-class Mover {
-  public:
-    Mover() = default;
-    Mover(std::uint32_t slot, Vec3 smoothed, Vec3 anchor, const ClipPlane* plane, bool is_inside_end)
-        : slot_(slot),
-          plane_(plane),
-          point_(on_plane(smoothed)),
-          reach_(distance(smoothed, anchor)),
-          is_inside_end_(is_inside_end) {}
-
-    std::uint32_t slot() const { return slot_; }
-    Vec3 point() const { return point_; }
-
-    // False when the vertex has arrived.
-    bool advance(Reading here) {
-        if (is_inside_end_) return false;
-        if (plane_ != nullptr) {
-            const Vec3 n = plane_->normal;
-            here.gradient -= n * (dot(n, here.gradient) / length_squared(n));
-        }
-        const float slope_squared = length_squared(here.gradient);
-        if (!(slope_squared > 0)) return false;
-        Vec3 step = newton_step(here, slope_squared, kDamping);
-        const float size = length(step);
-        if (!std::isfinite(size)) return false;
-        if (size > kLongestStep * reach_) step *= kLongestStep * reach_ / size;
-        point_ = on_plane(point_ + step);
-        const float left = (1 - kDamping) * size * reach_ + size * size;
-        return left > kTolerance * reach_ * reach_;
-    }
-
-  private:
-    Vec3 on_plane(Vec3 p) const { return plane_ == nullptr ? p : dropped(p, *plane_); }
-
-    std::uint32_t slot_ = 0;
-    const ClipPlane* plane_ = nullptr;
-    Vec3 point_;
-    float reach_ = 0;
-    bool is_inside_end_ = false;
-};
-
 // Collects movers of one region and writes where they end.
 class MoverBatch {
   public:
     MoverBatch(FieldRef field, std::span<Vec3> out) : field_(field), out_(out) {}
 
-    void add(const Mover& mover) { movers_[size_++] = mover; }
+    void add(std::uint32_t slot, const Mover& mover) {
+        slot_[size_] = slot;
+        movers_[size_++] = mover;
+    }
 
     void move(std::uint32_t region, int steps) {
         const float per_level = 1 / field_.level();
@@ -107,14 +58,15 @@ class MoverBatch {
             for (std::size_t k = 0; k < size_; ++k) {
                 Mover& mover = movers_[k];
                 if (mover.advance(readings_.at(k, samples_[k], per_level))) {
+                    slot_[left] = slot_[k];
                     movers_[left++] = mover;
                 } else {
-                    out_[mover.slot()] = mover.point();
+                    out_[slot_[k]] = mover.point();
                 }
             }
             size_ = left;
         }
-        for (std::size_t k = 0; k < size_; ++k) out_[movers_[k].slot()] = movers_[k].point();
+        for (std::size_t k = 0; k < size_; ++k) out_[slot_[k]] = movers_[k].point();
         size_ = 0;
     }
 
@@ -122,6 +74,7 @@ class MoverBatch {
     FieldRef field_;
     std::span<Vec3> out_;
     std::size_t size_ = 0;
+    std::array<std::uint32_t, kFieldBatch> slot_;  // where it is written to
     std::array<Mover, kFieldBatch> movers_;
     std::array<Vec3, kFieldBatch> points_;
     std::array<FieldSample, kFieldBatch> samples_;
@@ -151,7 +104,7 @@ class Untangling {
         : task_(surface.task),
           surface_(surface),
           clusters_(clusters),
-          vertex_count_(clusters.vertices[cluster].size()),
+          vertex_count_(static_cast<std::uint32_t>(clusters.vertices[cluster].size())),
           bad_(clusters.bad[cluster].begin(), clusters.bad[cluster].end()),
           vertex_set_(vertex_count_),
           touched_set_(vertex_count_),
@@ -159,25 +112,20 @@ class Untangling {
           least_bad_(bad_) {}
 
     Outcome run(const UntangleOptions& options, const Context& ctx) {
-        Outcome out;
-        const auto projected = static_cast<std::uint32_t>(options.projected_passes);
-        std::uint32_t best_pass = 0;
-        std::size_t moves = 0;
-        while (!bad_.empty() && out.passes < static_cast<std::uint32_t>(options.passes) &&
-               out.passes < std::max(best_pass, projected) + kPatience &&
-               moves < kMostMoves * vertex_count_) {
+        UnfoldSchedule schedule(options.passes, options.projected_passes,
+                                static_cast<std::uint32_t>(bad_.size()), vertex_count_);
+        while (schedule.begin_pass()) {
             ctx.throw_if_cancelled();
-            ++out.passes;
-            collect_active(rings(static_cast<int>(out.passes) - options.projected_passes));
-            moves += active_.size();
-            move_active(out.passes <= projected ? kSteps : 0, ctx);
+            collect_active(schedule.rings());
+            move_active(schedule.steps(), ctx);
             find_bad(ctx);
-            if (bad_.size() < least_bad_.size()) {
+            if (schedule.end_pass(static_cast<std::uint32_t>(active_.size()),
+                                  static_cast<std::uint32_t>(bad_.size()))) {
                 least_bad_ = bad_;
-                best_pass = out.passes;
                 for (Touched& t : touched_) t.best = task_.positions[t.vertex];
             }
         }
+        Outcome out{.passes = schedule.pass()};
         for (const Touched& t : touched_) {
             task_.positions[t.vertex] = t.best;
             out.moved += t.best != t.first;
@@ -187,11 +135,6 @@ class Untangling {
     }
 
   private:
-    // Free passes begin with the bad faces alone and reach farther where that does not help.
-    static int rings(int free_passes) {
-        return free_passes <= 0 ? kRings : std::min(kRings, (free_passes - 1) / kPassesPerRing);
-    }
-
     // The corners of the bad faces and of so many rings around them, as far as the cluster reaches; and all
     // faces that have such a corner: no others change, and every bad face is one of them.
     void collect_active(int rings) {
@@ -229,17 +172,6 @@ class Untangling {
         for (const std::uint32_t f : face_places_) face_set_.remove(f);
     }
 
-    Vec3 smoothed(std::uint32_t vertex) const {
-        const Vec3 p = task_.positions[vertex];
-        Vec3 way;
-        float count = 0;
-        surface_.stars.for_each_corner(vertex, [&](QuadCorner c) {
-            way += task_.positions[task_.quads[c.quad][(c.corner + 1) & 3]] - p;
-            count += 1;
-        });
-        return p + way * (kWeight / count);
-    }
-
     void move_active(int steps, const Context& ctx) {
         moved_.resize(active_.size());
         parallel_for_ranges(ctx, active_.size(), kFieldBatch,
@@ -251,11 +183,11 @@ class Untangling {
         }
     }
 
-    Mover mover(std::uint32_t slot) const {
-        const std::uint32_t vertex = active_[slot];
-        const FlatEnds::Place place = surface_.ends.of_vertex(surface_.stars, surface_.levels, vertex);
-        const ClipPlane* plane = place.end == FlatEnds::kNone ? nullptr : &task_.regions.clips[place.end];
-        return {slot, smoothed(vertex), task_.anchors[vertex], plane, plane != nullptr && !place.on_rim};
+    Mover mover(std::uint32_t vertex) const {
+        const Vec3 start = smoothed(vertex, task_.positions, surface_.stars,
+                                    [&](std::uint32_t quad) -> const Quad& { return task_.quads[quad]; });
+        return {start, task_.anchors[vertex],
+                surface_.ends.of_vertex(surface_.stars, surface_.levels, vertex), task_.regions.clips};
     }
 
     // As many vertices as a batch holds, by region.
@@ -273,7 +205,7 @@ class Untangling {
                 batch.move(region, steps);
                 region = order[k].first;
             }
-            batch.add(mover(order[k].second));
+            batch.add(order[k].second, mover(active_[order[k].second]));
         }
         batch.move(region, steps);
     }
@@ -293,7 +225,7 @@ class Untangling {
     const Task& task_;
     const Surface& surface_;
     const FoldClusters& clusters_;
-    std::size_t vertex_count_;
+    std::uint32_t vertex_count_;
     std::vector<std::uint32_t> bad_, active_, faces_;
     std::vector<std::uint32_t> vertex_places_, face_places_;  // of active_ and faces_ in their cluster
     std::vector<std::uint8_t> verdicts_;
@@ -328,7 +260,7 @@ UntangleReport untangle(const RefinedQuads& surface, const PatchRefinement& patc
                      FlatEnds(regions.clips), FoldedFaces{positions, anchors, options.quality}};
     const std::vector<std::uint32_t> bad = at.folds.all(patches, ctx);
     if (bad.empty()) return {};
-    const FoldClusters clusters(bad, quads, positions.size(), at.stars);
+    const FoldClusters clusters(bad, positions.size(), at.stars);
     UntangleReport report{.bad_before = bad.size(), .still_bad = clusters.fixed};
     for (const Outcome& outcome : untangle_each(at, clusters, options, ctx)) {
         report.passes = std::max(report.passes, outcome.passes);

@@ -8,37 +8,57 @@
 
 namespace coppice::cuda {
 
-/// Memory of one kind that is handed out from the front and given back all at once. What a first round took
-/// in several pieces is one piece from then on, so that rounds alike allocate nothing.
+/// Memory of one kind that is handed out from the front and given back from the end. What a first round took
+/// in several pieces is one piece after reset(), so that rounds alike allocate nothing.
 template <class Kind>
 class Arena {
   public:
     Arena() = default;
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
-    ~Arena() {
-        for (const Piece& piece : pieces_) Kind::release(piece.begin);
-    }
+    ~Arena() { release_all(); }
+
+    /// How much was taken; see rewind().
+    struct Mark {
+        std::size_t piece = 0, used = 0, total = 0;
+    };
 
     /// Memory that begins at a multiple of 256 bytes.
     std::byte* take(std::size_t bytes) {
         bytes = (bytes + kAlignment - 1) / kAlignment * kAlignment;
-        if (pieces_.empty() || pieces_.back().size - used_ < bytes) add_piece(bytes);
-        std::byte* const out = pieces_.back().begin + used_;
-        used_ += bytes;
-        total_ += bytes;
+        while (at_.piece < pieces_.size() && pieces_[at_.piece].size - at_.used < bytes)
+            at_ = {at_.piece + 1, 0, at_.total};
+        if (at_.piece == pieces_.size()) add_piece(bytes);
+        std::byte* const out = pieces_[at_.piece].begin + at_.used;
+        at_.used += bytes;
+        at_.total += bytes;
+        greatest_ = std::max(greatest_, at_.total);
         return out;
     }
+    Mark mark() const { return at_; }
+    /// Gives back what was taken since the mark.
+    void rewind(const Mark& mark) { at_ = mark; }
+    /// Gives back everything.
     void reset() {
         if (pieces_.size() > 1) {
-            for (const Piece& piece : pieces_) Kind::release(piece.begin);
-            pieces_.clear();
-            used_ = 0;
-            add_piece(total_);
+            release_all();
+            add_piece(greatest_);
         }
-        used_ = total_ = 0;
+        at_ = {};
+        greatest_ = 0;
     }
-    std::size_t used() const { return total_; }  ///< [bytes] since the last reset
+    /// Makes the one piece of an arena that nothing is taken of at least so large.
+    void reserve(std::size_t bytes) {
+        if (size() >= bytes) return;
+        release_all();
+        add_piece(bytes);
+    }
+    std::size_t size() const {  ///< [bytes] taken or not
+        std::size_t sum = 0;
+        for (const Piece& piece : pieces_) sum += piece.size;
+        return sum;
+    }
+    std::size_t greatest() const { return greatest_; }  ///< [bytes] taken at once since the last reset
 
   private:
     static constexpr std::size_t kAlignment = 256;
@@ -48,15 +68,20 @@ class Arena {
         std::byte* begin;
         std::size_t size;
     };
+    void release_all() {
+        for (const Piece& piece : pieces_) Kind::release(piece.begin);
+        pieces_.clear();
+        at_ = {};
+    }
     void add_piece(std::size_t bytes) {
         const std::size_t size = std::max(bytes, kLeast);
         pieces_.push_back({Kind::allocate(size), size});
-        used_ = 0;
+        at_ = {pieces_.size() - 1, 0, at_.total};
     }
 
     std::vector<Piece> pieces_;
-    std::size_t used_ = 0;   // of the last piece
-    std::size_t total_ = 0;  // of all
+    Mark at_;
+    std::size_t greatest_ = 0;
 };
 
 struct DeviceMemory {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/base/host_device.h"
 #include "coppice/cuda/exec/arena.cuh"
 #include "coppice/cuda/exec/kernel_time.h"
 
@@ -88,6 +89,17 @@ class CudaExecutor {
         cudaStreamDestroy(stream_);
     }
 
+    /// Makes sure of so much memory at once; throws when the card has less. What is taken beyond it comes in
+    /// further pieces.
+    void reserve(std::size_t bytes) {
+        std::size_t free = 0, all = 0;
+        check(cudaMemGetInfo(&free, &all), "tell its memory");
+        if (bytes > free + device_.size()) {
+            throw DeviceError("the CUDA device has " + std::to_string((free + device_.size()) >> 20) +
+                              " MiB of memory free, and " + std::to_string(bytes >> 20) + " would be needed");
+        }
+        device_.reserve(bytes);
+    }
     template <class T>
     std::span<T> array(std::size_t count) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -96,12 +108,16 @@ class CudaExecutor {
     template <class T>
     std::span<const T> upload(std::span<const T> values) {
         const std::span<T> out = array<T>(values.size());
-        if (values.empty()) return out;
-        std::byte* const staged = pinned_.take(values.size_bytes());
-        std::memcpy(staged, values.data(), values.size_bytes());
-        check(cudaMemcpyAsync(out.data(), staged, values.size_bytes(), cudaMemcpyHostToDevice, stream_),
-              "take data");
+        write(values, out);
         return out;
+    }
+    template <class T>
+    void write(std::span<const T> from, std::span<T> to) {
+        if (from.empty()) return;
+        std::byte* const staged = pinned_.take(from.size_bytes());
+        std::memcpy(staged, from.data(), from.size_bytes());
+        check(cudaMemcpyAsync(to.data(), staged, from.size_bytes(), cudaMemcpyHostToDevice, stream_),
+              "take data");
     }
     template <class T>
     void download(std::span<const T> from, std::span<T> to) {
@@ -115,6 +131,17 @@ class CudaExecutor {
     void clear(std::span<T> values) {
         if (values.empty()) return;
         check(cudaMemsetAsync(values.data(), 0, values.size_bytes(), stream_), "clear memory");
+    }
+    /// What was taken so far; see rewind().
+    struct Mark {
+        Arena<DeviceMemory>::Mark device;
+        Arena<PinnedMemory>::Mark pinned;
+    };
+    Mark mark() const { return {device_.mark(), pinned_.mark()}; }
+    void rewind(const Mark& mark) {
+        wait();
+        device_.rewind(mark.device);
+        pinned_.rewind(mark.pinned);
     }
     void reset() {
         wait();
@@ -163,7 +190,7 @@ class CudaExecutor {
     void wait() { check(cudaStreamSynchronize(stream_), "finish"); }
 
     cudaStream_t stream() const { return stream_; }
-    std::size_t bytes_used() const { return device_.used(); }  ///< of the card, since the last reset
+    std::size_t bytes_used() const { return device_.greatest(); }  ///< of the card, since the last reset
 
     /// From now on the time of every launch is noted.
     void measure() { measures_ = true; }

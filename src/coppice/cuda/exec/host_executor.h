@@ -64,6 +64,11 @@ class HostExecutor {
         std::copy(values.begin(), values.end(), out.begin());
         return out;
     }
+    /// Copies as many values as there are places into an array.
+    template <class T>
+    void write(std::span<const T> from, std::span<T> to) const {
+        std::copy(from.begin(), from.end(), to.begin());
+    }
     /// Copies back as many values as there are places. All that was begun has then been done.
     template <class T>
     void download(std::span<const T> from, std::span<T> to) const {
@@ -74,6 +79,12 @@ class HostExecutor {
     void clear(std::span<T> values) const {
         std::fill(values.begin(), values.end(), T{});
     }
+    /// How many arrays there are.
+    using Mark = std::size_t;
+    /// See rewind().
+    Mark mark() const { return memory_.size(); }
+    /// Frees the arrays made since the mark, once all that was begun has been done.
+    void rewind(Mark mark) { memory_.resize(mark); }
     /// Frees all arrays.
     void reset() { memory_.clear(); }
 

@@ -162,6 +162,7 @@ class PatternMaker {
             groups.push_back(e.group);
             out_.edges.push_back({by_code_[e.low], by_code_[e.high]});
         }
+        out_.edge_group.assign(groups.begin(), groups.end());
         out_.first_edge = starts(groups);
         for (const auto& t : out_.tetra) {
             auto& of_tetra = out_.tetra_edges.emplace_back();

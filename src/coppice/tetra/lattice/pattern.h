@@ -29,6 +29,7 @@ struct TetraPattern {
     std::vector<std::array<Local, 4>> tetra;  ///< oriented as 0, 1, 2, 3
     std::vector<std::uint64_t> tetra_masks;   ///< the vertices of each as bits, where 64 are enough for all
     std::vector<std::array<Local, 2>> edges;  ///< fine ones, by group
+    std::vector<std::uint8_t> edge_group;     ///< of every fine edge
     std::array<std::uint32_t, kGroups + 1> first_edge;  ///< as first_vertex
     std::vector<std::array<Local, 6>> tetra_edges;      ///< 01, 02, 03, 12, 13, 23 of every fine tetrahedron
     std::vector<std::uint32_t> first_around;            ///< vertex v has around[first_around[v]] ...

@@ -135,13 +135,13 @@ TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Cont
     find_parts(ctx);
 
     const std::uint32_t n = 1u << levels;
-    per_kind_ = {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
+    vertices_.per_kind = {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
     const std::array<std::uint64_t, 4> parts{coarse.positions.size(), edge_count(), face_count(),
                                              coarse.tetra.size()};
     std::uint64_t total = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-        first_of_kind_[k] = static_cast<std::uint32_t>(total);
-        total += parts[k] * per_kind_[k];
+        vertices_.first_of_kind[k] = static_cast<std::uint32_t>(total);
+        total += parts[k] * vertices_.per_kind[k];
         if (total > kMostVertices) {
             throw InvalidInput(
                 fmt::format("tetra refinement: levels = {} makes more than {} vertices of {} tetrahedra; "
@@ -336,20 +336,30 @@ std::vector<std::uint32_t> TetraRefinement::around(Kind kind, std::uint32_t part
     return out;
 }
 
-TetraRefinement::Place TetraRefinement::place(std::uint32_t vertex) const {
-    std::size_t kind = 3;
-    while (vertex < first_of_kind_[kind] || per_kind_[kind] == 0) --kind;
-    const std::uint32_t offset = vertex - first_of_kind_[kind];
-    return {static_cast<Kind>(kind), offset / per_kind_[kind], offset % per_kind_[kind]};
-}
-
-Vec3 TetraRefinement::position(std::uint32_t tetra, Local local) const {
-    const auto& share = pattern(tetra).shares[local];
-    const Parts& p = parts_[tetra];
-    Vec3 sum;
-    // In ascending order of the corners; those without weight add nothing, not even an error.
-    for (std::size_t i = 0; i < 4; ++i) sum += coarse_.positions[p[i]] * share[i];
-    return sum;
+RefinementView TetraRefinement::view() const {
+    RefinementView out;
+    out.positions = coarse_.positions;
+    out.parts = parts_;
+    out.traits = traits_;
+    out.shortest_at = shortest_at_;
+    const auto vertices = static_cast<std::uint32_t>(coarse_.positions.size());
+    out.first_part = {0, vertices, vertices + edge_count(), vertices + edge_count() + face_count()};
+    for (std::size_t d = 0; d < 3; ++d) {
+        const TetraPattern& p = patterns_[d];
+        out.patterns[d] = {p.shares,     p.group,       p.tetra,        p.edges,
+                           p.edge_group, p.tetra_edges, p.first_vertex, p.first_edge};
+    }
+    out.vertices = vertices_;
+    // As many fine edges in one edge, one face, one tetrahedron, whatever the diagonal.
+    const auto& first = patterns_[0].first_edge;
+    out.edges.per_kind = {0, first[5] - first[4], first[11] - first[10], first[15] - first[14]};
+    const std::array<std::uint64_t, 4> parts{0, edge_count(), face_count(), coarse_.tetra.size()};
+    for (std::size_t k = 0; k < 4; ++k) {
+        out.edges.first_of_kind[k] = static_cast<std::uint32_t>(out.edge_count);
+        out.edge_count += parts[k] * out.edges.per_kind[k];
+    }
+    out.levels = levels_;
+    return out;
 }
 
 std::uint32_t TetraRefinement::group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const {

@@ -8,6 +8,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/tetra/lattice/pattern.h"
+#include "coppice/tetra/lattice/refinement_view.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
 
 namespace coppice {
@@ -26,17 +27,9 @@ namespace coppice {
 /// order.
 class TetraRefinement {
   public:
-    /// What a coarse tetrahedron is made of, by group of its pattern: 4 vertices, 6 edges, 4 faces.
-    using Parts = std::array<std::uint32_t, 14>;
-
-    /// Where a fine vertex lies: number `index` of those inside coarse part `part` of a kind.
-    enum class Kind : std::uint8_t { vertex, edge, face, inside };
-    /// Where a fine vertex lies; see Kind.
-    struct Place {
-        Kind kind;            ///< of the coarse part
-        std::uint32_t part;   ///< number of the coarse vertex, edge, face or tetrahedron
-        std::uint32_t index;  ///< among the fine vertices inside that part
-    };
+    using Parts = TetraParts;    ///< see there
+    using Kind = TetraPartKind;  ///< of the coarse part that a fine vertex lies in
+    using Place = FinePlace;     ///< where a fine vertex lies
 
     /// The coarse mesh must outlive this. Throws InvalidInput naming `levels` when out of range or when more
     /// than kMostVertices fine vertices would come out, and naming the first tetrahedron that refers to a
@@ -80,9 +73,7 @@ class TetraRefinement {
 
     /// Number of the first fine vertex inside the part of a group; the others follow.
     std::uint32_t first_vertex(std::uint32_t tetra, std::uint32_t group) const {
-        const std::size_t kind = kKindOf[group];
-        const std::uint32_t part = group == TetraPattern::kInside ? tetra : parts_[tetra][group];
-        return first_of_kind_[kind] + part * per_kind_[kind];
+        return vertices_.first(tetra, parts_[tetra], group);
     }
     /// The number of a fine vertex that one coarse tetrahedron sees.
     std::uint32_t vertex(std::uint32_t tetra, TetraPattern::Local local) const {
@@ -90,26 +81,22 @@ class TetraRefinement {
         const std::uint32_t group = p.group[local];
         return first_vertex(tetra, group) + (local - p.first_vertex[group]);
     }
-    Place place(std::uint32_t vertex) const;  ///< Where a fine vertex lies. O(1).
+    /// Where a fine vertex lies. O(1).
+    Place place(std::uint32_t vertex) const { return vertices_.place(vertex); }
     /// [m] The same bits from every coarse tetrahedron that has the vertex.
-    Vec3 position(std::uint32_t tetra, TetraPattern::Local local) const;
+    Vec3 position(std::uint32_t tetra, TetraPattern::Local local) const {
+        return fine_position(coarse_.positions.data(), parts_[tetra], pattern(tetra).shares[local]);
+    }
+    /// The same as spans. They end with this.
+    RefinementView view() const;
 
     /// The coarse tetrahedra that have a part, ascending. O(those that have one of its vertices).
     std::vector<std::uint32_t> around(Kind kind, std::uint32_t part) const;
     /// The number of a part within a tetrahedron, as a group of the pattern; kGroups when it is not there.
     std::uint32_t group_in(std::uint32_t tetra, Kind kind, std::uint32_t part) const;
 
-    /// The Kind of every group of a pattern.
-    static constexpr std::array<std::uint8_t, TetraPattern::kGroups> kKindOf{0, 0, 0, 0, 1, 1, 1, 1,
-                                                                             1, 1, 2, 2, 2, 2, 3};
-
   private:
-    struct Traits {
-        float shortest_edge, width;
-        std::uint16_t owned;
-        std::uint8_t diagonal;
-        bool mirrored;
-    };
+    using Traits = TetraTraits;
     void check(const Context& ctx) const;
     void describe(const Context& ctx);
     void find_vertex_stars(const Context& ctx);
@@ -139,8 +126,7 @@ class TetraRefinement {
     Buffer<std::uint32_t> first_at_vertex_, at_vertex_;
     Buffer<std::uint32_t> first_edge_, first_face_;  ///< per vertex: of which it is the least vertex
     Buffer<float> shortest_at_;                      ///< vertices, edges, faces
-    std::array<std::uint32_t, 4> per_kind_{};        ///< fine vertices inside one part
-    std::array<std::uint32_t, 4> first_of_kind_{};
+    FineNumbers vertices_;
     std::uint32_t vertex_count_ = 0;
 };
 

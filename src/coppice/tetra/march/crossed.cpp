@@ -21,6 +21,12 @@ IndexRange CrossedTetra::regions(std::size_t piece) const {
             std::min<std::size_t>(kRegions * piece + kRegions, refinement_.coarse().region_count())};
 }
 
+std::uint64_t CrossedTetra::count() const {
+    std::uint64_t sum = 0;
+    for (const Piece& piece : pieces_) sum += piece.crossings.size();
+    return sum;
+}
+
 void CrossedTetra::update(std::span<const std::uint32_t> tetra, const Context& ctx) {
     std::vector<std::size_t> changed;
     const auto& first = refinement_.coarse().first;

@@ -40,6 +40,7 @@ class CrossedTetra {
     void update(std::span<const std::uint32_t> tetra, const Context& ctx);
 
     std::span<const Piece> pieces() const { return pieces_; }
+    std::uint64_t count() const;  ///< of fine tetrahedra
     IndexRange regions(std::size_t piece) const;
 
   private:

@@ -3,20 +3,14 @@
 #include <array>
 #include <cstdint>
 
+#include "coppice/tetra/march/cut_kernel.h"
 #include "coppice/tetra/march/samples_internal.h"
 
 namespace coppice::tetra_internal {
 
-/// The polygon of the surface within a fine tetrahedron, counter-clockwise seen from outside. Corners 0 to 5
-/// lie on edges 01, 02, 03, 12, 13, 23; corners 6 to 9 are the vertices 0 to 3.
-struct Cut {
-    std::uint8_t size = 0;  ///< 0, 3 or 4
-    std::array<std::uint8_t, 4> corners{};
-};
-inline constexpr std::uint8_t kCutVertex = 6;
-
-/// By 16 times the bits of the corners that are inside, and the bits of those on the surface.
-extern const std::array<Cut, 256> kCuts;
+using tetra_kernel::Cut;
+using tetra_kernel::kCuts;
+using tetra_kernel::kCutVertex;
 
 /// One bit for each fine vertex of a coarse tetrahedron: for the 6545 of 5 levels, and two words to spare.
 using LocalBits = std::array<std::uint64_t, 105>;

@@ -21,20 +21,14 @@ class FanFinder {
         links_.resize(count);
         parallel_for(ctx_, crossed_.pieces().size(), 1, [&](std::size_t p) { list_segments(p); });
         std::vector<Fan> fans(count);
-        parallel_for(ctx_, count, kGrain, [&](std::size_t i) {
-            fans[i] = size_[i] > kMost ? Fan::unknown : judge_fan<Key>(std::span(links_[i]).first(size_[i]));
-            if (fans[i] == Fan::non_manifold) fans[i] = Fan::unknown;
-        });
+        parallel_for(ctx_, count, kGrain, [&](std::size_t i) { fans[i] = links_[i].judge(size_[i]); });
         return fans;
     }
 
   private:
-    static constexpr std::uint32_t kMost = 8;
-    /// Where two corners of a fan have the same key the walk does not see all of it, as each corner is a
-    /// start: so what looks like a single fan is one.
-    using Key = std::uint16_t;
+    static constexpr std::uint32_t kMost = ListedFan::kMost;
+    using Key = ListedFan::Key;
     using Segment = LinkSegment<Key>;
-    using Link = std::array<Segment, kMost>;
 
     void list_segments(std::size_t piece) {
         const CrossedTetra::Piece& p = crossed_.pieces()[piece];
@@ -43,11 +37,6 @@ class FanFinder {
                 if (c.any_on()) list_segments(p.active[i], c);
             }
         }
-    }
-
-    /// Of a fine vertex, or of the edge between two; the same in whichever order.
-    static Key key_of(std::uint32_t a, std::uint32_t b) {
-        return static_cast<Key>((std::min(a, b) * 0x9e3779b1u + std::max(a, b) * 0x85ebca77u) >> 16);
     }
 
     void list_segments(std::uint32_t t, const Crossing& crossing) {
@@ -60,10 +49,10 @@ class FanFinder {
             if (c >= kCutVertex) {
                 const std::uint32_t v = refinement_.vertex(t, fine[c - kCutVertex]);
                 rank[k] = samples_.placed.rank(v);
-                key[k] = key_of(v, v);
+                key[k] = ListedFan::key_of(v, v);
             } else {
-                key[k] = key_of(refinement_.vertex(t, fine[kTetraEdges[c][0]]),
-                                refinement_.vertex(t, fine[kTetraEdges[c][1]]));
+                key[k] = ListedFan::key_of(refinement_.vertex(t, fine[kTetraEdges[c][0]]),
+                                           refinement_.vertex(t, fine[kTetraEdges[c][1]]));
             }
         }
         // A cut with a corner in a vertex has three corners: one inside and the others are cut off.
@@ -74,7 +63,8 @@ class FanFinder {
             std::atomic_ref size(size_[rank[k]]);
             if (size.load(std::memory_order_relaxed) > kMost) continue;
             const std::uint16_t at = size.fetch_add(1, std::memory_order_relaxed);
-            if (at < kMost) links_[rank[k]][at] = mirrored ? Segment{last, next} : Segment{next, last};
+            if (at < kMost)
+                links_[rank[k]].segments[at] = mirrored ? Segment{last, next} : Segment{next, last};
         }
     }
 
@@ -83,7 +73,7 @@ class FanFinder {
     const CrossedTetra& crossed_;
     const Context& ctx_;
     std::vector<std::uint16_t> size_;  ///< by rank in `placed`; counted until it is too many
-    Buffer<Link> links_;               ///< the same; segments in any order
+    Buffer<ListedFan> links_;          ///< the same
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "coppice/tetra/march/fold_kernel.h"
 #include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
@@ -7,9 +8,6 @@ namespace {
 
 using Local = TetraPattern::Local;
 using Fine = std::array<Local, 4>;
-
-constexpr float kWidthShare = 0.94f;
-constexpr double kLeastVolume = 0.15;  // of what it was
 
 /// Looks at the fine tetrahedra of one coarse one after the other.
 class FoldFinder {
@@ -20,7 +18,7 @@ class FoldFinder {
     /// Calls use(vertex) for the one that moved farthest in each fine tetrahedron that is too flat.
     template <class Use>
     void look_at(std::uint32_t t, const Use& use) {
-        const float least = kWidthShare * refinement_.width(t);
+        const float least = tetra_kernel::harmless_way(refinement_.width(t));
         if (!gather_ways(t, least)) return;
         const TetraPattern& pattern = refinement_.pattern(t);
         const bool small = !pattern.tetra_masks.empty();
@@ -29,9 +27,15 @@ class FoldFinder {
             if (small && (moved_[0] & pattern.tetra_masks[i]) == 0) continue;
             const Fine& fine = pattern.tetra[i];
             // While the two that moved most moved less than the tetrahedron is wide it cannot have turned.
-            if (two_longest(fine) <= least) continue;
+            const std::array<float, 4> way{way_[fine[0]], way_[fine[1]], way_[fine[2]], way_[fine[3]]};
+            if (tetra_kernel::two_longest(way) <= least) continue;
             if (!placed_) place(t);
-            if (is_flat(fine)) use(farthest(t, fine));
+            if (tetra_kernel::is_flat(
+                    {position_[fine[0]], position_[fine[1]], position_[fine[2]], position_[fine[3]]},
+                    volume_))
+                use(tetra_kernel::farthest({refinement_.vertex(t, fine[0]), refinement_.vertex(t, fine[1]),
+                                            refinement_.vertex(t, fine[2]), refinement_.vertex(t, fine[3])},
+                                           way));
         }
     }
 
@@ -54,12 +58,6 @@ class FoldFinder {
         return longest + second > least;
     }
 
-    float two_longest(const Fine& fine) const {
-        const float a = way_[fine[0]], b = way_[fine[1]], c = way_[fine[2]], d = way_[fine[3]];
-        const float ab = std::max(a, b), cd = std::max(c, d);
-        return std::max({a + b, c + d, ab + cd});
-    }
-
     /// Where the vertices are, and the volume of a fine tetrahedron before they moved.
     void place(std::uint32_t t) {
         const std::size_t count = way_.size();
@@ -73,29 +71,9 @@ class FoldFinder {
         std::array<Vec3d, 4> corner;
         for (std::size_t i = 0; i < 4; ++i)
             corner[i] = Vec3d(refinement_.coarse().positions[refinement_.parts(t)[i]]);
-        volume_ = volume(corner[0], corner[1], corner[2], corner[3]) /
+        volume_ = tetra_kernel::tetra_volume(corner[0], corner[1], corner[2], corner[3]) /
                   static_cast<double>(refinement_.pattern(t).tetra.size());
         placed_ = true;
-    }
-
-    static double volume(Vec3d a, Vec3d b, Vec3d c, Vec3d d) { return dot(cross(b - a, c - a), d - a); }
-
-    bool is_flat(const Fine& f) const {
-        // Both may be negative: the order of the vertices is the pattern's.
-        const double now = volume(position_[f[0]], position_[f[1]], position_[f[2]], position_[f[3]]);
-        return !(now / volume_ > kLeastVolume);
-    }
-
-    std::uint32_t farthest(std::uint32_t t, const Fine& fine) const {
-        std::uint32_t out = 0;
-        float longest = -1;
-        for (const Local v : fine) {
-            const std::uint32_t vertex = refinement_.vertex(t, v);
-            if (way_[v] < longest || (way_[v] == longest && vertex > out)) continue;
-            longest = way_[v];
-            out = vertex;
-        }
-        return out;
     }
 
     const TetraRefinement& refinement_;

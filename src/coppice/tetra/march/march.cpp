@@ -1,67 +1,107 @@
 #include "coppice/tetra/march/march.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/tetra/lattice/refinement.h"
+#include "coppice/tetra/march/march_stages.h"
 #include "coppice/tetra/march/parts_internal.h"
 #include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice {
+namespace tetra_internal {
 namespace {
 
-MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes, const MarchOptions& options,
-                  bool with_solid, const Context& ctx) {
-    check_fields(options, "march");
-    const TetraRefinement refinement(mesh, options.levels, ctx);
+/// What is to be done by whom.
+struct Task {
+    const TetraMesh& mesh;
+    FieldRef field;
+    const InsideAxes& axes;
+    const MarchOptions& options;
+    bool with_solid;
+    MarchStages* stages;  ///< null: all is done here
+};
+
+Samples sample(const Task& task, const TetraRefinement& refinement, const HeldVertices& held,
+               const Context& ctx) {
+    const tetra_kernel::BitsView bits{held.bits.words()};
+    return settle_samples(refinement, task.field,
+                          task.stages != nullptr
+                              ? task.stages->sample(refinement, task.options.snap, bits)
+                              : sample_fine(refinement, task.field, task.options.snap, bits, ctx),
+                          held, task.axes.segments, ctx);
+}
+
+/// Puts vertices back, and makes the surface.
+void extract(const Task& task, const TetraRefinement& refinement, Samples& samples, MarchResult& out,
+             const Context& ctx) {
+    if (task.stages != nullptr) {
+        const PlacedNumbers placed = number_placed(unsnap_vertices(refinement, samples, *task.stages, ctx));
+        StagedSurface surface =
+            task.stages->extract(samples.view(), placed.number, placed.count, task.options.refinements);
+        out.report.crossed = surface.crossed;
+        out.mesh = std::move(surface.mesh);
+        return;
+    }
+    const SnappedVertices kept = unsnap_vertices(refinement, samples, ctx);
+    ctx.throw_if_cancelled();
+    ExtractedSurface surface =
+        extract(refinement, task.field, samples, kept, task.options.refinements, task.with_solid, ctx);
+    out.report.crossed = surface.crossed;
+    out.mesh = std::move(surface.mesh);
+    out.solid = std::move(surface.solid);
+}
+
+void drop_unheld(const Task& task, const TetraRefinement& refinement, const Samples& samples,
+                 const HeldVertices& held, MarchResult& out, const Context& ctx) {
+    const std::vector<Vec3> places = held_places(refinement, held, samples);
+    const DroppedParts dropped = drop_parts(out.mesh, places, !task.with_solid, ctx);
+    out.report.dropped = dropped.count;
+    drop_bodies(out.solid, dropped);
+}
+
+MarchResult march(const Task& task, const Context& ctx) {
+    check_fields(task.options, "march");
+    const TetraRefinement refinement(task.mesh, task.options.levels, ctx);
     ctx.throw_if_cancelled();
     MarchResult out;
     out.report.tetra = refinement.tetra_count();
     out.report.vertices = refinement.vertex_count();
-    const tetra_internal::HeldVertices held = tetra_internal::hold_axes(refinement, axes, ctx);
-    tetra_internal::Samples samples =
-        tetra_internal::sample_vertices(refinement, field, options.snap, held, axes.segments, ctx);
+    const HeldVertices held = hold_axes(refinement, task.axes, ctx);
+    Samples samples = sample(task, refinement, held, ctx);
     ctx.throw_if_cancelled();
-    out.report.inside = static_cast<std::uint64_t>(
-        std::ranges::count_if(samples.height, [](float height) { return height > 0; }));
-    out.open = tetra_internal::open_faces(refinement, samples.inside, with_solid, ctx);
+    out.report.inside = samples.above.count();
+    out.open = open_faces(refinement, samples.inside, task.with_solid, ctx);
     if (!out.open.empty()) return out;
     const std::uint32_t near = samples.on.count();
-    const tetra_internal::SnappedVertices kept = tetra_internal::unsnap_vertices(refinement, samples, ctx);
-    ctx.throw_if_cancelled();
+    extract(task, refinement, samples, out, ctx);
     out.report.snapped = samples.on.count();
     out.report.freed = near - out.report.snapped;
-    tetra_internal::ExtractedSurface surface =
-        tetra_internal::extract(refinement, field, samples, kept, options.refinements, with_solid, ctx);
-    out.mesh = std::move(surface.mesh);
-    out.solid = std::move(surface.solid);
-    out.report.crossed = surface.crossed;
-    if (!axes.segments.empty()) {
-        const std::vector<Vec3> places = tetra_internal::held_places(refinement, held, samples);
-        const tetra_internal::DroppedParts dropped =
-            tetra_internal::drop_parts(out.mesh, places, !with_solid, ctx);
-        out.report.dropped = dropped.count;
-        tetra_internal::drop_bodies(out.solid, dropped);
-    }
-    tetra_internal::compact(out.solid);
+    if (!task.axes.segments.empty()) drop_unheld(task, refinement, samples, held, out, ctx);
+    compact(out.solid);
     return out;
 }
 
 }  // namespace
+}  // namespace tetra_internal
 
 MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& options, const Context& ctx) {
-    return march(mesh, field, InsideAxes{{}, {}}, options, false, ctx);
+    return tetra_internal::march({mesh, field, InsideAxes{{}, {}}, options, false, nullptr}, ctx);
 }
 
 MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes, const MarchOptions& options,
                   const Context& ctx) {
-    return march(mesh, field, axes, options, false, ctx);
+    return tetra_internal::march({mesh, field, axes, options, false, nullptr}, ctx);
+}
+
+MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes, const MarchOptions& options,
+                  MarchStages& stages, const Context& ctx) {
+    return tetra_internal::march({mesh, field, axes, options, false, &stages}, ctx);
 }
 
 MarchResult march_solid(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                         const MarchOptions& options, const Context& ctx) {
-    return march(mesh, field, axes, options, true, ctx);
+    return tetra_internal::march({mesh, field, axes, options, true, nullptr}, ctx);
 }
 
 }  // namespace coppice

@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
+
+#include "coppice/tetra/march/samples_view.h"
 
 namespace coppice::tetra_internal {
 
@@ -12,6 +15,10 @@ namespace coppice::tetra_internal {
 class RankedBits {
   public:
     explicit RankedBits(std::size_t count) : words_(count / 64 + 2) {}
+    /// Of these words, as far as they go.
+    RankedBits(std::size_t count, std::vector<std::uint64_t> words) : words_(std::move(words)) {
+        words_.resize(count / 64 + 2);
+    }
 
     std::span<const std::uint64_t> words() const { return words_; }
     std::span<std::uint64_t> words() { return words_; }
@@ -25,15 +32,14 @@ class RankedBits {
         std::uint32_t sum = 0;
         for (std::size_t w = 0; w < words_.size(); ++w) {
             before_[w] = sum;
-            sum += static_cast<std::uint32_t>(std::popcount(words_[w]));
+            sum += tetra_kernel::count_bits(words_[w]);
         }
         return sum;
     }
     /// Set bits before i when they were last counted.
-    std::uint32_t rank(std::size_t i) const {
-        const std::uint64_t below = words_[i / 64] & ((std::uint64_t{1} << (i % 64)) - 1);
-        return before_[i / 64] + static_cast<std::uint32_t>(std::popcount(below));
-    }
+    std::uint32_t rank(std::size_t i) const { return view().rank(i); }
+    /// As spans, which end with this.
+    tetra_kernel::RankedView view() const { return {words_, before_}; }
 
   private:
     std::vector<std::uint64_t> words_;

@@ -1,49 +1,37 @@
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "coppice/base/parallel.h"
 #include "coppice/base/segment_distance.h"
 #include "coppice/tetra/march/cuts_internal.h"
+#include "coppice/tetra/march/snap_kernel.h"
 
 namespace coppice::tetra_internal {
 namespace {
 
 using Local = TetraPattern::Local;
 
-constexpr float kHeldReach = 0.45f;  // [fine edges] how far a held vertex may be moved
+using Found = SampledVertices::Found;
 
-/// A vertex that is to be moved, and where.
-struct Target {
-    std::uint32_t vertex;
-    Vec3 position;
-    float way;
-};
-
-/// A held vertex that the field puts outside or near to the surface.
+/// A shallow vertex, and the axis that it holds.
 struct Weak {
-    std::uint32_t vertex, region;
-    Vec3 position;
-    float reach;       ///< [m] how far it may be moved
     float radius = 0;  ///< [m] of the axis
     float away = 0;    ///< [m] from the axis
     float height = 0;  ///< where it would be moved to
 };
 
-/// What one range of regions finds.
-struct Found {
-    std::vector<Target> targets;
-    std::vector<Weak> weak;
-};
-
 /// Samples the vertices of one region after the other.
 class RegionSampler {
   public:
-    RegionSampler(const TetraRefinement& refinement, FieldRef field, float snap, Samples& out, Found& found)
+    RegionSampler(const TetraRefinement& refinement, FieldRef field, float snap, tetra_kernel::BitsView held,
+                  std::span<float> height, Found& found)
         : refinement_(refinement),
           field_(field),
           profile_(field.level()),
           snap_(snap),
-          out_(out),
+          held_(held),
+          height_(height),
           found_(found) {}
 
     void sample(std::uint32_t region) {
@@ -79,12 +67,14 @@ class RegionSampler {
         std::size_t near = 0;
         for (std::size_t i = 0; i < size_; ++i) {
             const float height = profile_.height(samples_[i].value);
-            out_.height[vertex_[i]] = height;
+            height_[vertex_[i]] = height;
             Vec3 step;
-            const bool is_near = step_to_surface(samples_[i], height, snap_ * edge_[i], step);
-            if (out_.held.test(vertex_[i])) {
+            const bool is_near =
+                tetra_kernel::step_to_surface(profile_, samples_[i], height, snap_ * edge_[i], step);
+            if (held_.test(vertex_[i])) {
                 if (is_near || height <= 0)
-                    found_.weak.push_back({vertex_[i], region_, points_[i], kHeldReach * edge_[i]});
+                    found_.shallow.push_back(
+                        {vertex_[i], region_, points_[i], tetra_kernel::kHeldReach * edge_[i], height});
                 continue;
             }
             if (!is_near) continue;
@@ -95,29 +85,14 @@ class RegionSampler {
         size_ = 0;
     }
 
-    /// Newton's step along the gradient; false when it is longer than `most`.
-    bool step_to_surface(const FieldSample& s, float height, float most, Vec3& step) const {
-        const float slope = profile_.slope(s.value);
-        const Vec3 gradient = s.gradient * slope;
-        const float squared = length_squared(gradient);
-        if (!(height * height <= most * most * squared) || !(squared > 0) || most <= 0) return false;
-        step = gradient * (-height / squared);
-        return is_finite(step);
-    }
-
-    /// A second step, from where the first one led, decides: it must be the shorter one.
     void find_targets(std::size_t near) {
         field_.sample(region_, std::span(target_.data(), near), std::span(samples_.data(), near));
         for (std::size_t k = 0; k < near; ++k) {
             const std::uint32_t i = near_[k];
-            const float reach = snap_ * edge_[i];
-            const float first = distance(target_[k], points_[i]);
-            Vec3 step;
-            const float height = profile_.height(samples_[k].value);
-            if (!step_to_surface(samples_[k], height, std::max(0.5f * first, 0.02f * reach), step)) continue;
-            const Vec3 end = target_[k] + step;
-            const float way = distance(end, points_[i]);
-            if (way <= reach) found_.targets.push_back({vertex_[i], end, way});
+            tetra_kernel::SnapPlace place;
+            if (tetra_kernel::second_step(profile_, samples_[k], points_[i], target_[k], snap_ * edge_[i],
+                                          place))
+                found_.near.push_back({vertex_[i], place.position, place.way});
         }
     }
 
@@ -125,7 +100,8 @@ class RegionSampler {
     FieldRef field_;
     Profile profile_;
     float snap_;
-    Samples& out_;
+    tetra_kernel::BitsView held_;
+    std::span<float> height_;
     Found& found_;
     std::uint32_t region_ = 0;
     std::size_t size_ = 0;
@@ -137,91 +113,136 @@ class RegionSampler {
     std::array<Vec3, kBatch> target_;
 };
 
-/// On the way from a weak vertex to the nearest point of the axis it holds. Notes its radius.
-Vec3 towards_axis(Weak& weak, const HeldVertices& held, std::span<const Segment> axes) {
-    const auto named = std::ranges::lower_bound(held.list, weak.vertex, {}, &HeldVertex::vertex);
+/// On the way from a shallow vertex to the nearest point of the axis it holds. Notes its radius.
+Vec3 towards_axis(const ShallowVertex& vertex, const HeldVertices& held, std::span<const Segment> axes,
+                  Weak& weak) {
+    const auto named = std::ranges::lower_bound(held.list, vertex.vertex, {}, &HeldVertex::vertex);
     const Segment& s = axes[named->segment];
-    const Vec3d a(s.a), along = Vec3d(s.b) - a, from(weak.position);
+    const Vec3d a(s.a), along = Vec3d(s.b) - a, from(vertex.position);
     const double t = closest_parameter(from, a, along);
     weak.radius = s.radius_a + static_cast<float>(t) * (s.radius_b - s.radius_a);
     const Vec3d way = a + along * t - from;
     const double whole = length(way);
     weak.away = static_cast<float>(whole);
-    return Vec3(from + way * (whole > weak.reach ? weak.reach / whole : 1));
+    return Vec3(from + way * (whole > vertex.reach ? vertex.reach / whole : 1));
 }
 
-/// Moves weak vertices, each on the way to the nearest point of the axis it holds, unless the field is less
-/// there.
-void move_weak(FieldRef field, const HeldVertices& held, std::span<const Segment> axes,
-               const Samples& samples, Found& found) {
+/// Moves shallow vertices, each on the way to the nearest point of the axis it holds, unless the field is
+/// less there.
+std::vector<Weak> move_shallow(FieldRef field, const HeldVertices& held, std::span<const Segment> axes,
+                               Found& found) {
     const Profile profile(field.level());
+    std::vector<Weak> weak(found.shallow.size());
     std::vector<Vec3> places;
     std::vector<FieldSample> there;
-    for (std::size_t begin = 0, end = 0; begin < found.weak.size(); begin = end) {
-        const std::uint32_t region = found.weak[begin].region;
+    for (std::size_t begin = 0, end = 0; begin < weak.size(); begin = end) {
+        const std::uint32_t region = found.shallow[begin].region;
         places.clear();
-        for (; end < found.weak.size() && found.weak[end].region == region; ++end)
-            places.push_back(towards_axis(found.weak[end], held, axes));
+        for (; end < weak.size() && found.shallow[end].region == region; ++end)
+            places.push_back(towards_axis(found.shallow[end], held, axes, weak[end]));
         there.resize(places.size());
         field.sample(region, places, there);
         for (std::size_t i = begin; i < end; ++i) {
-            Weak& w = found.weak[i];
+            const ShallowVertex& v = found.shallow[i];
             const Vec3 place = places[i - begin];
-            w.height = profile.height(there[i - begin].value);
-            const float way = distance(place, w.position);
-            if (way > 0 && w.height >= samples.height[w.vertex])
-                found.targets.push_back({w.vertex, place, way});
+            weak[i].height = profile.height(there[i - begin].value);
+            const float way = distance(place, v.position);
+            if (way > 0 && weak[i].height >= v.height) found.near.push_back({v.vertex, place, way});
         }
     }
+    return weak;
+}
+
+/// Calls use(vertex) for all that would be moved, some side by side.
+template <class Use>
+void for_each_moved(std::span<const Found> found, const Context& ctx, const Use& use) {
+    constexpr std::size_t kMost = 4096;
+    std::vector<std::span<const MovedVertex>> pieces;
+    for (const Found& f : found) {
+        for (std::size_t i = 0; i < f.near.size(); i += kMost)
+            pieces.push_back(std::span(f.near).subspan(i, std::min(kMost, f.near.size() - i)));
+    }
+    parallel_for(ctx, pieces.size(), 16, [&](std::size_t i) { std::ranges::for_each(pieces[i], use); });
 }
 
 }  // namespace
 
-Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
-                        const HeldVertices& held, std::span<const Segment> axes, const Context& ctx) {
+SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, float snap,
+                            tetra_kernel::BitsView held, const Context& ctx) {
     constexpr std::size_t kRegions = 16;
-    const std::size_t count = refinement.vertex_count(), regions = refinement.coarse().region_count();
-    Samples out{
-        {}, RankedBits(count), held.bits, RankedBits(count), RankedBits(count), RankedBits(count), {}, {},
-        {}};
-    out.height.resize(count);
+    const std::size_t regions = refinement.coarse().region_count();
+    SampledVertices out;
+    out.height.resize(refinement.vertex_count());
     // Vertices of no tetrahedron, which nobody samples.
     std::fill_n(out.height.begin(), refinement.coarse().positions.size(), -1.0f);
-    std::vector<Found> found((regions + kRegions - 1) / kRegions);
+    out.found.resize((regions + kRegions - 1) / kRegions);
     parallel_for_ranges(ctx, regions, kRegions, [&](IndexRange r) {
         if (ctx.stop.stop_requested()) return;
-        RegionSampler sampler(refinement, field, snap, out, found[r.begin / kRegions]);
+        RegionSampler sampler(refinement, field, snap, held, out.height, out.found[r.begin / kRegions]);
         for (std::size_t region = r.begin; region < r.end; ++region)
             sampler.sample(static_cast<std::uint32_t>(region));
     });
     ctx.throw_if_cancelled();
+    out.above.resize(out.height.size() / 64 + 1);
+    parallel_for(ctx, out.above.size(), 4096, [&](std::size_t w) {
+        std::uint64_t bits = 0;
+        for (std::size_t i = 64 * w; i < std::min(out.height.size(), 64 * w + 64); ++i)
+            bits |= std::uint64_t{out.height[i] > 0} << (i % 64);
+        out.above[w] = bits;
+    });
+    return out;
+}
 
-    parallel_for(ctx, found.size(), 1, [&](std::size_t i) { move_weak(field, held, axes, out, found[i]); });
-    for (const Found& part : found) {
-        for (const Target& t : part.targets) out.placed.set(t.vertex);
-        for (const Weak& w : part.weak) out.weak.push_back({w.vertex, w.radius, w.away, w.height});
+Samples settle_samples(const TetraRefinement& refinement, FieldRef field, SampledVertices sampled,
+                       const HeldVertices& held, std::span<const Segment> axes, const Context& ctx) {
+    const std::size_t count = refinement.vertex_count();
+    Samples out{std::move(sampled.height),
+                RankedBits(count, std::move(sampled.above)),
+                RankedBits(count),
+                held.bits,
+                RankedBits(count),
+                RankedBits(count),
+                RankedBits(count),
+                {},
+                {},
+                {}};
+    std::vector<Found>& found = sampled.found;
+    std::vector<std::vector<Weak>> weak(found.size());
+    parallel_for(ctx, found.size(), 1,
+                 [&](std::size_t i) { weak[i] = move_shallow(field, held, axes, found[i]); });
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        for (std::size_t k = 0; k < weak[i].size(); ++k) {
+            const Weak& w = weak[i][k];
+            out.weak.push_back({found[i].shallow[k].vertex, w.radius, w.away, w.height});
+        }
     }
     std::ranges::sort(out.weak, {}, &WeakVertex::vertex);
+    for_each_moved(found, ctx, [&, words = out.placed.words()](const MovedVertex& v) {
+        std::atomic_ref(words[v.vertex / 64])
+            .fetch_or(std::uint64_t{1} << (v.vertex % 64), std::memory_order_relaxed);
+    });
     out.place.resize(out.placed.count());
     out.way.resize(out.place.size());
-    parallel_for(ctx, found.size(), 16, [&](std::size_t i) {
-        for (const Target& t : found[i].targets) {
-            const std::uint32_t rank = out.placed.rank(t.vertex);
-            out.place[rank] = t.position;
-            out.way[rank] = t.way;
-        }
+    for_each_moved(found, ctx, [&](const MovedVertex& v) {
+        const std::uint32_t rank = out.placed.rank(v.vertex);
+        out.place[rank] = v.position;
+        out.way[rank] = v.way;
     });
     out.moved = out.placed;
     const auto inside = out.inside.words(), on = out.on.words();
     const auto is_held = held.bits.words(), placed = std::as_const(out.placed).words();
+    const auto above = std::as_const(out.above).words();
     parallel_for(ctx, inside.size(), 4096, [&](std::size_t w) {
-        std::uint64_t bits = 0;
-        for (std::size_t i = 64 * w; i < std::min(count, 64 * w + 64); ++i)
-            bits |= std::uint64_t{out.height[i] > 0} << (i % 64);
         on[w] = placed[w] & ~is_held[w];
-        inside[w] = (bits & ~on[w]) | is_held[w];
+        inside[w] = (above[w] & ~on[w]) | is_held[w];
     });
     return out;
+}
+
+Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
+                        const HeldVertices& held, std::span<const Segment> axes, const Context& ctx) {
+    return settle_samples(refinement, field, sample_fine(refinement, field, snap, {held.bits.words()}, ctx),
+                          held, axes, ctx);
 }
 
 std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const RankedBits& inside,

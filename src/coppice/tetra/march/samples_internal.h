@@ -1,62 +1,30 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
+#include <span>
 #include <vector>
 
 #include "coppice/implicit/field_ref.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/tetra/lattice/refinement.h"
 #include "coppice/tetra/march/held_internal.h"
+#include "coppice/tetra/march/march_stages.h"
+#include "coppice/tetra/march/profile_kernel.h"
 #include "coppice/tetra/march/ranked_bits_internal.h"
+#include "coppice/tetra/march/samples_view.h"
 
 namespace coppice::tetra_internal {
 
 /// Points asked of the field at once.
 inline constexpr std::size_t kBatch = 512;
 
-/// A field as a function that is 0 on its surface, greater inside, and near to a straight line across it;
-/// never NaN or infinite.
-class Profile {
-  public:
-    explicit Profile(float level) : level_(level) {}
-
-    float height(float value) const {
-        constexpr float kMost = 1e12f;
-        if (level_ <= 0) {
-            if (std::isnan(value)) return -1;
-            return std::clamp(value - level_, -kMost, kMost);
-        }
-        if (!(value > 0)) return -1;
-        const float h = std::pow(std::min(value / level_, kMost), kPower) - 1;
-        // Rounding must not change the side.
-        return value > level_ ? std::max(h, std::numeric_limits<float>::min()) : std::min(h, 0.0f);
-    }
-
-    /// Change of the height per change of the value, there.
-    float slope(float value) const {
-        if (level_ <= 0) return 1;
-        return value > 0 ? kPower * (1 + height(value)) / value : 0;
-    }
-
-  private:
-    static constexpr float kPower = 0.4f;
-    float level_;
-};
-
-/// A held vertex that the field puts outside or near to the surface.
-struct WeakVertex {
-    std::uint32_t vertex;
-    float radius;  ///< [m] of the axis there
-    float away;    ///< [m] from the axis, where it was before it was moved
-    float height;  ///< of the profile at the place that it was moved to
-};
+using tetra_kernel::Profile;
+using tetra_kernel::WeakVertex;
 
 /// What is known of every fine vertex. A vertex that lies on the surface counts as outside.
 struct Samples {
-    Buffer<float> height;  ///< of the profile, where the vertex was before it was moved
+    Buffer<float> height;  ///< see SampledVertices
+    RankedBits above;      ///< those whose height is above 0
     RankedBits inside;
     RankedBits held;               ///< inside whatever the field says, and never on the surface
     RankedBits on;                 ///< moved onto the surface and not put back
@@ -70,13 +38,33 @@ struct Samples {
     void put_back(std::uint32_t vertex) {
         on.reset(vertex);
         moved.reset(vertex);
-        if (height[vertex] > 0 || held.test(vertex)) inside.set(vertex);
+        if (above.test(vertex) || held.test(vertex)) inside.set(vertex);
+    }
+
+    /// As spans, which end with this.
+    tetra_kernel::SamplesView view() const {
+        return {height,
+                {inside.words()},
+                {on.words()},
+                {held.words()},
+                {moved.words()},
+                placed.view(),
+                place,
+                way,
+                weak};
     }
 };
 
-/// Samples the fine vertices, and finds where those near the surface would come to lie on it. `on` is that of
-/// all that were near enough. Held ones are moved towards their axis where they are near the surface or
-/// outside.
+/// Samples the fine vertices, and finds where those near the surface would come to lie on it.
+SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, float snap,
+                            tetra_kernel::BitsView held, const Context& ctx);
+
+/// Moves held vertices towards their axis where they are near the surface or outside, and notes the sides of
+/// all. `on` is that of all that were near enough.
+Samples settle_samples(const TetraRefinement& refinement, FieldRef field, SampledVertices sampled,
+                       const HeldVertices& held, std::span<const Segment> axes, const Context& ctx);
+
+/// One after the other.
 Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
                         const HeldVertices& held, std::span<const Segment> axes, const Context& ctx);
 

@@ -87,9 +87,9 @@ void append(std::span<const std::uint64_t> source, std::size_t from, std::uint32
     }
 }
 
-}  // namespace
+constexpr std::array<Cut, 256> kMadeCuts = make_cuts();
 
-const std::array<Cut, 256> kCuts = make_cuts();
+}  // namespace
 
 void gather_bits(const TetraRefinement& refinement, const RankedBits& bits, std::uint32_t tetra,
                  LocalBits& out) {
@@ -130,3 +130,6 @@ bool LocalSigns::gather(const TetraRefinement& refinement, const Samples& sample
 }
 
 }  // namespace coppice::tetra_internal
+
+const std::array<coppice::tetra_kernel::Cut, 256> coppice::tetra_kernel::kCuts =
+    coppice::tetra_internal::kMadeCuts;

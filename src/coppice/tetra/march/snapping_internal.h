@@ -8,40 +8,14 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/solid_mesh.h"
 #include "coppice/tetra/march/crossed_internal.h"
+#include "coppice/tetra/march/fan_kernel.h"
 
 namespace coppice::tetra_internal {
 
-/// The triangles around a vertex on the surface.
-enum class Fan : std::uint8_t {
-    none,
-    single,  ///< one closed way around it, of three or more, that comes to no corner twice
-    non_manifold,
-    unknown  ///< to be looked at
-};
-
-/// Two corners of a triangle that follow a vertex on the surface: fine vertices, or fine edges that are cut,
-/// named in some way that is the same from all sides.
-template <class Key>
-struct LinkSegment {
-    Key from, to;
-};
-
-/// What the triangles around one vertex make. O(square of their number).
-template <class Key>
-Fan judge_fan(std::span<const LinkSegment<Key>> segments) {
-    if (segments.empty()) return Fan::none;
-    // From each segment to the first that goes on from its end: only from a single closed way without a
-    // corner that it comes to twice does this see all segments before it is back.
-    std::size_t at = 0, steps = 0;
-    do {
-        std::size_t next = 0;
-        while (next < segments.size() && segments[next].from != segments[at].to) ++next;
-        if (next == segments.size()) return Fan::non_manifold;
-        at = next;
-        ++steps;
-    } while (at != 0 && steps < segments.size());
-    return at == 0 && steps == segments.size() && steps >= 3 ? Fan::single : Fan::non_manifold;
-}
+using tetra_kernel::Fan;
+using tetra_kernel::judge_fan;
+using tetra_kernel::LinkSegment;
+using tetra_kernel::ListedFan;
 
 /// The fans of all vertices on the surface, by rank in `placed`; those that may be non-manifold are left
 /// unknown. O(triangles).
@@ -79,6 +53,20 @@ struct SnappedVertices {
 /// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
 /// on the surface are one closed fan, or none. What is returned refers to the other two.
 SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
+
+/// The same, where `stages` looks at all tetrahedra, and what is put back is looked after here. Returns
+/// SnappedVertices::used.
+std::vector<std::uint8_t> unsnap_vertices(const TetraRefinement& refinement, Samples& samples,
+                                          MarchStages& stages, const Context& ctx);
+
+/// The numbers that vertices moved onto the surface have there.
+struct PlacedNumbers {
+    std::vector<std::uint32_t> number;  ///< by rank in Samples::placed; 2^32 - 1 for those not in use
+    std::uint32_t count = 0;            ///< of those in use
+};
+
+/// Numbers them in ascending order; see SnappedVertices::used.
+PlacedNumbers number_placed(std::span<const std::uint8_t> used);
 
 /// The surface, and how many fine tetrahedra it crosses.
 struct ExtractedSurface {

@@ -177,7 +177,7 @@ class Filler {
                 numbers_.placed_count + of_edge[refinement_.pattern(t).tetra_edges[f][cut.corners[k]]];
         if (refinement_.mirrored(t)) std::ranges::reverse(corners);
         const bool is_first = corners[0] == number || corners[2] == number;
-        return cut_from_first(surface_.positions, corners) == is_first;
+        return tetra_kernel::cut_from_first(surface_.positions.data(), corners) == is_first;
     }
 
     static Ids turned(Ids t, std::span<const Vec3> p) {

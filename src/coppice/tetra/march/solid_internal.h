@@ -17,11 +17,6 @@ struct SurfaceNumbers {
     std::uint32_t placed_count;
 };
 
-/// Whether a polygon of four corners is cut into triangles along its diagonal from the first one.
-inline bool cut_from_first(std::span<const Vec3> p, const std::array<std::uint32_t, 4>& c) {
-    return length_squared(p[c[0]] - p[c[2]]) <= length_squared(p[c[1]] - p[c[3]]);
-}
-
 /// The fine tetrahedra inside a surface, and the inner parts of those that it crosses, cut so that they share
 /// whole faces and that the triangles of the surface are all that is left over. Vertices of the surface come
 /// first.

@@ -118,23 +118,26 @@ std::vector<std::uint32_t> neighbours_on(const TetraRefinement& refinement, cons
     return collect_marked(refinement.vertex_count(), vertices.size(), kUnsnapGrain, visit, ctx);
 }
 
-/// Puts vertices back until nothing is folded.
-void unfold(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
-    std::vector<std::uint32_t> folds = find_folds(refinement, samples, ctx);
+/// Puts these vertices back, and others until nothing is folded.
+void unfold(const TetraRefinement& refinement, Samples& samples, std::vector<std::uint32_t> folds,
+            const Context& ctx) {
     while (!folds.empty()) {
         put_back(folds, samples);
         folds = find_folds(refinement, samples, tetra_around(refinement, folds, ctx), ctx);
     }
 }
 
-}  // namespace
+/// Which vertices are kept, and what changed.
+struct Settled {
+    std::vector<std::uint8_t> used;      ///< see SnappedVertices
+    std::vector<std::uint32_t> changed;  ///< coarse tetrahedra around vertices that were put back, ascending
+};
 
-SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
-    unfold(refinement, samples, ctx);
-    SnappedVertices out{CrossedTetra(refinement, samples, ctx), {}};
-    ctx.throw_if_cancelled();
-    std::vector<Fan> fans = find_fans(refinement, samples, out.crossed, ctx);
-    std::vector<std::uint32_t> open, unsnapped, folds, changed;
+/// Looks at fans that are unknown, and puts vertices back until all are single or none.
+Settled settle_fans(const TetraRefinement& refinement, Samples& samples, std::vector<Fan> fans,
+                    const Context& ctx) {
+    Settled out;
+    std::vector<std::uint32_t> open, unsnapped, folds;
     std::uint32_t rank = 0;
     for_each_bit(samples.placed.words(), [&](std::uint32_t v) {
         if (fans[rank++] == Fan::unknown) open.push_back(v);
@@ -157,14 +160,32 @@ SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samp
         for (const std::uint32_t v : unsnapped) fans[samples.placed.rank(v)] = Fan::none;
         open = neighbours_on(refinement, samples, unsnapped, ctx);
         const std::vector<std::uint32_t> tetra = tetra_around(refinement, unsnapped, ctx);
-        changed.insert(changed.end(), tetra.begin(), tetra.end());
+        out.changed.insert(out.changed.end(), tetra.begin(), tetra.end());
         folds = find_folds(refinement, samples, tetra, ctx);
     }
-    sort_unique(changed);
-    out.crossed.update(changed, ctx);
+    sort_unique(out.changed);
     out.used.resize(fans.size());
     std::ranges::transform(fans, out.used.begin(), [](Fan fan) { return fan == Fan::single; });
     return out;
+}
+
+}  // namespace
+
+SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx) {
+    unfold(refinement, samples, find_folds(refinement, samples, ctx), ctx);
+    SnappedVertices out{CrossedTetra(refinement, samples, ctx), {}};
+    ctx.throw_if_cancelled();
+    Settled settled = settle_fans(refinement, samples, find_fans(refinement, samples, out.crossed, ctx), ctx);
+    out.crossed.update(settled.changed, ctx);
+    out.used = std::move(settled.used);
+    return out;
+}
+
+std::vector<std::uint8_t> unsnap_vertices(const TetraRefinement& refinement, Samples& samples,
+                                          MarchStages& stages, const Context& ctx) {
+    unfold(refinement, samples, stages.find_folds(samples.view()), ctx);
+    ctx.throw_if_cancelled();
+    return settle_fans(refinement, samples, stages.find_fans(samples.view()), ctx).used;
 }
 
 }  // namespace coppice::tetra_internal

@@ -3,11 +3,11 @@
 #include <array>
 #include <cstdint>
 
-#include "coppice/subdivision/cage_topology.h"
+#include "coppice/subdivision/kernel/cage_view.h"
 
 namespace coppice {
 
-// Calls body.template operator()<N>() for N = 2^level, so that all loops over a patch have constant length.
+/// Calls body.template operator()<N>() for N = 2^level, so that all loops over a patch have constant length.
 template <class Body>
 void with_grid_size(int level, const Body& body) {
     switch (level) {
@@ -28,30 +28,45 @@ void with_grid_size(int level, const Body& body) {
     }
 }
 
-// Where the vertices of the cage's n x n patches lie: see the header.
+/// The vertex in column i and row j, both in [0, n], of the patch of n x n quads that a cage quad becomes.
+COPPICE_HOST_DEVICE inline std::uint32_t patch_vertex(const CageView& cage, std::uint32_t n, std::uint32_t f,
+                                                      std::uint32_t i, std::uint32_t j) {
+    const bool left = i == 0, right = i == n, low = j == 0, high = j == n;
+    if ((left || right) && (low || high)) return cage.quads[f][low ? (right ? 1 : 0) : (right ? 2 : 3)];
+    const std::uint32_t edges = cage.vertex_count(), m = n - 1;
+    if (left || right || low || high) {
+        const std::uint32_t s = low ? 0 : right ? 1 : high ? 2 : 3;
+        const std::uint32_t along = low ? i : right ? j : high ? n - i : n - j;
+        const std::uint32_t side = cage.side[f][s];
+        return edges + (side >> 1) * m + ((side & 1) != 0 ? m - along : along - 1);
+    }
+    return edges + cage.edge_count() * m + f * m * m + (j - 1) * m + (i - 1);
+}
+
+/// Where the vertices of the cage's n x n patches lie: see the header.
 template <int N>
 class PatchIndex {
   public:
-    explicit PatchIndex(const CageTopology& cage)
+    COPPICE_HOST_DEVICE explicit PatchIndex(const CageView& cage)
         : cage_(cage), edges_(cage.vertex_count()), faces_(edges_ + cage.edge_count() * kEdge) {}
 
     static constexpr std::uint32_t kEdge = N - 1;              // vertices inside an edge
     static constexpr std::uint32_t kFace = (N - 1) * (N - 1);  // and inside a face
 
-    std::uint32_t edge_begin(std::uint32_t e) const { return edges_ + e * kEdge; }
-    std::uint32_t face_begin(std::uint32_t f) const { return faces_ + f * kFace; }
+    COPPICE_HOST_DEVICE std::uint32_t edge_begin(std::uint32_t e) const { return edges_ + e * kEdge; }
+    COPPICE_HOST_DEVICE std::uint32_t face_begin(std::uint32_t f) const { return faces_ + f * kFace; }
 
-    // Point i (0 < i < N) of a half-edge, counted from its start.
-    std::uint32_t on_side(std::uint32_t half, std::uint32_t i) const {
+    /// Point i (0 < i < N) of a half-edge, counted from its start.
+    COPPICE_HOST_DEVICE std::uint32_t on_side(std::uint32_t half, std::uint32_t i) const {
         const std::uint32_t side = cage_.side[half >> 2][half & 3];
         return edge_begin(side >> 1) + ((side & 1) != 0 ? N - 1 - i : i - 1);
     }
-    // The neighbour of a half-edge's start along it, and the one across its quad.
-    std::uint32_t along(std::uint32_t half) const {
+    /// The neighbour of a half-edge's start along it, and the one across its quad.
+    COPPICE_HOST_DEVICE std::uint32_t along(std::uint32_t half) const {
         if constexpr (N == 1) return cage_.corner(CageTopology::next(half));
         return on_side(half, 1);
     }
-    std::uint32_t across(std::uint32_t half) const {
+    COPPICE_HOST_DEVICE std::uint32_t across(std::uint32_t half) const {
         if constexpr (N == 1) {
             return cage_.quads[half >> 2][(half + 2) & 3];
         } else {
@@ -60,8 +75,8 @@ class PatchIndex {
         }
     }
 
-    // The N + 1 points of the row next to a half-edge, inside its quad, from its start to its end.
-    void row_beside(std::uint32_t half, std::array<std::uint32_t, N + 1>& row) const {
+    /// The N + 1 points of the row next to a half-edge, inside its quad, from its start to its end.
+    COPPICE_HOST_DEVICE void row_beside(std::uint32_t half, std::array<std::uint32_t, N + 1>& row) const {
         const std::uint32_t f = half >> 2;
         if constexpr (N == 1) {
             row = {cage_.quads[f][(half + 3) & 3], cage_.quads[f][(half + 2) & 3]};
@@ -76,9 +91,15 @@ class PatchIndex {
         }
     }
 
-    using Grid = std::array<std::array<std::uint32_t, N + 1>, N + 1>;  // [row][column]
+    /// The vertex in column i and row j of a cage quad's patch, both in [0, N].
+    COPPICE_HOST_DEVICE std::uint32_t at(std::uint32_t f, std::uint32_t i, std::uint32_t j) const {
+        return patch_vertex(cage_, N, f, i, j);
+    }
 
-    void grid(std::uint32_t f, Grid& g) const {
+    using Grid = std::array<std::array<std::uint32_t, N + 1>, N + 1>;  ///< [row][column]
+
+    /// All of them.
+    COPPICE_HOST_DEVICE void grid(std::uint32_t f, Grid& g) const {
         const Quad& q = cage_.quads[f];
         g[0][0] = q[0];
         g[0][N] = q[1];
@@ -106,48 +127,65 @@ class PatchIndex {
     }
 
   private:
-    const CageTopology& cage_;
+    CageView cage_;
     std::uint32_t edges_, faces_;
 };
 
-// One corner of a refined quad.
+/// One corner of a refined quad.
 struct QuadCorner {
     std::uint32_t quad;
     std::uint32_t corner;
 };
 
-// What lies around single refined vertices, by closed forms: for the few places that are looked at one by
-// one.
+/// What lies around single refined vertices, by closed forms: for the few places that are looked at one by
+/// one.
 class PatchStars {
   public:
-    PatchStars(const CageTopology& cage, int levels)
+    COPPICE_HOST_DEVICE PatchStars(const CageView& cage, int levels)
         : cage_(cage),
           n_(1u << levels),
           edges_(cage.vertex_count()),
           faces_(edges_ + cage.edge_count() * (n_ - 1)) {}
 
-    // The cage quad that counts the vertex as its own (see PatchRefinement::owned_vertices); kNone without
-    // quads.
-    std::uint32_t owner(std::uint32_t vertex) const {
+    /// Number of refined vertices.
+    COPPICE_HOST_DEVICE std::uint32_t vertex_count() const {
+        return faces_ + cage_.face_count() * (n_ - 1) * (n_ - 1);
+    }
+    /// The vertex in column i and row j of a cage quad's patch, both in [0, n].
+    COPPICE_HOST_DEVICE std::uint32_t vertex(std::uint32_t f, std::uint32_t i, std::uint32_t j) const {
+        return patch_vertex(cage_, n_, f, i, j);
+    }
+    /// Number of refined quads.
+    COPPICE_HOST_DEVICE std::uint32_t quad_count() const { return cage_.face_count() * n_ * n_; }
+
+    /// The vertices of a refined quad.
+    COPPICE_HOST_DEVICE Quad quad(std::uint32_t q) const {
+        const std::uint32_t f = q / (n_ * n_), inside = q % (n_ * n_), i = inside % n_, j = inside / n_;
+        return {vertex(f, i, j), vertex(f, i + 1, j), vertex(f, i + 1, j + 1), vertex(f, i, j + 1)};
+    }
+
+    /// The cage quad that counts the vertex as its own (see PatchRefinement::owned_vertices); kNone without
+    /// quads.
+    COPPICE_HOST_DEVICE std::uint32_t owner(std::uint32_t vertex) const {
         if (vertex >= faces_) return (vertex - faces_) / ((n_ - 1) * (n_ - 1));
         if (vertex >= edges_) {
             const auto& pair = cage_.edge_half[(vertex - edges_) / (n_ - 1)];
             return (pair[0] < pair[1] ? pair[0] : pair[1]) >> 2;
         }
-        const auto fan = cage_.fans[vertex];
-        return fan.empty() ? CageTopology::kNone : fan[0] >> 2;
+        const auto fan = cage_.fan(vertex);
+        return fan.empty() ? CageView::kNone : fan[0] >> 2;
     }
 
-    bool on_boundary(std::uint32_t vertex) const {
+    COPPICE_HOST_DEVICE bool on_boundary(std::uint32_t vertex) const {
         if (cage_.closed() || vertex >= faces_) return false;
         if (vertex < edges_) return cage_.on_boundary[vertex] != 0;
         const auto& pair = cage_.edge_half[(vertex - edges_) / (n_ - 1)];
-        return pair[0] == CageTopology::kNone || pair[1] == CageTopology::kNone;
+        return pair[0] == CageView::kNone || pair[1] == CageView::kNone;
     }
 
-    // Calls visit(QuadCorner) for every corner of a refined quad that is the vertex.
+    /// Calls visit(QuadCorner) for every corner of a refined quad that is the vertex.
     template <class Visit>
-    void for_each_corner(std::uint32_t vertex, const Visit& visit) const {
+    COPPICE_HOST_DEVICE void for_each_corner(std::uint32_t vertex, const Visit& visit) const {
         if (vertex >= faces_) {
             const std::uint32_t inside = (vertex - faces_) % ((n_ - 1) * (n_ - 1));
             const std::uint32_t first = owner(vertex) * n_ * n_ + inside / (n_ - 1) * n_ + inside % (n_ - 1);
@@ -158,28 +196,28 @@ class PatchStars {
         } else if (vertex >= edges_) {
             const std::uint32_t along = (vertex - edges_) % (n_ - 1) + 1;
             const auto [forward, backward] = cage_.edge_half[(vertex - edges_) / (n_ - 1)];
-            if (forward != CageTopology::kNone) visit_side(forward, along, visit);
-            if (backward != CageTopology::kNone) visit_side(backward, n_ - along, visit);
+            if (forward != CageView::kNone) visit_side(forward, along, visit);
+            if (backward != CageView::kNone) visit_side(backward, n_ - along, visit);
         } else {
-            for (const std::uint32_t half : cage_.fans[vertex]) visit(QuadCorner{beside(half, 0), half & 3});
+            for (const std::uint32_t half : cage_.fan(vertex)) visit(QuadCorner{beside(half, 0), half & 3});
         }
     }
 
   private:
-    // The refined quad number k along a half-edge, inside the half-edge's cage quad.
-    std::uint32_t beside(std::uint32_t half, std::uint32_t k) const {
+    /// The refined quad number k along a half-edge, inside the half-edge's cage quad.
+    COPPICE_HOST_DEVICE std::uint32_t beside(std::uint32_t half, std::uint32_t k) const {
         const std::uint32_t m = n_ - 1;
         const std::array<std::uint32_t, 4> first = {0, m, n_ * n_ - 1, n_ * m};
         const std::array<std::uint32_t, 4> step = {1, n_, 0u - 1u, 0u - n_};
         return (half >> 2) * n_ * n_ + first[half & 3] + k * step[half & 3];
     }
     template <class Visit>
-    void visit_side(std::uint32_t half, std::uint32_t along, const Visit& visit) const {
+    COPPICE_HOST_DEVICE void visit_side(std::uint32_t half, std::uint32_t along, const Visit& visit) const {
         visit(QuadCorner{beside(half, along - 1), (half + 1) & 3});
         visit(QuadCorner{beside(half, along), half & 3});
     }
 
-    const CageTopology& cage_;
+    CageView cage_;
     std::uint32_t n_, edges_, faces_;
 };
 

@@ -1,0 +1,142 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "command.h"
+#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/render/png.h"
+#include "coppice/view/edit_demo.h"
+#include "figures.h"
+#include "files.h"
+#include "options.h"
+#include "pictures.h"
+
+namespace coppice::cli {
+namespace {
+
+struct ViewFlags {
+    std::filesystem::path tree, output, sheet;
+    bool edit_demo = false;
+    EditDemoOptions demo;
+    ViewOptions view;
+    MeshOptions mesh;
+    ReadSkeletonOptions read;
+};
+
+void check_picture(const std::filesystem::path& path) {
+    if (path.empty()) return;
+    if (!is_png_name(path))
+        throw UsageError(fmt::format("'{}' is no name of a picture; use the ending .png", path.string()));
+    check_output_folder(path);
+}
+
+void check_flags(const ViewFlags& flags, const GivenOptions& given) {
+    if (flags.tree.empty() || (flags.output.empty() && !flags.edit_demo))
+        throw UsageError(
+            "name the tree and the picture: coppice view TREE -o PNG, or coppice view TREE --edit-demo");
+    check_picture(flags.output);
+    check_picture(flags.sheet);
+    if (flags.edit_demo) return;
+    for (const Option* o : given) {
+        if (o->name == "--sheet" || o->group == "Dragging")
+            throw UsageError(fmt::format("{} is for a branch that is dragged; add --edit-demo", o->name));
+    }
+}
+
+/// Median and 95 % of what frames and their parts took.
+Figures milliseconds_of(const FrameTimes& times) {
+    Figures out;
+    visit_figures(times, [&](std::string_view name, const Statistics& s) {
+        Figures part;
+        part["median"] = 1e3 * s.p50;
+        part["p95"] = 1e3 * s.p95;
+        out[fmt::format("{}_ms", name)] = part;
+    });
+    return out;
+}
+
+Figures figures_of(const EditDemoResult& result) {
+    Figures out;
+    out["renderer"] = result.renderer;
+    out["opengl"] = result.opengl;
+    out["surfaces_by"] = result.backend;
+    out["branch"] = result.branch;
+    out["segments"] = result.segments;
+    out["quads"] = result.quads;
+    out["vertices"] = result.vertices;
+    out["vertices_of_a_frame"] = result.written;
+    out["frames"] = result.frames;
+    out["frames_per_second"] = result.frames_per_second;
+    return out;
+}
+
+ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
+    const QuadModel model =
+        run.stage("mesh", [&](const Context& ctx) { return quad_model(tree, flags.mesh, ctx); });
+    const auto backend = cpu_backend();
+    const EditDemoResult result = run.stage("frames", [&](const Context& ctx) {
+        return edit_demo(model, flags.demo, flags.view, *backend, ctx);
+    });
+    run.stage("write", [&](const Context&) {
+        if (!flags.output.empty()) write_picture(flags.output, result.pictures.back());
+        if (!flags.sheet.empty()) write_sheet(flags.sheet, result.pictures);
+    });
+    Figures said = figures_of(result);
+    run.counts().append(said);
+    run.counts()["seconds"] = cli::figures_of(result.seconds);
+    said.append(milliseconds_of(result.seconds));
+    fmt::print("{}", figures_text(said));
+    run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} a second", flags.tree.string(),
+                           grouped(result.frames), grouped(result.segments), result.frames_per_second));
+    return kDone;
+}
+
+ExitCode draw_once(Run& run, const ViewFlags& flags, const Skeleton& tree) {
+    const MeshResult made =
+        run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(tree, flags.mesh, ctx); });
+    const ViewResult result =
+        run.stage("draw", [&](const Context&) { return view_surface(to_polygons(made), flags.view); });
+    run.stage("write", [&](const Context&) { write_picture(flags.output, result.picture); });
+    run.counts()["renderer"] = result.renderer;
+    run.counts()["opengl"] = result.opengl;
+    run.counts()["pixels"] = result.picture.pixels.size();
+    run.finish(fmt::format("{}: {} x {} pixels by {}", flags.output.string(), result.picture.width,
+                           result.picture.height, result.renderer));
+    return kDone;
+}
+
+ExitCode view(Run& run, const GivenOptions& given, const ViewFlags& flags) {
+    check_flags(flags, given);
+    const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
+    return flags.edit_demo ? drag_branch(run, flags, file.skeleton) : draw_once(run, flags, file.skeleton);
+}
+
+/// The surface beside pictures.
+FlagNames viewed_surface_flag_names() {
+    FlagNames surface = surface_flag_names();
+    surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
+    return surface;
+}
+
+}  // namespace
+
+Command view_command() {
+    const auto flags = std::make_shared<ViewFlags>();
+    OptionList options;
+    options.file("tree", "TREE", flags->tree, "skeleton whose surface is drawn");
+    options.file("-o,--output", "PNG", flags->output, "picture to write; with --edit-demo of the last frame");
+    options.flag(
+        "--edit-demo", flags->edit_demo,
+        "drag a branch to and fro, make the surface anew in every frame, and say how long that takes");
+    options.file("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet");
+    options.fields(flags->demo, "Dragging");
+    options.fields(flags->view, "Picture");
+    options.fields(flags->mesh, "Surface", viewed_surface_flag_names());
+    options.fields(flags->read, "Reading the skeleton");
+    return {"view",
+            "Draw the surface of a tree by OpenGL, without a window, or time the dragging of a branch",
+            options, [flags](Run& run, const GivenOptions& given) { return view(run, given, *flags); }};
+}
+
+}  // namespace coppice::cli

@@ -1,0 +1,107 @@
+// coppice_gpu_bench: measures what a graphics card takes for surfaces, against the CPU of the same machine
+// and against what the papers print. Without a card, the CPU alone.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/io/skeleton/writer.h"
+#include "coppice/skeleton/assemble.h"
+#include "coppice/skeleton/random_tree.h"
+#include "gpu_pairs.h"
+#include "gpu_quads.h"
+#include "machine.h"
+#include "program.h"
+#include "routes_papers.h"
+
+namespace {
+
+using namespace coppice;
+using namespace coppice::bench;
+
+struct Flags : ProgramFlags {
+    int repeat = 51;
+    double seconds = 0;
+    bool small = false;
+    std::filesystem::path tree;
+};
+
+constexpr double kMilli = 1e-3;
+constexpr std::uint64_t kSeed = 1;
+
+/// Trees side by side, none of which touches another.
+Skeleton forest(std::uint32_t trees, std::uint32_t segments) {
+    std::vector<Skeleton> parts;
+    const auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(trees))));
+    for (std::uint32_t i = 0; i < trees; ++i) {
+        constexpr double kApart = 20;  // [m]
+        parts.push_back(
+            translated(random_tree(segments, kSeed + i), {kApart * (i % side), kApart * (i / side), 0}));
+    }
+    std::vector<const Skeleton*> all;
+    for (const Skeleton& part : parts) all.push_back(&part);
+    return joined(all);
+}
+
+double printed(const PaperTree& tree, std::initializer_list<std::string_view> stages) {
+    double sum = 0;
+    for (const auto& [name, seconds] : tree.quads.front().stages) {
+        if (std::ranges::find(stages, name) != stages.end()) sum += seconds;
+    }
+    return sum;
+}
+
+std::vector<QuadCase> quad_cases(bool small) {
+    std::vector<QuadCase> out;
+    for (const PaperTree& tree : paper_trees()) {
+        if (tree.quads.empty()) continue;
+        out.push_back({tree.name, random_tree(tree.segments, kSeed), printed(tree, {"SurfSubd", "Appr"}),
+                       0.15 * kMilli});
+    }
+    if (small) return out;
+    out.push_back({"tree30k", random_tree(30'000, kSeed), -1, 1 * kMilli});
+    out.push_back({"tree300k", random_tree(300'000, kSeed), -1, 8 * kMilli});
+    out.push_back({"1,000 trees of 300", forest(1000, 300), -1, 15 * kMilli});
+    return out;
+}
+
+Results results_of(const GpuRun& run, const std::vector<GpuResult>& surfaces,
+                   const std::vector<PairsResult>& pairs) {
+    const std::string card =
+        run.device.device
+            ? fmt::format("{}, capability {}.{}, {} multiprocessors, {:.1f} Tflop/s, {:.2f} TB/s",
+                          run.device.device->name, run.device.device->compute / 10,
+                          run.device.device->compute % 10, run.device.device->multiprocessors,
+                          1e-12 * run.device.device->flops, 1e-12 * run.device.device->bandwidth)
+            : "no card: " + run.device.missing;
+    nlohmann::ordered_json json{{"machine", machine_description()}, {"card", card}};
+    for (const GpuResult& r : surfaces) json["surfaces"].push_back(json_of(r, run.device));
+    for (const PairsResult& r : pairs) json["pairs"].push_back(json_of(r, run.device));
+    std::string markdown = fmt::format("Measured on: {}; {}.\n\n", machine_description(), card);
+    markdown += markdown_of(surfaces, run.device) + "\n" + markdown_of(pairs, run.device);
+    return {markdown, json.dump(1) + "\n", {}};
+}
+
+void measure(const Flags& flags) {
+    if (!flags.tree.empty()) return write_skeleton(flags.tree, random_tree(3000, kSeed));
+    const GpuRun run{find_device(), flags.repeat, flags.context()};
+    std::vector<GpuResult> surfaces;
+    for (const QuadCase& c : quad_cases(flags.small)) surfaces.push_back(measure_quads(c, run));
+    const std::vector<PairsResult> pairs{measure_pairs(Kernel::quartic, run),
+                                         measure_pairs(Kernel::cauchy, run)};
+    publish(results_of(run, surfaces, pairs), flags);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Flags flags;
+    flags.threads = 0;
+    CLI::App app("Measures surfaces on a graphics card.");
+    add_program_flags(app, flags, flags.repeat, flags.seconds, "case");
+    app.add_flag("--small", flags.small, "only the trees of the papers");
+    app.add_option("--write-tree", flags.tree, "only write a made-up tree of 3,000 segments to this file");
+    return run_program(app, argc, argv, [&] { measure(flags); });
+}

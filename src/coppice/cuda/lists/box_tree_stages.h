@@ -1,0 +1,183 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/box.h"
+#include "coppice/base/host_device.h"
+#include "coppice/cuda/device.h"
+#include "coppice/spatial/box_tree_kernel.h"
+
+namespace coppice::cuda {
+
+/// A BoxTree in the memory of an executor: the same order and the same boxes. Eight boxes that one box of the
+/// level above bounds are a group.
+class DeviceBoxTree {
+  public:
+    static constexpr std::uint32_t kWidth = BoxGroup::kWidth;  ///< boxes of a group
+    static constexpr std::uint32_t kMostLevels = 8;            ///< that a query can keep track of
+    static constexpr std::uint32_t kMostItems = 1u << 24;      ///< in that many levels
+
+    /// A tree of the items in this order, whose groups are still to be filled. At least one item.
+    template <class Exec>
+    DeviceBoxTree(Exec& exec, std::span<const std::uint32_t> order) : item_(order) {
+        if (order.size() > kMostItems) throw DeviceError("more boxes than a tree on the device can hold");
+        auto count = static_cast<std::uint32_t>(order.size());
+        do {
+            count = (count + kWidth - 1) / kWidth;
+            first_[level_count_ + 1] = first_[level_count_] + count;
+            ++level_count_;
+        } while (count > 1);
+        groups_ = exec.template array<BoxGroup>(first_[level_count_]);
+    }
+
+    /// the index of what lies at a place of level 0, by place
+    COPPICE_HOST_DEVICE std::span<const std::uint32_t> items() const { return item_; }
+    COPPICE_HOST_DEVICE std::uint32_t level_count() const { return level_count_; }  ///< of groups
+    /// Level 0 holds the items' boxes by place; group i of a level lies in box i of the level above.
+    COPPICE_HOST_DEVICE std::span<BoxGroup> level(std::uint32_t l) const {
+        return groups_.subspan(first_[l], first_[l + 1] - first_[l]);
+    }
+
+    /// Calls visit(item) for all items whose boxes overlap the given one, in the order of BoxTree; touching
+    /// counts. A visit that returns false ends the search.
+    template <class Visit>
+    COPPICE_HOST_DEVICE void visit_overlapping(const Box3& box, const Visit& visit) const {
+        // Byte l: the boxes still to be visited of the group of level l where the search has come to.
+        std::uint64_t pending = groups_[first_[level_count_ - 1]].overlapping(box);
+        const std::uint32_t top = level_count_ - 1;
+        pending <<= 8 * top;
+        for (std::uint32_t l = top, group = 0; pending != 0;) {
+            const auto hits = static_cast<std::uint32_t>(pending >> (8 * l)) & 0xff;
+            if (hits == 0) {
+                ++l;
+                group /= kWidth;
+                continue;
+            }
+            const std::uint32_t i = kWidth * group + lowest_bit(hits);
+            pending &= pending - 1;  // levels below are done, so that the lowest bit is of this one
+            if (l > 0) {
+                group = i;
+                --l;
+                pending |= std::uint64_t{groups_[first_[l] + group].overlapping(box)} << (8 * l);
+            } else if (!visit(item_[i])) {
+                return;
+            }
+        }
+    }
+
+  private:
+    COPPICE_HOST_DEVICE static std::uint32_t lowest_bit(std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+        return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits)) - 1);
+#else
+        return static_cast<std::uint32_t>(std::countr_zero(bits));
+#endif
+    }
+
+    std::span<const std::uint32_t> item_;
+    std::span<BoxGroup> groups_;  ///< level by level
+    std::array<std::uint32_t, kMostLevels + 1> first_{};
+    std::uint32_t level_count_ = 0;
+};
+
+/// out[i] bounds every out.size()-th box from i on.
+struct BoundBoxes {
+    std::span<const Box3> boxes;
+    std::span<Box3> out;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        Box3 all;
+        for (std::size_t k = i; k < boxes.size(); k += out.size()) all.extend(boxes[k]);
+        out[i] = all;
+    }
+};
+
+/// What the boxes are sorted by.
+struct EncodeBoxes {
+    std::span<const Box3> boxes;
+    std::span<const Box3> all;  ///< one box that holds them
+    std::span<std::uint64_t> code;
+    std::span<std::uint32_t> item;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        code[i] = box_code(box_grid(all[0]), boxes[i]);
+        item[i] = i;
+    }
+};
+
+/// Group by group, the boxes of the items.
+struct GroupItems {
+    std::span<const Box3> boxes;
+    std::span<const std::uint32_t> item;
+    std::span<BoxGroup> groups;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t g) const {
+        BoxGroup group;
+        for (std::uint32_t k = 0; k < BoxGroup::kWidth; ++k) {
+            const std::uint32_t place = BoxGroup::kWidth * g + k;
+            group.set(k, place < item.size() ? boxes[item[place]] : Box3{});
+        }
+        groups[g] = group;
+    }
+};
+
+/// Group by group, the boxes about the groups of the level below.
+struct GroupGroups {
+    std::span<const BoxGroup> below;
+    std::span<BoxGroup> groups;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t g) const {
+        BoxGroup group;
+        for (std::uint32_t k = 0; k < BoxGroup::kWidth; ++k) {
+            const std::uint32_t i = BoxGroup::kWidth * g + k;
+            group.set(k, i < below.size() ? below[i].bounds() : Box3{});
+        }
+        groups[g] = group;
+    }
+};
+
+/// The upper levels in one launch: they are small.
+struct GroupTop {
+    DeviceBoxTree tree;
+    std::uint32_t from;  ///< the lowest of them
+    template <class Group>
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t, const Group& group) const {
+        for (std::uint32_t l = from; l < tree.level_count(); ++l) {
+            const GroupGroups step{tree.level(l - 1), tree.level(l)};
+            group.each(static_cast<std::uint32_t>(step.groups.size()), step);
+        }
+    }
+};
+
+/// The order of boxes along a Morton curve: that of a BoxTree. They must be finite and not empty.
+template <class Exec>
+std::span<const std::uint32_t> box_order(Exec& exec, std::span<const Box3> boxes) {
+    constexpr std::size_t kShare = 64;  // boxes that one thread bounds
+    std::span<const Box3> all = boxes;
+    do {
+        const std::span<Box3> fewer = exec.template array<Box3>((all.size() + kShare - 1) / kShare);
+        exec.each("bound boxes", fewer.size(), BoundBoxes{all, fewer});
+        all = fewer;
+    } while (all.size() > 1);
+    const auto code = exec.template array<std::uint64_t>(boxes.size());
+    const auto item = exec.template array<std::uint32_t>(boxes.size());
+    exec.each("encode boxes", boxes.size(), EncodeBoxes{boxes, all, code, item});
+    exec.sort_pairs(code, item, 3 * kBoxCodeBits);
+    return item;
+}
+
+/// The tree of boxes that lie in a given order: that of box_order(), or of where they were before they moved,
+/// which makes queries slower but not wrong.
+template <class Exec>
+DeviceBoxTree box_tree(Exec& exec, std::span<const Box3> boxes, std::span<const std::uint32_t> order) {
+    constexpr std::size_t kTop = 1024;  // groups of a level that one block fills in no time
+    const DeviceBoxTree tree(exec, order);
+    exec.each("group items", tree.level(0).size(), GroupItems{boxes, order, tree.level(0)});
+    std::uint32_t l = 1;
+    for (; l < tree.level_count() && tree.level(l).size() > kTop; ++l) {
+        exec.each("group groups", tree.level(l).size(), GroupGroups{tree.level(l - 1), tree.level(l)});
+    }
+    if (l < tree.level_count()) exec.groups("group top", 1, GroupTop{tree, l});
+    return tree;
+}
+
+}  // namespace coppice::cuda

@@ -1,0 +1,23 @@
+#include "coppice/cuda/quads/device_quads.h"
+
+namespace coppice {
+
+struct DeviceQuads::Impl {};
+
+DeviceQuads::DeviceQuads(const Context&) {
+    throw DeviceError("no CUDA device was found: " + find_device().missing);
+}
+DeviceQuads::~DeviceQuads() = default;
+DeviceQuads::DeviceQuads(DeviceQuads&&) noexcept = default;
+DeviceQuads& DeviceQuads::operator=(DeviceQuads&&) noexcept = default;
+
+// Without a card there is no object to call these of.
+void DeviceQuads::begin(const cuda::QuadJob&, const ConvolutionField&) {}
+bool DeviceQuads::begin(const cuda::QuadJob&, const cuda::ContactInput&) { return false; }
+cuda::QuadReport DeviceQuads::finish(Buffer<Vec3>&, Buffer<Vec3>*) { return {}; }
+void DeviceQuads::repeat() {}
+void DeviceQuads::measure() {}
+std::vector<cuda::KernelTime> DeviceQuads::take_times() { return {}; }
+std::uint64_t DeviceQuads::bytes_used() const { return 0; }
+
+}  // namespace coppice

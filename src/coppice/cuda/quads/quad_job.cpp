@@ -1,0 +1,40 @@
+#include "coppice/cuda/quads/quad_job.h"
+
+#include "coppice/cuda/field/field_view.h"
+#include "coppice/cuda/quads/device_quads.h"
+#include "coppice/cuda/quads/quad_kernels.h"
+
+namespace coppice {
+
+namespace cuda {
+
+QuadCounts refined_counts(const CageView& cage, int levels) {
+    const std::uint32_t inside = (1u << levels) - 1;
+    return {cage.vertex_count() + inside * cage.edge_count() + inside * inside * cage.face_count(),
+            cage.face_count() << (2 * levels)};
+}
+
+}  // namespace cuda
+
+std::uint64_t bytes_of(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries) {
+    using cuda::refined_counts;
+    constexpr std::uint64_t kSlack = std::uint64_t{16}
+                                     << 20;  // what arrays are rounded up by, and what is small
+    constexpr std::uint64_t kFoldedShare = 50, kAroundFold = 100;
+    const cuda::QuadCounts out = refined_counts(job.cage, job.levels);
+    std::uint64_t bytes = kSlack;
+    for (int level = 0; level <= job.levels; ++level)
+        bytes += 2 * sizeof(Vec3) * std::uint64_t{refined_counts(job.cage, level).vertices};
+    bytes += sizeof(cuda::ProjectionStatus) * std::uint64_t{out.vertices};
+    if (job.project.relax_passes > 0) bytes += sizeof(Vec3) * std::uint64_t{out.vertices};
+    bytes += sizeof(std::uint32_t) * std::uint64_t{out.quads};          // where folds are
+    bytes += (sizeof(Quad) + sizeof(Vec3)) * std::uint64_t{out.quads};  // quads and normals
+    bytes += std::min<std::uint64_t>(out.quads / kFoldedShare * kAroundFold, out.quads) / 4 * sizeof(Vec3);
+    bytes += 2 * sizeof(Quad) * std::uint64_t{job.cage.face_count()} +
+             sizeof(std::uint64_t) * std::uint64_t{job.cage.edge_count()} +
+             sizeof(std::uint32_t) * (job.cage.vertex_count() + std::uint64_t{5} * job.cage.face_count());
+    bytes += sizeof(cuda::DeviceSegment) * segments + sizeof(std::uint32_t) * entries;
+    return bytes;
+}
+
+}  // namespace coppice

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/cuda/device.h"
+#include "coppice/cuda/exec/kernel_time.h"
+#include "coppice/cuda/tetra/cut_convolution.h"
+#include "coppice/tetra/march/march.h"
+
+namespace coppice {
+
+/// What marching as printed makes.
+struct PrintedMarch {
+    std::uint64_t tetra = 0;      ///< of the last level
+    std::uint64_t vertices = 0;   ///< of the last level, all sampled
+    std::uint64_t triangles = 0;  ///< each with corners of its own
+    TriMesh mesh;                 ///< the same triangles, welded; empty if not asked for
+};
+
+/// Marches on a card. Keeps the memory that a call took for the next one. One call at a time.
+class DeviceMarcher {
+  public:
+    /// Throws DeviceError where there is no card, or this build has no kernels.
+    explicit DeviceMarcher(const Context& ctx = {});
+    ~DeviceMarcher();                                    ///< gives the memory back
+    DeviceMarcher(DeviceMarcher&&) noexcept;             ///< leaves the other one empty
+    DeviceMarcher& operator=(DeviceMarcher&&) noexcept;  ///< leaves the other one empty
+
+    /// See march() of coppice/tetra: the field is sampled and the surface placed on the card, what lies
+    /// between is done here. Positions agree to 1e-4 of the local radius; where a vertex is as near to the
+    /// surface as it may be to be moved, rounding may decide otherwise. Throws DeviceError when the card has
+    /// too little memory (see FieldStages) or fails, and what march() throws.
+    MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
+                      const MarchOptions& options, const Context& ctx = {});
+
+    /// As [Zhu2013] prints it: tetrahedra written down level by level, each cut along its own shortest
+    /// diagonal, no snapping, vertices by the straight line between two values. Some 150 bytes of the card
+    /// per tetrahedron of the last level. Throws as march().
+    PrintedMarch march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field, bool weld,
+                                  const Context& ctx = {});
+
+    /// From now on the time of every kernel is noted.
+    void measure();
+    /// What was noted since it was asked for the last time.
+    std::vector<cuda::KernelTime> take_times();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace coppice

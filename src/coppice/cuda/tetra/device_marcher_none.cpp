@@ -1,0 +1,23 @@
+#include "coppice/cuda/tetra/device_marcher.h"
+
+namespace coppice {
+
+struct DeviceMarcher::Impl {};
+
+DeviceMarcher::DeviceMarcher(const Context&) { throw DeviceError(find_device().missing); }
+DeviceMarcher::~DeviceMarcher() = default;
+DeviceMarcher::DeviceMarcher(DeviceMarcher&&) noexcept = default;
+DeviceMarcher& DeviceMarcher::operator=(DeviceMarcher&&) noexcept = default;
+
+MarchResult DeviceMarcher::march(const TetraMesh&, const CutConvolution&, const InsideAxes&,
+                                 const MarchOptions&, const Context&) {
+    return {};
+}
+PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh&, int, const CutConvolution&, bool,
+                                             const Context&) {
+    return {};
+}
+void DeviceMarcher::measure() {}
+std::vector<cuda::KernelTime> DeviceMarcher::take_times() { return {}; }
+
+}  // namespace coppice

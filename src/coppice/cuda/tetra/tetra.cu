@@ -1,0 +1,69 @@
+#include <utility>
+
+#include "coppice/cuda/exec/cuda_executor.cuh"
+#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/tetra/device_marcher.h"
+#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/tetra/printed_stages.h"
+
+namespace coppice {
+
+using cuda::CudaExecutor;
+
+struct DeviceMarcher::Impl {
+    explicit Impl(const Context& ctx) : exec(ctx) {}
+
+    /// Calls use(view) with the field as kernels of this card sample it.
+    template <class Use>
+    void with_field(const CutConvolution& field, const Use& use) {
+        exec.reset();
+        cuda::with_formula(field.field.kernel(), [&](const auto& formula) {
+            const cuda::FieldView view(formula, cuda::upload_field(exec, field.field));
+            use(cuda::upload_cuts(exec, view, field.ends, field.level()));
+        });
+    }
+
+    CudaExecutor exec;
+};
+
+DeviceMarcher::DeviceMarcher(const Context& ctx) {
+    const DeviceSearch found = find_device();
+    if (!found.device) throw DeviceError(found.missing);
+    impl_ = std::make_unique<Impl>(ctx);
+}
+DeviceMarcher::~DeviceMarcher() = default;
+DeviceMarcher::DeviceMarcher(DeviceMarcher&&) noexcept = default;
+DeviceMarcher& DeviceMarcher::operator=(DeviceMarcher&&) noexcept = default;
+
+MarchResult DeviceMarcher::march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
+                                 const MarchOptions& options, const Context& ctx) {
+    MarchResult out;
+    impl_->with_field(field, [&](const auto& view) {
+        cuda::FieldStages stages(impl_->exec, view, field.level());
+        out = coppice::march(mesh, FieldRef(field), axes, options, stages, ctx);
+    });
+    return out;
+}
+
+PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field,
+                                             bool weld, const Context& ctx) {
+    PrintedMarch out;
+    impl_->with_field(field, [&](const auto& view) {
+        CudaExecutor& exec = impl_->exec;
+        const cuda::ExplicitTetra coarse = cuda::upload_explicit(exec, mesh, ctx);
+        const auto found = cuda::march_as_printed(exec, coarse, levels, view, field.level(), weld);
+        out.tetra = found.mesh.tetra.size();
+        out.vertices = found.mesh.positions.size();
+        out.triangles = found.triangles.size();
+        out.mesh.positions.resize(found.positions.size());
+        out.mesh.triangles.resize(found.welded.size());
+        exec.download(found.positions, std::span(out.mesh.positions));
+        exec.download(found.welded, std::span(out.mesh.triangles));
+    });
+    return out;
+}
+
+void DeviceMarcher::measure() { impl_->exec.measure(); }
+std::vector<cuda::KernelTime> DeviceMarcher::take_times() { return impl_->exec.take_times(); }
+
+}  // namespace coppice

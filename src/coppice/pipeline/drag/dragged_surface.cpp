@@ -1,0 +1,71 @@
+#include "coppice/pipeline/drag/dragged_surface.h"
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/parallel.h"
+#include "coppice/field/convolution_field.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/mesh/normals.h"
+#include "coppice/pipeline/field_regions_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kDragGrain = 4096;
+
+Skeleton moved(const Skeleton& s, const std::vector<Vec3>& positions) {
+    return {{s.parents().begin(), s.parents().end()},
+            positions,
+            {s.radii().begin(), s.radii().end()},
+            s.origin(),
+            {s.stable_ids().begin(), s.stable_ids().end()}};
+}
+
+Buffer<Vec3> picked(std::span<const Vec3> values, std::span<const std::uint32_t> which) {
+    Buffer<Vec3> out(which.size());
+    for (std::size_t i = 0; i < which.size(); ++i) out[i] = values[which[i]];
+    return out;
+}
+
+}  // namespace
+
+DraggedSurface::DraggedSurface(const QuadModel& model, const DragPart& part, const Context&)
+    : model_(&model),
+      part_(&part),
+      positions_(picked(model.rest.positions, part.vertex)),
+      normals_(smooth_normals(positions_, part.quads)) {}
+
+ProjectReport DraggedSurface::project_part(const DragPose& pose, Buffer<Vec3>& positions,
+                                           const Context& ctx) const {
+    const Skeleton skeleton = moved(model_->skeleton, pose.nodes);
+    const Skeleton tubes = moved(model_->tubes, pose.tube_nodes);
+    ConvolutionField field(skeleton, model_->field, ctx);
+    field.set_regions(pipeline_internal::field_regions(model_->control, part_->cage_quad,
+                                                       {pose.cage, pose.anchors}, skeleton),
+                      {tubes, model_->tube}, ctx);
+    std::vector<ClipPlane> clips;
+    for (std::size_t k = 0; k < part_->clip.size(); ++k) {
+        clips.push_back(pose.clips[part_->clip[k]]);
+        clips.back().first_quad = part_->clip_quad[k];
+    }
+    positions = part_->patches.refine(picked(pose.cage, part_->cage_vertex), ctx);
+    const Buffer<Vec3> anchors = part_->patches.refine(picked(pose.anchors, part_->cage_vertex), ctx);
+    const ProjectionTarget target{FieldRef(field), part_->region, clips};
+    return project(positions, anchors, part_->patches, target, model_->options.project, ctx);
+}
+
+ProjectReport DraggedSurface::make(const DragPose& pose, const Context& ctx) {
+    Buffer<Vec3> refined;
+    const ProjectReport report = project_part(pose, refined, ctx);
+    parallel_for(ctx, part_->written, kDragGrain,
+                 [&](std::size_t i) { positions_[i] = refined[part_->from[i]]; });
+    parallel_for(ctx, part_->shaded, kDragGrain, [&](std::size_t i) {
+        Vec3 sum;
+        for (const std::uint32_t f : part_->fans[i]) sum += area_normal(positions_, part_->quads[f]);
+        normals_[i] = normalized(sum);
+    });
+    return report;
+}
+
+}  // namespace coppice

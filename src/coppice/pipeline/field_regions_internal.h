@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/field/candidate_lists.h"
+#include "coppice/mesh/control_mesh.h"
+#include "coppice/pipeline/quad_origin_internal.h"
+#include "coppice/skeleton/skeleton.h"
+
+namespace coppice::pipeline_internal {
+
+/// Where the vertices of a cage and their anchors are.
+struct CagePlaces {
+    std::span<const Vec3> positions, anchors;
+};
+
+/// The region of one quad grows until it holds the quad and its anchors.
+inline void extend_region(std::vector<FieldRegion>& regions, const ControlMesh& control, std::uint32_t quad,
+                          const CagePlaces& places) {
+    Box3& box = regions[control.region[quad]].box;
+    for (const std::uint32_t v : control.cage.quads[quad]) {
+        box.extend(places.positions[v]);
+        box.extend(places.anchors[v]);
+    }
+}
+
+/// The regions of a field in which the surface about some quads of a cage is looked for, wherever the cage
+/// is: boxes about quads and anchors. Regions that have none of the quads have empty boxes.
+inline std::vector<FieldRegion> field_regions(const ControlMesh& control,
+                                              std::span<const std::uint32_t> quads, const CagePlaces& places,
+                                              const Skeleton& skeleton) {
+    std::vector<FieldRegion> regions(control.region_node.size());
+    for (const std::uint32_t f : quads) extend_region(regions, control, f, places);
+    complete(regions, control.region_node, skeleton);
+    return regions;
+}
+
+/// The same about all quads of a cage as it stands.
+inline std::vector<FieldRegion> field_regions(const ControlMesh& control, const Skeleton& skeleton) {
+    std::vector<FieldRegion> regions(control.region_node.size());
+    for (std::uint32_t f = 0; f < control.region.size(); ++f)
+        extend_region(regions, control, f, {control.cage.positions, control.anchors});
+    complete(regions, control.region_node, skeleton);
+    return regions;
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,43 @@
+#include <fmt/format.h>
+
+#include "coppice/pipeline/quads_on_device_internal.h"
+
+namespace coppice {
+namespace {
+
+// Fewer are done before the driver of a card has started.
+constexpr std::uint64_t kWorthwhile = std::uint64_t{1} << 22;
+
+void note(DeviceUse& use, const std::string& why) {
+    use = {"CPU", fmt::format("{}; the CPU did the work", why)};
+}
+
+}  // namespace
+
+bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use) {
+    if (wanted == Device::cpu || (wanted == Device::automatic && faces < kWorthwhile)) return false;
+    const DeviceSearch search = find_device();
+    if (search.device) {
+        use.name = search.device->name;
+        return true;
+    }
+    if (wanted == Device::cuda) note(use, "no CUDA device was found: " + search.missing);
+    return false;
+}
+
+void note_failure(DeviceUse& use, const DeviceError& error) { note(use, error.what()); }
+
+std::optional<DeviceQuads> begin_on_device(const cuda::QuadJob& job, const cuda::ContactInput& contacts,
+                                           const std::function<void()>& set_regions, DeviceUse& use,
+                                           const Context& ctx) {
+    return on_device(use, [&] {
+        DeviceQuads device(ctx);
+        if (contacts.field.contact() == 0 || !device.begin(job, contacts)) {
+            set_regions();
+            device.begin(job, contacts.field);
+        }
+        return device;
+    });
+}
+
+}  // namespace coppice

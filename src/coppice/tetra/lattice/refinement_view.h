@@ -1,0 +1,124 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/host_device.h"
+#include "coppice/base/vec.h"
+#include "coppice/tetra/lattice/pattern.h"
+
+namespace coppice {
+
+/// What a coarse tetrahedron is made of, by group of its pattern: 4 vertices, 6 edges, 4 faces.
+using TetraParts = std::array<std::uint32_t, 14>;
+
+/// What is known of a coarse tetrahedron: see the functions of TetraRefinement of the same names.
+struct TetraTraits {
+    float shortest_edge;    ///< [m] fine
+    float width;            ///< [m] fine
+    std::uint16_t owned;    ///< bits by group
+    std::uint8_t diagonal;  ///< along which it is cut
+    bool mirrored;          ///< ascending vertices turn the other way
+};
+
+/// A part of the coarse mesh that fine vertices and fine edges lie inside.
+enum class TetraPartKind : std::uint8_t { vertex, edge, face, inside };
+
+/// The kind of a group of a pattern.
+constexpr std::uint32_t part_kind(std::uint32_t group) {
+    return (group >= 4 ? 1u : 0u) + (group >= 10 ? 1u : 0u) + (group >= TetraPattern::kInside ? 1u : 0u);
+}
+
+/// Where a fine vertex, or edge, lies: number `index` of those inside a coarse part.
+struct FinePlace {
+    TetraPartKind kind;   ///< of the coarse part
+    std::uint32_t part;   ///< number of the coarse vertex, edge, face or tetrahedron
+    std::uint32_t index;  ///< among those inside that part
+};
+
+/// How fine vertices, or fine edges, are numbered: those of the coarse vertices, of the edges, the faces and
+/// the tetrahedra, one part after the other, as many inside each part of a kind.
+struct FineNumbers {
+    std::array<std::uint32_t, 4> per_kind{};       ///< inside one part
+    std::array<std::uint32_t, 4> first_of_kind{};  ///< number of the first one
+
+    /// The number of the first one inside the part of a group; the others follow.
+    COPPICE_HOST_DEVICE std::uint32_t first(std::uint32_t tetra, const TetraParts& parts,
+                                            std::uint32_t group) const {
+        const std::uint32_t kind = part_kind(group);
+        const std::uint32_t part = group == TetraPattern::kInside ? tetra : parts[group];
+        return first_of_kind[kind] + part * per_kind[kind];
+    }
+    /// Where one lies.
+    COPPICE_HOST_DEVICE FinePlace place(std::uint32_t number) const {
+        std::uint32_t kind = 3;
+        while (number < first_of_kind[kind] || per_kind[kind] == 0) --kind;
+        const std::uint32_t offset = number - first_of_kind[kind];
+        return {static_cast<TetraPartKind>(kind), offset / per_kind[kind], offset % per_kind[kind]};
+    }
+};
+
+/// [m] A fine vertex by its shares of the corners, which are summed in ascending order; those without a share
+/// add nothing, not even an error. So it has the same bits from every coarse tetrahedron.
+COPPICE_HOST_DEVICE inline Vec3 fine_position(const Vec3* coarse, const TetraParts& parts,
+                                              const std::array<float, 4>& shares) {
+    Vec3 sum;
+    for (std::size_t i = 0; i < 4; ++i) sum += coarse[parts[i]] * shares[i];
+    return sum;
+}
+
+/// A TetraPattern whose arrays lie anywhere, such as on a device.
+struct PatternView {
+    using Local = TetraPattern::Local;                                    ///< see there
+    std::span<const std::array<float, 4>> shares;                         ///< see TetraPattern
+    std::span<const std::uint8_t> group;                                  ///< see TetraPattern
+    std::span<const std::array<Local, 4>> tetra;                          ///< see TetraPattern
+    std::span<const std::array<Local, 2>> edges;                          ///< see TetraPattern
+    std::span<const std::uint8_t> edge_group;                             ///< see TetraPattern
+    std::span<const std::array<Local, 6>> tetra_edges;                    ///< see TetraPattern
+    std::array<std::uint32_t, TetraPattern::kGroups + 1> first_vertex{};  ///< see TetraPattern
+    std::array<std::uint32_t, TetraPattern::kGroups + 1> first_edge{};    ///< see TetraPattern
+};
+
+/// A TetraRefinement whose arrays lie anywhere, such as on a device.
+struct RefinementView {
+    std::span<const Vec3> positions;            ///< [m] of the coarse mesh
+    std::span<const TetraParts> parts;          ///< of every coarse tetrahedron
+    std::span<const TetraTraits> traits;        ///< of every coarse tetrahedron
+    std::span<const float> shortest_at;         ///< [m] of coarse vertices, edges, faces
+    std::array<std::uint32_t, 4> first_part{};  ///< of every kind, in shortest_at
+    std::array<PatternView, 3> patterns;        ///< by diagonal
+    FineNumbers vertices;                       ///< fine ones
+    FineNumbers edges;                          ///< fine ones
+    std::uint64_t edge_count = 0;               ///< fine ones; their numbers hold up to 2^32
+    int levels = 0;                             ///< times that it is refined
+
+    /// how a coarse tetrahedron is cut
+    COPPICE_HOST_DEVICE const PatternView& pattern(std::uint32_t tetra) const {
+        return patterns[traits[tetra].diagonal];
+    }
+    /// See TetraRefinement.
+    COPPICE_HOST_DEVICE std::uint32_t vertex(std::uint32_t tetra, std::uint32_t local) const {
+        const PatternView& p = pattern(tetra);
+        const std::uint32_t group = p.group[local];
+        return vertices.first(tetra, parts[tetra], group) + (local - p.first_vertex[group]);
+    }
+    /// The number of a fine edge that one coarse tetrahedron sees.
+    COPPICE_HOST_DEVICE std::uint32_t edge(std::uint32_t tetra, std::uint32_t local) const {
+        const PatternView& p = pattern(tetra);
+        const std::uint32_t group = p.edge_group[local];
+        return edges.first(tetra, parts[tetra], group) + (local - p.first_edge[group]);
+    }
+    /// See TetraRefinement.
+    COPPICE_HOST_DEVICE Vec3 position(std::uint32_t tetra, std::uint32_t local) const {
+        return fine_position(positions.data(), parts[tetra], pattern(tetra).shares[local]);
+    }
+    /// See TetraRefinement.
+    COPPICE_HOST_DEVICE float shortest_edge(std::uint32_t tetra, std::uint32_t group) const {
+        if (group == TetraPattern::kInside) return traits[tetra].shortest_edge;
+        return shortest_at[first_part[part_kind(group)] + parts[tetra][group]];
+    }
+};
+
+}  // namespace coppice

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/host_device.h"
+#include "coppice/base/vec.h"
+#include "coppice/implicit/field_ref.h"
+
+namespace coppice::tetra_kernel {
+
+/// A plane across the end of a tree that cuts off a field within a few radii of it.
+struct EndCut {
+    Vec3 center;   ///< [m] the end
+    Vec3 outward;  ///< unit vector
+    float radius;  ///< [m] there
+
+    static constexpr float kReach = 3;  ///< [radii] from its center a cut is felt; the line ends before
+};
+
+/// Cuts off a sample of a field at p. The plane's own field falls with the slope that the quartic kernel's
+/// value^(2/5) has at the surface: where plane and bark meet, distances are guessed alike on both.
+COPPICE_HOST_DEVICE inline void cut_off(const EndCut& cut, float level, Vec3 p, FieldSample& s) {
+    constexpr float kSlope = 1.6f;  // per radius
+    const Vec3 w = p - cut.center;
+    if (length_squared(w) > EndCut::kReach * EndCut::kReach * cut.radius * cut.radius) return;
+    const float scale = kSlope / cut.radius;
+    const float g = std::max(1 - scale * dot(w, cut.outward), 0.0f), root = std::sqrt(g);
+    const float value = level * g * g * root;
+    if (value < s.value) s = {value, -2.5f * level * scale * g * root * cut.outward};
+}
+
+}  // namespace coppice::tetra_kernel

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "coppice/base/host_device.h"
+#include "coppice/base/vec.h"
+
+namespace coppice::tetra_kernel {
+
+/// Six times the volume of a tetrahedron, negative when it is turned over.
+COPPICE_HOST_DEVICE inline double tetra_volume(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
+    return dot(cross(b - a, c - a), d - a);
+}
+
+/// [m] How far the vertices of a fine tetrahedron of this width may move, two of them together, before it can
+/// have turned over.
+COPPICE_HOST_DEVICE inline float harmless_way(float width) { return 0.94f * width; }
+
+/// [m] How far the two that moved most did so together.
+COPPICE_HOST_DEVICE inline float two_longest(const std::array<float, 4>& way) {
+    const float ab = std::max(way[0], way[1]), cd = std::max(way[2], way[3]);
+    return std::max(std::max(way[0] + way[1], way[2] + way[3]), ab + cd);
+}
+
+/// Whether a tetrahedron is turned over, or too flat, whose volume times six was `before`. Both may be
+/// negative: the order of the vertices is the pattern's.
+COPPICE_HOST_DEVICE inline bool is_flat(const std::array<Vec3d, 4>& p, double before) {
+    constexpr double kLeast = 0.15;  // of what it was
+    return !(tetra_volume(p[0], p[1], p[2], p[3]) / before > kLeast);
+}
+
+/// Of the vertices of a tetrahedron the one that moved farthest; of several the one of the least number.
+COPPICE_HOST_DEVICE inline std::uint32_t farthest(const std::array<std::uint32_t, 4>& vertex,
+                                                  const std::array<float, 4>& way) {
+    std::uint32_t out = 0;
+    float longest = -1;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (way[i] < longest || (way[i] == longest && vertex[i] > out)) continue;
+        longest = way[i];
+        out = vertex[i];
+    }
+    return out;
+}
+
+}  // namespace coppice::tetra_kernel

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "coppice/base/host_device.h"
+#include "coppice/base/vec.h"
+#include "coppice/implicit/field_ref.h"
+#include "coppice/tetra/march/profile_kernel.h"
+
+namespace coppice::tetra_kernel {
+
+/// [fine edges] How far a held vertex may be moved.
+inline constexpr float kHeldReach = 0.45f;
+
+/// Newton's step along the gradient; false when it is longer than `most`.
+COPPICE_HOST_DEVICE inline bool step_to_surface(const Profile& profile, const FieldSample& s, float height,
+                                                float most, Vec3& step) {
+    const float slope = profile.slope(s.value);
+    const Vec3 gradient = s.gradient * slope;
+    const float squared = length_squared(gradient);
+    if (!(height * height <= most * most * squared) || !(squared > 0) || most <= 0) return false;
+    step = gradient * (-height / squared);
+    return is_finite(step);
+}
+
+/// Where a vertex would be moved, and how far.
+struct SnapPlace {
+    Vec3 position;  ///< [m]
+    float way;      ///< [m]
+};
+
+/// A second step, from where the first one led, decides: it must be the shorter one, and both together no
+/// longer than `reach`. `there` is the field at the end of the first step.
+COPPICE_HOST_DEVICE inline bool second_step(const Profile& profile, const FieldSample& there, Vec3 from,
+                                            Vec3 first_end, float reach, SnapPlace& out) {
+    const float first = distance(first_end, from);
+    Vec3 step;
+    const float height = profile.height(there.value);
+    if (!step_to_surface(profile, there, height, std::max(0.5f * first, 0.02f * reach), step)) return false;
+    out.position = first_end + step;
+    out.way = distance(out.position, from);
+    return out.way <= reach;
+}
+
+}  // namespace coppice::tetra_kernel

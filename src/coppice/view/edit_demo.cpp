@@ -1,0 +1,221 @@
+#include "coppice/view/edit_demo.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/error.h"
+#include "coppice/mesh/normals.h"
+#include "coppice/render/frame_view.h"
+
+namespace coppice {
+namespace {
+
+constexpr int kPictures = 4;
+constexpr double kSwings = 1.25;  // to one side, to the other, and once more to the first
+
+class Stopwatch {
+  public:
+    // Seconds since the last time.
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        const std::chrono::duration<double> took = now - std::exchange(last_, now);
+        return took.count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+// Seconds of a part of the frames, one after the other.
+struct Laps {
+    std::vector<double> edit, surface, upload, draw;
+
+    FrameTimes summary(double& whole) const {
+        std::vector<double> frame;
+        for (std::size_t k = 0; k < edit.size(); ++k) {
+            frame.push_back(edit[k] + surface[k] + upload[k] + draw[k]);
+            whole += frame.back();
+        }
+        return {statistics(edit), statistics(surface), statistics(upload), statistics(draw),
+                statistics(std::move(frame))};
+    }
+};
+
+RenderOptions camera_options(const ViewOptions& options) {
+    return {.width = options.width,
+            .height = options.height,
+            .azimuth = options.azimuth,
+            .elevation = options.elevation,
+            .field_of_view = options.field_of_view,
+            .margin = options.margin};
+}
+
+SketchView camera_of(std::span<const Vec3> positions, std::span<const Vec3> reached,
+                     const ViewOptions& options) {
+    std::vector<Vec3d> points;
+    for (const Vec3 p : positions) points.emplace_back(p);
+    for (const Vec3 p : reached) points.emplace_back(p);
+    return frame_view(points, camera_options(options));
+}
+
+// From the object to the camera.
+Vec3d viewing_axis(const ViewOptions& options) {
+    const double azimuth = options.azimuth, elevation = options.elevation;
+    return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+            std::sin(elevation)};
+}
+
+// Where the nodes of the branch come to, at both sides of its way: with balls of their radii.
+std::vector<Vec3> reached_places(const QuadModel& model, const BranchDrag& drag, double swing) {
+    constexpr int kSteps = 8;
+    std::vector<Vec3> out;
+    DragPose pose = drag.rest();
+    for (int k = -kSteps; k <= kSteps; ++k) {
+        drag.turn(swing * k / kSteps, pose);
+        for (const std::uint32_t n : drag.nodes()) {
+            const float r = model.skeleton.radius(NodeId(n));
+            const Vec3 p = pose.nodes[n];
+            for (const Vec3 way : {Vec3{r, 0, 0}, Vec3{0, r, 0}, Vec3{0, 0, r}})
+                out.insert(out.end(), {p - way, p + way});
+        }
+    }
+    return out;
+}
+
+// Whether a frame is one of those of which pictures are taken.
+bool is_shown(int frame, int frames) {
+    if (frames <= kPictures) return true;
+    for (int i = 0; i < kPictures; ++i)
+        if (frame == i * (frames - 1) / (kPictures - 1)) return true;
+    return false;
+}
+
+double angle_of(int frame, const EditDemoOptions& demo) {
+    if (frame == 0) return 0;
+    const double way = static_cast<double>(frame) / (demo.frames - 1);
+    return demo.swing * std::sin(2 * std::numbers::pi * kSwings * way);
+}
+
+NodeId checked_branch(const QuadModel& model, const EditDemoOptions& demo) {
+    const NodeId top = branch_of_about(model.skeleton, static_cast<std::uint32_t>(demo.segments));
+    if (!top) throw InvalidInput("view: a tree without segments has no branch that could be dragged");
+    return top;
+}
+
+// Per drawn vertex, whether it is of the branch.
+std::vector<float> vertices_of(const QuadModel& model, const BranchDrag& drag, const DragPart& part) {
+    std::vector<float> out(part.vertex.size());
+    std::vector<std::uint8_t> turns(model.control.region_node.size());
+    for (const std::uint32_t tube : drag.tube_nodes()) turns[tube] = 1;
+    const std::size_t each = part.quads.size() / model.control.region.size();
+    for (std::size_t q = 0; q < part.quads.size(); ++q) {
+        if (turns[model.control.region[q / each]] == 0) continue;
+        for (const std::uint32_t v : part.quads[q]) out[v] = 1;
+    }
+    return out;
+}
+
+// Everything about a demo before its first frame.
+struct Prepared {
+    BranchDrag drag;
+    DragPart part;
+    SurfaceView view;
+
+    static SurfaceView view_of(const QuadModel& model, const BranchDrag& drag, const DragPart& part,
+                               const EditDemoOptions& demo, const ViewOptions& options) {
+        QuadMesh drawn{{}, part.quads, {}};
+        for (const std::uint32_t v : part.vertex) drawn.positions.push_back(model.rest.positions[v]);
+        const Buffer<Vec3> normals = smooth_normals(drawn.positions, drawn.quads);
+        const TriMesh triangles = triangulate(drawn);
+        const std::vector<Vec3> reached = reached_places(model, drag, static_cast<double>(demo.swing));
+        const std::vector<float> marked = vertices_of(model, drag, part);
+        return {{drawn.positions, normals, triangles.triangles, marked},
+                camera_of(drawn.positions, reached, options),
+                options,
+                reached};
+    }
+
+    Prepared(const QuadModel& model, const EditDemoOptions& demo, const ViewOptions& options,
+             const Context& ctx)
+        : drag(model, checked_branch(model, demo), viewing_axis(options)),
+          part(drag_part(model, drag, static_cast<double>(demo.swing), ctx)),
+          view(view_of(model, drag, part, demo, options)) {}
+};
+
+// A backend between its begin and its end.
+class Running {
+  public:
+    Running(SurfaceBackend& backend, const Prepared& prepared, const QuadModel& model, const Context& ctx)
+        : backend_(backend), scene_{model, prepared.drag, prepared.part} {
+        try {
+            backend.begin(scene_, prepared.view.buffers(), ctx);
+        } catch (...) {
+            backend.end();
+            throw;
+        }
+    }
+    ~Running() { backend_.end(); }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+  private:
+    SurfaceBackend& backend_;
+    DragScene scene_;
+};
+
+}  // namespace
+
+EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, const ViewOptions& options,
+                         SurfaceBackend& backend, const Context& ctx) {
+    check_fields(demo, "view");
+    check_fields(options, "view");
+    Prepared prepared(model, demo, options, ctx);
+    const auto& [drag, part, view] = prepared;
+    const Context each{.threads = ctx.threads, .stop = ctx.stop};
+    const Running running(backend, prepared, model, each);
+    EditDemoResult out{.renderer = view.context().renderer(),
+                       .opengl = view.context().version(),
+                       .backend = backend.name(),
+                       .branch = model.skeleton.stable_id(drag.top()).index(),
+                       .segments = static_cast<std::uint32_t>(drag.nodes().size()),
+                       .quads = static_cast<std::uint32_t>(part.quads.size()),
+                       .vertices = static_cast<std::uint32_t>(part.vertex.size()),
+                       .written = part.written,
+                       .frames = static_cast<std::uint32_t>(demo.frames)};
+    Laps laps;
+    DragPose pose = drag.rest();
+    for (int k = 0; k < demo.frames; ++k) {
+        ctx.throw_if_cancelled();
+        Stopwatch watch;
+        drag.turn(angle_of(k, demo), pose);
+        laps.edit.push_back(watch.lap());
+        backend.make(pose, each);
+        laps.surface.push_back(watch.lap());
+        backend.deliver();
+        laps.upload.push_back(watch.lap());
+        prepared.view.draw();
+        laps.draw.push_back(watch.lap());
+        if (is_shown(k, demo.frames)) out.pictures.push_back(view.picture());
+        ctx.report(static_cast<float>(k + 1) / static_cast<float>(demo.frames));
+    }
+    double whole = 0;
+    out.seconds = laps.summary(whole);
+    out.frames_per_second = demo.frames / whole;
+    return out;
+}
+
+ViewResult view_surface(const PolygonMesh& mesh, const ViewOptions& options) {
+    check_fields(options, "view");
+    const TriMesh triangles = triangulate(mesh);
+    const Buffer<Vec3> normals = smooth_normals(triangles);
+    SurfaceView view({triangles.positions, normals, triangles.triangles},
+                     camera_of(triangles.positions, {}, options), options);
+    view.draw();
+    return {view.picture(), view.context().renderer(), view.context().version()};
+}
+
+}  // namespace coppice

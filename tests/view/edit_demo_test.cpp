@@ -1,0 +1,132 @@
+#include "coppice/view/edit_demo.h"
+
+#include <cmath>
+
+#include "errors.h"
+#include "view_scenes.h"
+
+namespace coppice {
+namespace {
+
+using test::small_picture;
+using test::small_tree;
+
+class EditDemoTest : public test::ViewTest {};
+
+/// Draws frames of a branch, at any angle.
+class Frames {
+  public:
+    Frames()
+        : model_(quad_model(small_tree())),
+          drag_(model_, branch_of_about(model_.skeleton, 30), {1, 0, 0}),
+          part_(drag_part(model_, drag_, kGreatest)),
+          surface_(model_, part_),
+          triangles_(triangulate(
+              QuadMesh{{surface_.positions().begin(), surface_.positions().end()}, part_.quads, {}})),
+          view_({surface_.positions(), surface_.normals(), triangles_.triangles},
+                test::camera_for(surface_.positions(), small_picture()), small_picture()),
+          backend_(cpu_backend()),
+          pose_(drag_.rest()) {
+        backend_->begin({model_, drag_, part_}, view_.buffers(), {});
+    }
+
+    Image rest() {
+        view_.draw();
+        return view_.picture();
+    }
+    Image at(double angle) {
+        drag_.turn(angle, pose_);
+        backend_->make(pose_, {});
+        backend_->deliver();
+        return rest();
+    }
+
+    static constexpr double kGreatest = 0.35;
+
+  private:
+    QuadModel model_;
+    BranchDrag drag_;
+    DragPart part_;
+    DraggedSurface surface_;
+    TriMesh triangles_;
+    SurfaceView view_;
+    std::unique_ptr<SurfaceBackend> backend_;
+    DragPose pose_;
+};
+
+TEST_F(EditDemoTest, ADraggedBranchIsSeenAndComesBackToTheBit) {
+    Frames frames;
+    const Image rest = frames.rest();
+    EXPECT_EQ(frames.at(0), rest);
+    const Image dragged = frames.at(Frames::kGreatest);
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < rest.pixels.size(); ++i)
+        changed += rest.pixels[i] != dragged.pixels[i] ? 1 : 0;
+    EXPECT_GT(changed, 100u);
+    EXPECT_LT(changed, rest.pixels.size() / 2);
+    EXPECT_NE(frames.at(-Frames::kGreatest), dragged);
+    EXPECT_EQ(frames.at(0), rest);
+}
+
+TEST_F(EditDemoTest, TellsWhatWasDraggedAndHowLongItTook) {
+    const QuadModel model = quad_model(small_tree());
+    const auto backend = cpu_backend();
+    const EditDemoResult result = edit_demo(model, {.frames = 6, .segments = 30}, small_picture(), *backend);
+    EXPECT_FALSE(result.renderer.empty());
+    EXPECT_EQ(result.backend, "CPU");
+    EXPECT_EQ(result.frames, 6u);
+    EXPECT_EQ(result.quads, model.rest.quads.size());
+    EXPECT_EQ(result.vertices, model.rest.positions.size());
+    EXPECT_GT(result.written, 0u);
+    EXPECT_LT(result.written, result.vertices);
+    EXPECT_GT(result.segments, 10u);
+    EXPECT_LT(result.segments, 90u);
+    EXPECT_EQ(result.seconds.frame.n, 6u);
+    EXPECT_GT(result.seconds.surface.p50, 0);
+    EXPECT_GE(result.seconds.frame.max, result.seconds.draw.max);
+    EXPECT_NEAR(result.frames_per_second, 1 / result.seconds.frame.mean, 1e-6 / result.seconds.frame.mean);
+    ASSERT_EQ(result.pictures.size(), 4u);
+    EXPECT_NE(result.pictures.front(), result.pictures.back());
+}
+
+TEST_F(EditDemoTest, OfOneFrameShowsTheTreeAtRest) {
+    const QuadModel model = quad_model(small_tree());
+    const auto backend = cpu_backend();
+    const auto first = [&](int frames) {
+        return edit_demo(model, {.frames = frames, .segments = 30}, small_picture(), *backend)
+            .pictures.front();
+    };
+    EXPECT_EQ(first(1), first(2));
+}
+
+TEST_F(EditDemoTest, RefusesWhatHasNoBranch) {
+    const QuadModel ball = quad_model(Skeleton({NodeId{}}, {Vec3{}}, {1.0f}));
+    const auto backend = cpu_backend();
+    EXPECT_EQ(test::error_of([&] { edit_demo(ball, {}, small_picture(), *backend); }),
+              "view: a tree without segments has no branch that could be dragged");
+    EXPECT_EQ(test::error_of([&] { edit_demo(ball, {.frames = 0}, small_picture(), *backend); }),
+              "view: frames must lie between 1 and 1000000, but is 0");
+}
+
+TEST_F(EditDemoTest, StopsWhenItIsAskedTo) {
+    const QuadModel model = quad_model(small_tree());
+    const auto backend = cpu_backend();
+    std::stop_source stop;
+    int reports = 0;
+    const Context ctx{.stop = stop.get_token(), .progress = [&](float) {
+                          if (++reports == 2) stop.request_stop();
+                      }};
+    EXPECT_THROW(edit_demo(model, {.frames = 50}, small_picture(), *backend, ctx), Cancelled);
+    EXPECT_EQ(reports, 2);
+}
+
+TEST_F(EditDemoTest, ASurfaceIsDrawnOnce) {
+    const QuadModel model = quad_model(small_tree());
+    const ViewResult result = view_surface(to_polygons(model.rest), small_picture());
+    EXPECT_EQ(result.picture.width, 320);
+    EXPECT_EQ(result.picture.height, 240);
+    EXPECT_NE(result.picture.at(160, 120), result.picture.at(0, 0));
+}
+
+}  // namespace
+}  // namespace coppice

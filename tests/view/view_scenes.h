@@ -1,0 +1,50 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "coppice/base/error.h"
+#include "coppice/mesh/normals.h"
+#include "coppice/pipeline/drag/branch_drag.h"
+#include "coppice/pipeline/drag/drag_part.h"
+#include "coppice/pipeline/drag/dragged_surface.h"
+#include "coppice/pipeline/drag/quad_model.h"
+#include "coppice/render/frame_view.h"
+#include "coppice/skeleton/random_tree.h"
+#include "coppice/view/offscreen_context.h"
+#include "coppice/view/surface_view.h"
+
+namespace coppice::test {
+
+/// Why OpenGL cannot be had here; empty where it can.
+inline std::string missing_gl() {
+    try {
+        const OffscreenContext context;
+        return {};
+    } catch (const Unsupported& error) {
+        return error.what();
+    }
+}
+
+/// Tests that draw are skipped where nothing can be drawn.
+class ViewTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        if (const std::string missing = missing_gl(); !missing.empty()) GTEST_SKIP() << missing;
+    }
+};
+
+inline Skeleton small_tree() { return random_tree(150, 5); }
+
+inline ViewOptions small_picture() { return {.width = 320, .height = 240}; }
+
+/// A camera that sees all of these.
+inline SketchView camera_for(std::span<const Vec3> positions, const ViewOptions& options) {
+    std::vector<Vec3d> points;
+    for (const Vec3 p : positions) points.emplace_back(p);
+    return frame_view(points, {.width = options.width, .height = options.height});
+}
+
+}  // namespace coppice::test
