@@ -37,8 +37,8 @@ Skeleton forest(std::uint32_t trees, std::uint32_t segments) {
     const auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(trees))));
     for (std::uint32_t i = 0; i < trees; ++i) {
         constexpr double kApart = 20;  // [m]
-        parts.push_back(
-            translated(random_tree(segments, kSeed + i), {kApart * (i % side), kApart * (i / side), 0}));
+        const std::uint32_t column = i % side, row = i / side;
+        parts.push_back(translated(random_tree(segments, kSeed + i), {kApart * column, kApart * row, 0}));
     }
     std::vector<const Skeleton*> all;
     for (const Skeleton& part : parts) all.push_back(&part);

@@ -54,11 +54,14 @@ ContactTopology contact_topology(const ContactInput& input);
 
 /// A ContactTopology in the arrays of an executor, by the same names.
 struct ContactTables {
+    /// See there.
+    /// @{
     std::span<const SegmentLink> segments;
     std::span<const std::uint32_t> in_order;
     std::span<const TubeLink> tubes;
     std::span<const std::uint32_t> first_content, contents;
     std::span<const std::uint32_t> first_quad, quads;
+    /// @}
 };
 
 /// Places and radii, in the arrays of an executor: those that other stages read too.

@@ -7,7 +7,7 @@
 
 namespace coppice {
 
-/// Calls body.template operator()<N>() for N = 2^level, so that all loops over a patch have constant length.
+/// Calls the template body for N = 2^level, so that all loops over a patch have constant length.
 template <class Body>
 void with_grid_size(int level, const Body& body) {
     switch (level) {
@@ -43,17 +43,20 @@ COPPICE_HOST_DEVICE inline std::uint32_t patch_vertex(const CageView& cage, std:
     return edges + cage.edge_count() * m + f * m * m + (j - 1) * m + (i - 1);
 }
 
-/// Where the vertices of the cage's n x n patches lie: see the header.
+/// Where the vertices of the cage's n x n patches lie: see PatchRefinement.
 template <int N>
 class PatchIndex {
   public:
+    /// Of a cage that outlives it.
     COPPICE_HOST_DEVICE explicit PatchIndex(const CageView& cage)
         : cage_(cage), edges_(cage.vertex_count()), faces_(edges_ + cage.edge_count() * kEdge) {}
 
-    static constexpr std::uint32_t kEdge = N - 1;              // vertices inside an edge
-    static constexpr std::uint32_t kFace = (N - 1) * (N - 1);  // and inside a face
+    static constexpr std::uint32_t kEdge = N - 1;              ///< vertices inside an edge
+    static constexpr std::uint32_t kFace = (N - 1) * (N - 1);  ///< and inside a face
 
+    /// The first vertex inside an edge.
     COPPICE_HOST_DEVICE std::uint32_t edge_begin(std::uint32_t e) const { return edges_ + e * kEdge; }
+    /// The first vertex inside a face.
     COPPICE_HOST_DEVICE std::uint32_t face_begin(std::uint32_t f) const { return faces_ + f * kFace; }
 
     /// Point i (0 < i < N) of a half-edge, counted from its start.
@@ -61,11 +64,12 @@ class PatchIndex {
         const std::uint32_t side = cage_.side[half >> 2][half & 3];
         return edge_begin(side >> 1) + ((side & 1) != 0 ? N - 1 - i : i - 1);
     }
-    /// The neighbour of a half-edge's start along it, and the one across its quad.
+    /// The neighbour of a half-edge's start along it.
     COPPICE_HOST_DEVICE std::uint32_t along(std::uint32_t half) const {
         if constexpr (N == 1) return cage_.corner(CageTopology::next(half));
         return on_side(half, 1);
     }
+    /// The neighbour of a half-edge's start across its quad.
     COPPICE_HOST_DEVICE std::uint32_t across(std::uint32_t half) const {
         if constexpr (N == 1) {
             return cage_.quads[half >> 2][(half + 2) & 3];
@@ -133,14 +137,15 @@ class PatchIndex {
 
 /// One corner of a refined quad.
 struct QuadCorner {
-    std::uint32_t quad;
-    std::uint32_t corner;
+    std::uint32_t quad;    ///< which one
+    std::uint32_t corner;  ///< of it, in [0, 3]
 };
 
 /// What lies around single refined vertices, by closed forms: for the few places that are looked at one by
 /// one.
 class PatchStars {
   public:
+    /// Of a cage that outlives it.
     COPPICE_HOST_DEVICE PatchStars(const CageView& cage, int levels)
         : cage_(cage),
           n_(1u << levels),
@@ -176,6 +181,7 @@ class PatchStars {
         return fan.empty() ? CageView::kNone : fan[0] >> 2;
     }
 
+    /// Whether an edge about the vertex has one quad alone.
     COPPICE_HOST_DEVICE bool on_boundary(std::uint32_t vertex) const {
         if (cage_.closed() || vertex >= faces_) return false;
         if (vertex < edges_) return cage_.on_boundary[vertex] != 0;
