@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/skeleton/raw.h"
 
 namespace coppice::bench {

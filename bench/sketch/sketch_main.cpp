@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "clock.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/median.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/measure/match/skeleton_match.h"
 #include "coppice/render/render.h"
 #include "coppice/render/silhouette.h"

@@ -1,4 +1,4 @@
-#include "coppice/base/fast_atan2.h"
+#include "coppice/base/kernel/fast_atan2.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "coppice/base/morton.h"
+#include "coppice/base/kernel/morton.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 
 #include <gtest/gtest.h>
 

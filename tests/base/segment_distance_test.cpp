@@ -1,4 +1,4 @@
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 
 #include <gtest/gtest.h>
 

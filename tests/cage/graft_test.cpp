@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/skeleton/measure.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/cuda/exec/host_executor.h"
 #include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/cut_convolution.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/skeleton/random_tree.h"
 #include "edit/trees.h"
 #include "errors.h"

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/random.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/measure.h"
 #include "extract/mesh_support.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "coppice/base/error.h"
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 
 namespace coppice {
 

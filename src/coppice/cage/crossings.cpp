@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/cage/crossings_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 #include "coppice/spatial/box_tree.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "coppice/base/fast_atan2.h"
+#include "coppice/base/kernel/fast_atan2.h"
 #include "coppice/base/vec.h"
 
 namespace coppice::cage_internal {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/fast_atan2.h"
+#include "coppice/base/kernel/fast_atan2.h"
 
 namespace coppice {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "coppice/base/error.h"
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/compose/branch_frame_internal.h"
 
 namespace coppice {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "coppice/base/box.h"
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::compose_internal {

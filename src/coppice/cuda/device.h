@@ -54,4 +54,7 @@ class DeviceError : public Error {
     using Error::Error;
 };
 
+/// The card. Throws DeviceError, which says why, where there is none.
+DeviceInfo require_device();
+
 }  // namespace coppice

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/edit/join.h"
 #include "coppice/edit/parts_internal.h"
 #include "coppice/skeleton/segment_cone.h"

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "coppice/base/check_fields.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/edit/parts_internal.h"
 #include "coppice/skeleton/measure.h"
 #include "coppice/spatial/box_tree.h"

@@ -1,6 +1,6 @@
 #include "coppice/edit/parts_internal.h"
 
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/edit/selection.h"
 #include "coppice/skeleton/segment_cone.h"
 

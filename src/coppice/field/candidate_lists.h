@@ -8,8 +8,8 @@
 #include "coppice/base/box.h"
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
-#include "coppice/base/host_device.h"
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/host_device.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "coppice/base/error.h"
-#include "coppice/base/fast_atan2.h"
+#include "coppice/base/kernel/fast_atan2.h"
 
 // Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
 // code.
@@ -15,7 +15,7 @@
 #include <hwy/foreach_target.h>  // includes this file once per instruction set
 #include <hwy/highway.h>
 
-#include "coppice/base/simd_lane.h"
+#include "coppice/base/kernel/simd_lane.h"
 
 HWY_BEFORE_NAMESPACE();
 

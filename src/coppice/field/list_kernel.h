@@ -6,8 +6,8 @@
 #include <span>
 
 #include "coppice/base/box.h"
-#include "coppice/base/host_device.h"
 #include "coppice/base/id.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/field/candidate_lists.h"
 #include "coppice/field/kernel/segment_kernel.h"
 

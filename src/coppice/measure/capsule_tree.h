@@ -6,8 +6,8 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/round_cone.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/spatial/box_tree.h"
 

@@ -6,7 +6,7 @@
 
 #include "coppice/field/candidate_lists.h"
 #include "coppice/mesh/control_mesh.h"
-#include "coppice/pipeline/quad_origin_internal.h"
+#include "coppice/pipeline/quads/quad_origin_internal.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice::pipeline_internal {

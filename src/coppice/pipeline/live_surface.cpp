@@ -9,7 +9,7 @@
 #include "coppice/pipeline/live/affected_internal.h"
 #include "coppice/pipeline/live/edit_zone_internal.h"
 #include "coppice/pipeline/live/patch_store_internal.h"
-#include "coppice/pipeline/quad_surface_internal.h"
+#include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/skeleton/prepare.h"
 
 namespace coppice {

@@ -7,8 +7,8 @@
 #include "coppice/field/list_kernel.h"
 #include "coppice/pipeline/fit/fit_volume_internal.h"
 #include "coppice/pipeline/fit/kept_quads_internal.h"
-#include "coppice/pipeline/quad_origin_internal.h"
-#include "coppice/pipeline/quad_surface_internal.h"
+#include "coppice/pipeline/quads/quad_origin_internal.h"
+#include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 
 namespace coppice {

@@ -7,7 +7,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/cuda/tetra/device_marcher.h"
 #include "coppice/pipeline/end_cuts_internal.h"
-#include "coppice/pipeline/quads_on_device_internal.h"
+#include "coppice/pipeline/quads/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 

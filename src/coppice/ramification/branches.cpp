@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/ramification/branches_internal.h"
 
 namespace coppice::ramification_internal {

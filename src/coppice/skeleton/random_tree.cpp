@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "coppice/base/error.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/random.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/skeleton/pipe_model.h"
 
 namespace coppice {

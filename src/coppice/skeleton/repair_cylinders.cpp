@@ -1,5 +1,5 @@
 #include "coppice/base/compressed_rows.h"
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "coppice/base/box.h"
-#include "coppice/base/host_device.h"
-#include "coppice/base/morton.h"
+#include "coppice/base/kernel/host_device.h"
+#include "coppice/base/kernel/morton.h"
 
 namespace coppice {
 

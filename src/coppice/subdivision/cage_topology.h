@@ -7,7 +7,7 @@
 #include "coppice/base/column.h"
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "coppice/base/kernel_math.h"
+#include "coppice/base/kernel/kernel_math.h"
 
 // Vectors of a size known only at run time cannot be members of a struct; these machines use NEON or plain
 // code.
@@ -13,7 +13,7 @@
 #include <hwy/foreach_target.h>  // includes this file once per instruction set
 #include <hwy/highway.h>
 
-#include "coppice/base/simd_lane.h"
+#include "coppice/base/kernel/simd_lane.h"
 
 HWY_BEFORE_NAMESPACE();
 

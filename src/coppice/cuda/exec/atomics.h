@@ -1,19 +1,20 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 
 namespace coppice::cuda {
 
-/// Adds to a number that others add to as well. Whole numbers only: of these the sum does not depend on the
-/// order.
+/// Adds to a number that others add to as well, and returns what it was before: a place of one's own, where
+/// places are counted. Whole numbers only: of these the sum does not depend on the order.
 template <class T>
-COPPICE_HOST_DEVICE void add_to(T& sum, T value) {
+COPPICE_HOST_DEVICE T add_to(T& sum, T value) {
 #ifdef __CUDA_ARCH__
-    atomicAdd(&sum, value);
+    return atomicAdd(&sum, value);
 #else
-    std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
+    return std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
 #endif
 }
 
@@ -27,6 +28,16 @@ COPPICE_HOST_DEVICE void raise_to(T& greatest, T value) {
     T seen = shared.load(std::memory_order_relaxed);
     while (seen < value && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
     }
+#endif
+}
+
+/// Sets bits of a word in which others set some as well.
+COPPICE_HOST_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits) {
+#ifdef __CUDA_ARCH__
+    static_assert(sizeof(unsigned long long) == sizeof word);
+    atomicOr(reinterpret_cast<unsigned long long*>(&word), bits);
+#else
+    std::atomic_ref(word).fetch_or(bits, std::memory_order_relaxed);
 #endif
 }
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/arena.cuh"
 #include "coppice/cuda/exec/kernel_time.h"
 

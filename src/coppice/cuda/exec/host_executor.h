@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/parallel.h"
 
 namespace coppice::cuda {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "coppice/base/box.h"
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/device.h"
 #include "coppice/spatial/box_tree_kernel.h"
 

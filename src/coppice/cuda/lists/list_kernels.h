@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/atomics.h"
 #include "coppice/cuda/lists/box_tree_stages.h"
 #include "coppice/cuda/lists/contact_topology.h"

@@ -69,8 +69,7 @@ struct DeviceQuads::Impl {
 };
 
 DeviceQuads::DeviceQuads(const Context& ctx) {
-    if (const DeviceSearch search = find_device(); !search.device)
-        throw DeviceError("no CUDA device was found: " + search.missing);
+    require_device();
     impl_ = std::make_unique<Impl>(ctx);
 }
 DeviceQuads::~DeviceQuads() = default;

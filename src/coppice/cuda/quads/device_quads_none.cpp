@@ -4,9 +4,7 @@ namespace coppice {
 
 struct DeviceQuads::Impl {};
 
-DeviceQuads::DeviceQuads(const Context&) {
-    throw DeviceError("no CUDA device was found: " + find_device().missing);
-}
+DeviceQuads::DeviceQuads(const Context&) { require_device(); }
 DeviceQuads::~DeviceQuads() = default;
 DeviceQuads::DeviceQuads(DeviceQuads&&) noexcept = default;
 DeviceQuads& DeviceQuads::operator=(DeviceQuads&&) noexcept = default;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "coppice/base/compressed_rows.h"
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/tetra/march/end_cut_kernel.h"

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
+#include "coppice/cuda/exec/atomics.h"
 #include "coppice/cuda/tetra/refinement_stages.h"
-#include "coppice/cuda/tetra/shared_words.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/tetra/march/cut_kernel.h"

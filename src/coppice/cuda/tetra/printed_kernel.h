@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
 #include "coppice/cuda/tetra/refinement_stages.h"
 #include "coppice/mesh/mesh.h"

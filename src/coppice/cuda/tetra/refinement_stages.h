@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/device.h"
 #include "coppice/tetra/lattice/refinement.h"
 

@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/tetra/march_kernel.h"
-#include "coppice/cuda/tetra/shared_words.h"
 #include "coppice/tetra/march/fan_kernel.h"
 #include "coppice/tetra/march/fold_kernel.h"
 
@@ -77,7 +76,7 @@ struct ListFans {
         for (std::uint32_t k = 0; k < 3; ++k) {
             if (!is_vertex(k)) continue;
             const std::uint32_t rank = crossings.samples.placed.rank(vertex[k]);
-            const std::uint32_t at = take_place(size[rank]);
+            const std::uint32_t at = add_to(size[rank], 1u);
             if (at >= ListedFan::kMost) continue;
             const auto next = key[(k + 1) % 3], last = key[(k + 2) % 3];
             if (view.traits[t].mirrored) {

@@ -27,8 +27,7 @@ struct DeviceMarcher::Impl {
 };
 
 DeviceMarcher::DeviceMarcher(const Context& ctx) {
-    const DeviceSearch found = find_device();
-    if (!found.device) throw DeviceError(found.missing);
+    require_device();
     impl_ = std::make_unique<Impl>(ctx);
 }
 DeviceMarcher::~DeviceMarcher() = default;

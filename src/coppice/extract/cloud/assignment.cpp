@@ -3,10 +3,10 @@
 #include <limits>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
 #include "coppice/spatial/box_tree.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 
 namespace coppice::extract_internal {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/extract/cloud/centerline_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
 

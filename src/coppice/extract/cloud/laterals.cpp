@@ -3,7 +3,7 @@
 #include <limits>
 #include <numeric>
 
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 

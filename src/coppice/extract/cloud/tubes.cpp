@@ -6,9 +6,9 @@
 #include <iterator>
 #include <limits>
 
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/base/round_cone.h"
 #include "coppice/extract/cloud/bins_internal.h"
 #include "coppice/extract/cloud/fit_internal.h"
 #include "coppice/spatial/box_tree.h"

@@ -5,10 +5,10 @@
 #include <numeric>
 
 #include "coppice/base/error.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/extract/mesh/cholesky_internal.h"
 #include "coppice/extract/mesh/collapse_internal.h"
 

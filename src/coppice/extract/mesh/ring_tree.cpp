@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/median.h"
-#include "coppice/base/round_cone.h"
 
 namespace coppice::extract_internal {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "coppice/base/box.h"
+#include "coppice/base/kernel/morton.h"
 #include "coppice/base/median.h"
-#include "coppice/base/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/base/sort.h"

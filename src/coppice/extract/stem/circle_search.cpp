@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "coppice/base/fast_atan2.h"
+#include "coppice/base/kernel/fast_atan2.h"
 #include "coppice/base/random.h"
 
 namespace coppice::extract_internal {

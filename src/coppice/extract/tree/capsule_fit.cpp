@@ -6,8 +6,8 @@
 #include <span>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/progress.h"
-#include "coppice/base/round_cone.h"
 #include "coppice/extract/none_internal.h"
 
 namespace coppice {

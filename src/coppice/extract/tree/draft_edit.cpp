@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "coppice/base/disjoint_sets.h"
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/extract/none_internal.h"
 #include "coppice/spatial/box_tree.h"
 

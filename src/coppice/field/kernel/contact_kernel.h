@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/implicit/field_ref.h"
 
 namespace coppice {

@@ -2,7 +2,7 @@
 #if !defined(COPPICE_FIELD_SEGMENT_KERNEL_H) || defined(COPPICE_KERNEL_PER_TARGET)
 #define COPPICE_FIELD_SEGMENT_KERNEL_H
 
-#include "coppice/base/kernel_math.h"
+#include "coppice/base/kernel/kernel_math.h"
 
 namespace coppice::COPPICE_KERNEL_NAMESPACE {
 

@@ -14,7 +14,7 @@
 #include "coppice/pipeline/carry/faults_internal.h"
 #include "coppice/pipeline/carry/node_binding_internal.h"
 #include "coppice/pipeline/carry/skin_internal.h"
-#include "coppice/pipeline/quad_origin_internal.h"
+#include "coppice/pipeline/quads/quad_origin_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
 

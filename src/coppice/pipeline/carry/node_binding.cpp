@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/measure/capsule_tree.h"
 
 namespace coppice::pipeline_internal {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <utility>
 
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/round_cone.h"
 #include "coppice/pipeline/carry/skin_internal.h"
 
 namespace coppice::pipeline_internal {

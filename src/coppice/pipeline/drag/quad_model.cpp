@@ -4,8 +4,8 @@
 
 #include "coppice/base/error.h"
 #include "coppice/pipeline/field_regions_internal.h"
-#include "coppice/pipeline/quad_origin_internal.h"
-#include "coppice/pipeline/quad_surface_internal.h"
+#include "coppice/pipeline/quads/quad_origin_internal.h"
+#include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 
 namespace coppice {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/pipeline/knots/knots_internal.h"
 
 namespace coppice::pipeline_internal {

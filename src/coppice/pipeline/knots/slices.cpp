@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 
 namespace coppice::pipeline_internal {
 

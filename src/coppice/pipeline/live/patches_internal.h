@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "coppice/base/compressed_rows.h"
-#include "coppice/pipeline/quad_surface_internal.h"
+#include "coppice/pipeline/quads/quad_surface_internal.h"
 
 namespace coppice::pipeline_internal {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/kernel_math.h"
+#include "coppice/base/kernel/kernel_math.h"
 #include "coppice/base/vec.h"
 #include "coppice/mesh/mesh.h"
 

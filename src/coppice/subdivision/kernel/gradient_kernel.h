@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "coppice/base/kernel_math.h"
+#include "coppice/base/kernel/kernel_math.h"
 #include "coppice/base/vec.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/subdivision/kernel/ray_kernel.h"

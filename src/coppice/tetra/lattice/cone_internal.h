@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/base/vec.h"
 #include "coppice/skeleton/skeleton.h"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "coppice/base/morton.h"
+#include "coppice/base/kernel/morton.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/tetra/lattice/octree_internal.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
 
 namespace coppice::tetra_kernel {

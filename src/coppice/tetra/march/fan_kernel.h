@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 
 namespace coppice::tetra_kernel {
 

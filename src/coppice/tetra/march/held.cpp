@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/base/sort.h"
 
 namespace coppice::tetra_internal {

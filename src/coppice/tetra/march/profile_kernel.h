@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 
 namespace coppice::tetra_kernel {
 

@@ -2,8 +2,8 @@
 #include <atomic>
 #include <utility>
 
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
-#include "coppice/base/segment_distance.h"
 #include "coppice/tetra/march/cuts_internal.h"
 #include "coppice/tetra/march/snap_kernel.h"
 

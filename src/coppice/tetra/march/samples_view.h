@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
 #include "coppice/tetra/march/cut_edge_kernel.h"
 

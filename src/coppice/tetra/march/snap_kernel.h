@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/tetra/march/profile_kernel.h"

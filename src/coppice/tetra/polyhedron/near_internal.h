@@ -7,7 +7,7 @@
 #include "coppice/base/column.h"
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
-#include "coppice/base/round_cone.h"
+#include "coppice/base/kernel/round_cone.h"
 #include "coppice/tetra/polyhedron/regular_internal.h"
 
 namespace coppice::tetra_internal {

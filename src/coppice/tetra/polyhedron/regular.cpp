@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "coppice/base/morton.h"
+#include "coppice/base/kernel/morton.h"
 #include "coppice/base/random.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
 #include "coppice/tetra/polyhedron/regular_internal.h"

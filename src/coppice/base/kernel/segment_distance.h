@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {

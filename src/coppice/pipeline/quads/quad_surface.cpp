@@ -1,11 +1,11 @@
-#include "coppice/pipeline/quad_surface_internal.h"
+#include "coppice/pipeline/quads/quad_surface_internal.h"
 
 #include <fmt/format.h>
 
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/pipeline/field_regions_internal.h"
-#include "coppice/pipeline/quads_on_device_internal.h"
+#include "coppice/pipeline/quads/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 
 namespace coppice {

@@ -7,7 +7,7 @@
 #include "coppice/pipeline/fit/kept_quads_internal.h"
 #include "coppice/pipeline/knots/remesh_knots_internal.h"
 #include "coppice/pipeline/mesh_skeleton.h"
-#include "coppice/pipeline/quad_origin_internal.h"
+#include "coppice/pipeline/quads/quad_origin_internal.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/subdivision/catmull_clark.h"
 

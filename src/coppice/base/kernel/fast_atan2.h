@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/host_device.h"
 
 namespace coppice {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coppice/base/segment_distance.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {

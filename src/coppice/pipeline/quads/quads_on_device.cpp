@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "coppice/pipeline/quads_on_device_internal.h"
+#include "coppice/pipeline/quads/quads_on_device_internal.h"
 
 namespace coppice {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "coppice/base/fast_atan2.h"
-#include "coppice/base/host_device.h"
+#include "coppice/base/kernel/fast_atan2.h"
+#include "coppice/base/kernel/host_device.h"
 
 /// The namespace of the formulas in *_kernel.h. Plain numbers use coppice::kernel; sources of Highway define
 /// COPPICE_KERNEL_PER_TARGET and include the same headers again for every instruction set, each into a

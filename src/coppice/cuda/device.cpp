@@ -1,0 +1,11 @@
+#include "coppice/cuda/device.h"
+
+namespace coppice {
+
+DeviceInfo require_device() {
+    const DeviceSearch search = find_device();
+    if (!search.device) throw DeviceError("no CUDA device was found: " + search.missing);
+    return *search.device;
+}
+
+}  // namespace coppice
