@@ -99,6 +99,7 @@ test("solids are placed and moved by a finger, and taken back by the button abov
     const box = await lastLine(page, /^box /);
     near(numbers(box, "high"), [-0.53, 0.77, 0.57], 0.05, `as high as it is wide, since fingers do not hover: ${box}`);
 
+    await untilSelected(page, "solid", "box");
     await take("View", "Move");
     const reach = await page.evaluate(() => 70 * globalThis.coppice.view.pixelSize([-0.8, 0.5, 0.3]));
     await dragIn([[-0.8 + reach, 0.5, 0.3], [-0.3 + reach, 0.9, 0.3]]);
