@@ -41,11 +41,15 @@ class DeviceMarcher {
     /// per tetrahedron of the last level. Throws as march().
     PrintedMarch march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field, bool weld,
                                   const Context& ctx = {});
+    /// The same once more from the coarse tetrahedra of that call, which lie on the card, for measuring: up
+    /// to the triangles with corners of their own, which stay there. Waits. No other call may lie between.
+    void repeat_as_printed();
 
     /// From now on the time of every kernel is noted.
     void measure();
     /// What was noted since it was asked for the last time.
     std::vector<cuda::KernelTime> take_times();
+    std::uint64_t bytes_used() const;  ///< of the card, by the last call
 
   private:
     struct Impl;

@@ -17,7 +17,9 @@ PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh&, int, const CutCon
                                              const Context&) {
     return {};
 }
+void DeviceMarcher::repeat_as_printed() {}
 void DeviceMarcher::measure() {}
 std::vector<cuda::KernelTime> DeviceMarcher::take_times() { return {}; }
+std::uint64_t DeviceMarcher::bytes_used() const { return 0; }
 
 }  // namespace coppice

@@ -1,3 +1,4 @@
+#include <functional>
 #include <utility>
 
 #include "coppice/cuda/exec/cuda_executor.cuh"
@@ -16,6 +17,7 @@ struct DeviceMarcher::Impl {
     /// Calls use(view) with the field as kernels of this card sample it.
     template <class Use>
     void with_field(const CutConvolution& field, const Use& use) {
+        again = {};
         exec.reset();
         cuda::with_formula(field.field.kernel(), [&](const auto& formula) {
             const cuda::FieldView view(formula, cuda::upload_field(exec, field.field));
@@ -24,6 +26,7 @@ struct DeviceMarcher::Impl {
     }
 
     CudaExecutor exec;
+    std::function<void()> again;  ///< see repeat_as_printed(); refers to what lies in the memory of `exec`
 };
 
 DeviceMarcher::DeviceMarcher(const Context& ctx) {
@@ -50,6 +53,7 @@ PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, 
     impl_->with_field(field, [&](const auto& view) {
         CudaExecutor& exec = impl_->exec;
         const cuda::ExplicitTetra coarse = cuda::upload_explicit(exec, mesh, ctx);
+        const auto before = exec.mark();
         const auto found = cuda::march_as_printed(exec, coarse, levels, view, field.level(), weld);
         out.tetra = found.mesh.tetra.size();
         out.vertices = found.mesh.positions.size();
@@ -58,11 +62,21 @@ PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, 
         out.mesh.triangles.resize(found.welded.size());
         exec.download(found.positions, std::span(out.mesh.positions));
         exec.download(found.welded, std::span(out.mesh.triangles));
+        exec.rewind(before);
+        impl_->again = [&exec, coarse, levels, view, before, level = field.level()] {
+            cuda::march_as_printed(exec, coarse, levels, view, level, false);
+            exec.rewind(before);
+        };
     });
     return out;
 }
 
+void DeviceMarcher::repeat_as_printed() {
+    if (impl_->again) impl_->again();
+}
+
 void DeviceMarcher::measure() { impl_->exec.measure(); }
 std::vector<cuda::KernelTime> DeviceMarcher::take_times() { return impl_->exec.take_times(); }
+std::uint64_t DeviceMarcher::bytes_used() const { return impl_->exec.bytes_used(); }
 
 }  // namespace coppice
