@@ -2,21 +2,118 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <functional>
 
 namespace coppice::bench {
 namespace {
 
 std::string milliseconds(double seconds) { return seconds < 0 ? "-" : fmt::format("{:.3g}", 1e3 * seconds); }
 
-std::string ratio(double of, double to) { return of < 0 || to < 0 ? "-" : fmt::format("{:.1f}", of / to); }
-
 std::string percent(double part, double whole) {
     return whole <= 0 || part <= 0 ? "-" : fmt::format("{:.0f} %", 100 * part / whole);
 }
 
+std::string count(std::int64_t n) { return n < 0 ? "-" : fmt::format("{}", n); }
+
 double limit(const DeviceSearch& search, double DeviceInfo::*which) {
     return search.device ? (*search.device).*which : 0;
+}
+
+double speedup(const GpuResult& r) { return r.cpu < 0 || r.device <= 0 ? -1 : r.cpu / r.device; }
+
+/// A goal beside what was measured.
+struct Judged {
+    const char* figure;
+    double wanted, measured;  ///< below 0: not measured
+    bool at_least = false;
+
+    bool reached() const { return at_least ? measured >= wanted : measured <= wanted; }
+    std::string verdict() const { return measured < 0 ? "-" : reached() ? "yes" : "no"; }
+};
+
+Judged judged(const Goal& goal, const GpuResult& r) {
+    const auto in_ms = [](double seconds) { return seconds < 0 ? -1 : 1e3 * seconds; };
+    switch (goal.kind) {
+        case GoalKind::card:
+            return {"card, ms", goal.wanted, in_ms(r.device)};
+        case GoalKind::cage:
+            return {"cage on the CPU, ms", goal.wanted, in_ms(r.cage)};
+        case GoalKind::memory:
+            return {"bytes a face", goal.wanted, r.bytes_per_face};
+        case GoalKind::speedup:
+            break;
+    }
+    return {"CPU / card", goal.wanted, speedup(r), true};
+}
+
+nlohmann::ordered_json json_of(const KernelShare& k, const DeviceSearch& device) {
+    nlohmann::ordered_json out{{"seconds", k.seconds}, {"launches", k.launches}};
+    if (!k.cost) return out;
+    out["bytes"] = k.cost->bytes;
+    out["flops"] = k.cost->flops;
+    if (k.seconds <= 0 || !device.device) return out;
+    out["bandwidth_share"] = k.cost->bytes / k.seconds / device.device->bandwidth;
+    out["arithmetic_share"] = k.cost->flops / k.seconds / device.device->flops;
+    return out;
+}
+
+std::string figures(const std::vector<GpuResult>& results) {
+    std::string out =
+        "| what | segments | faces | papers, ms | card, ms | CPU, ms | CPU / card | cage on the CPU, ms | "
+        "whole, ms | bytes a face | vertices apart |\n"
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+    for (const GpuResult& r : results) {
+        const double ratio = speedup(r);
+        out += fmt::format(
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.name, r.segments, r.faces,
+            milliseconds(r.papers), milliseconds(r.device), milliseconds(r.cpu),
+            ratio < 0 ? "-" : fmt::format("{:.1f}", ratio), milliseconds(r.cage), milliseconds(r.whole),
+            r.bytes_per_face < 0 ? "-" : fmt::format("{:.0f}", r.bytes_per_face), count(r.apart));
+    }
+    return out;
+}
+
+std::string goals(const std::vector<GpuResult>& results) {
+    std::string out = "| what | figure | goal | measured | reached |\n| --- | --- | ---: | ---: | --- |\n";
+    for (const GpuResult& r : results) {
+        for (const Goal& goal : r.goals) {
+            const Judged j = judged(goal, r);
+            out += fmt::format("| {} | {} | {} {:.3g} | {} | {} |\n", r.name, j.figure,
+                               j.at_least ? "at least" : "at most", j.wanted,
+                               j.measured < 0 ? "-" : fmt::format("{:.3g}", j.measured), j.verdict());
+        }
+    }
+    return out;
+}
+
+/// The kernels of a row that take a fiftieth of its time at least, those that take the longest first.
+std::vector<KernelShare> main_kernels(const GpuResult& r) {
+    constexpr double kLeast = 1.0 / 50;
+    double all = 0;
+    for (const KernelShare& k : r.kernels) all += k.seconds;
+    std::vector<KernelShare> out = r.kernels;
+    std::erase_if(out, [&](const KernelShare& k) { return k.seconds < kLeast * all; });
+    std::ranges::stable_sort(out, std::greater<>(), &KernelShare::seconds);
+    return out;
+}
+
+std::string kernels(const std::vector<GpuResult>& results, const DeviceSearch& device) {
+    std::string out =
+        "| what | kernel | launches | ms | MB | Mflop | of the memory's limit | of the arithmetic limit |\n"
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+    for (const GpuResult& r : results) {
+        for (const KernelShare& k : main_kernels(r)) {
+            out += fmt::format("| {} | {} | {} | {} | ", r.name, k.name, k.launches, milliseconds(k.seconds));
+            if (!k.cost) {
+                out += "- | - | - | - |\n";
+                continue;
+            }
+            out += fmt::format("{:.1f} | {:.1f} | {} | {} |\n", 1e-6 * k.cost->bytes, 1e-6 * k.cost->flops,
+                               percent(k.cost->bytes / k.seconds, limit(device, &DeviceInfo::bandwidth)),
+                               percent(k.cost->flops / k.seconds, limit(device, &DeviceInfo::flops)));
+        }
+    }
+    return out;
 }
 
 }  // namespace
@@ -47,51 +144,30 @@ nlohmann::ordered_json json_of(const GpuResult& r, const DeviceSearch& device) {
         if (value >= 0) out[name] = value;
     };
     put("papers_s", r.papers);
-    put("goal_s", r.goal);
     put("device_s", r.device);
-    put("with_cage_s", r.with_cage);
     put("cpu_s", r.cpu);
+    put("cage_s", r.cage);
+    put("whole_s", r.whole);
     put("bytes_per_face", r.bytes_per_face);
     if (r.apart >= 0) out["vertices_apart"] = r.apart;
-    for (const KernelShare& k : r.kernels) {
-        nlohmann::ordered_json kernel{{"seconds", k.seconds},
-                                      {"launches", k.launches},
-                                      {"bytes", k.cost.bytes},
-                                      {"flops", k.cost.flops}};
-        if (k.seconds > 0 && device.device) {
-            kernel["bandwidth_share"] = k.cost.bytes / k.seconds / device.device->bandwidth;
-            kernel["arithmetic_share"] = k.cost.flops / k.seconds / device.device->flops;
+    for (const Goal& goal : r.goals) {
+        const Judged j = judged(goal, r);
+        nlohmann::ordered_json one{{"figure", j.figure}, {j.at_least ? "at_least" : "at_most", j.wanted}};
+        if (j.measured >= 0) {
+            one["measured"] = j.measured;
+            one["reached"] = j.reached();
         }
-        out["kernels"][k.name] = kernel;
+        out["goals"].push_back(one);
     }
+    for (const auto& [stage, seconds] : r.cpu_stages) out["cpu_stages_s"][stage] = seconds;
+    for (const KernelShare& k : r.kernels) out["kernels"][k.name] = json_of(k, device);
     return out;
 }
 
 std::string markdown_of(const std::vector<GpuResult>& results, const DeviceSearch& device) {
-    std::string out =
-        "| what | segments | faces | papers, ms | goal, ms | card, ms | with the cage on the CPU, ms | CPU, "
-        "ms | "
-        "CPU / card | bytes a face | vertices apart |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | "
-        "---: | "
-        "---: | ---: | ---: |\n";
-    for (const GpuResult& r : results) {
-        out += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", r.name, r.segments,
-                           r.faces, milliseconds(r.papers), milliseconds(r.goal), milliseconds(r.device),
-                           milliseconds(r.with_cage), milliseconds(r.cpu), ratio(r.cpu, r.device),
-                           r.bytes_per_face < 0 ? "-" : fmt::format("{:.0f}", r.bytes_per_face),
-                           r.apart < 0 ? "-" : fmt::format("{}", r.apart));
-    }
-    out +=
-        "\n| what | kernel | launches | ms | MB | Mflop | of the memory's limit | of the arithmetic limit |\n"
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
-    for (const GpuResult& r : results) {
-        for (const KernelShare& k : r.kernels) {
-            out += fmt::format("| {} | {} | {} | {} | {:.1f} | {:.1f} | {} | {} |\n", r.name, k.name,
-                               k.launches, milliseconds(k.seconds), 1e-6 * k.cost.bytes, 1e-6 * k.cost.flops,
-                               percent(k.cost.bytes / k.seconds, limit(device, &DeviceInfo::bandwidth)),
-                               percent(k.cost.flops / k.seconds, limit(device, &DeviceInfo::flops)));
-        }
-    }
+    std::string out = figures(results) + "\n" + goals(results);
+    const auto has_kernels = [](const GpuResult& r) { return !r.kernels.empty(); };
+    if (std::ranges::any_of(results, has_kernels)) out += "\n" + kernels(results, device);
     return out;
 }
 

@@ -6,12 +6,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "coppice/io/skeleton/writer.h"
+#include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/assemble.h"
 #include "coppice/skeleton/random_tree.h"
 #include "gpu_pairs.h"
 #include "gpu_quads.h"
+#include "gpu_tetra.h"
 #include "machine.h"
 #include "program.h"
 #include "routes_papers.h"
@@ -23,12 +26,11 @@ using namespace coppice::bench;
 
 struct Flags : ProgramFlags {
     int repeat = 51;
-    double seconds = 0;
+    double seconds = 10;
     bool small = false;
     std::filesystem::path tree;
 };
 
-constexpr double kMilli = 1e-3;
 constexpr std::uint64_t kSeed = 1;
 
 /// Trees side by side, none of which touches another.
@@ -45,26 +47,57 @@ Skeleton forest(std::uint32_t trees, std::uint32_t segments) {
     return joined(all);
 }
 
-double printed(const PaperTree& tree, std::initializer_list<std::string_view> stages) {
+using Stages = std::vector<std::pair<std::string, double>>;
+
+/// What a paper prints for all but the first stages: those of the CPU.
+double printed(const Stages& stages, std::ptrdiff_t on_cpu) {
     double sum = 0;
-    for (const auto& [name, seconds] : tree.quads.front().stages) {
-        if (std::ranges::find(stages, name) != stages.end()) sum += seconds;
-    }
+    for (auto stage = stages.begin() + on_cpu; stage != stages.end(); ++stage) sum += stage->second;
     return sum;
 }
 
 std::vector<QuadCase> quad_cases(bool small) {
+    constexpr std::ptrdiff_t kOnCpu = 1;  // the polyhedron
     std::vector<QuadCase> out;
     for (const PaperTree& tree : paper_trees()) {
         if (tree.quads.empty()) continue;
-        out.push_back({tree.name, random_tree(tree.segments, kSeed), printed(tree, {"SurfSubd", "Appr"}),
-                       0.15 * kMilli});
+        out.push_back({tree.name,
+                       random_tree(tree.segments, kSeed),
+                       printed(tree.quads[0].stages, kOnCpu),
+                       {{GoalKind::card, 0.15}},
+                       true});
     }
     if (small) return out;
-    out.push_back({"tree30k", random_tree(30'000, kSeed), -1, 1 * kMilli});
-    out.push_back({"tree300k", random_tree(300'000, kSeed), -1, 8 * kMilli});
-    out.push_back({"1,000 trees of 300", forest(1000, 300), -1, 15 * kMilli});
+    out.push_back({"tree30k",
+                   random_tree(30'000, kSeed),
+                   -1,
+                   {{GoalKind::card, 1}, {GoalKind::cage, 20}, {GoalKind::speedup, 10}}});
+    out.push_back(
+        {"tree300k", random_tree(300'000, kSeed), -1, {{GoalKind::card, 8}, {GoalKind::memory, 80}}});
+    out.push_back({"1,000 trees of 300", forest(1000, 300), -1, {{GoalKind::card, 15}}});
     return out;
+}
+
+/// The trees of [Zhu2013], in its polyhedron.
+std::vector<TetraCase> printed_tetra_cases() {
+    constexpr std::ptrdiff_t kOnCpu = 2;  // the polyhedron and its tetrahedra
+    std::vector<TetraCase> out;
+    for (const PaperTree& tree : paper_trees()) {
+        if (tree.paper != "Zhu2013") continue;
+        out.push_back({tree.name,
+                       random_tree(tree.segments, kSeed),
+                       true,
+                       TetraOptions{}.edge,
+                       3,
+                       printed(tree.tetrahedra.stages, kOnCpu),
+                       {{GoalKind::card, 0.5}}});
+    }
+    return out;
+}
+
+/// As fine as its quads: with this edge there are two triangles for each.
+TetraCase fine_tetra_case() {
+    return {"tree30k", random_tree(30'000, kSeed), false, 0.87f, 2, -1, {{GoalKind::card, 12}}};
 }
 
 Results results_of(const GpuRun& run, const std::vector<GpuResult>& surfaces,
@@ -86,9 +119,12 @@ Results results_of(const GpuRun& run, const std::vector<GpuResult>& surfaces,
 
 void measure(const Flags& flags) {
     if (!flags.tree.empty()) return write_skeleton(flags.tree, random_tree(3000, kSeed));
-    const GpuRun run{find_device(), flags.repeat, flags.context()};
+    const GpuRun run{find_device(), flags.repeat, flags.seconds, flags.context()};
     std::vector<GpuResult> surfaces;
-    for (const QuadCase& c : quad_cases(flags.small)) surfaces.push_back(measure_quads(c, run));
+    for (const QuadCase& c : quad_cases(flags.small))
+        std::ranges::move(measure_quads(c, run), std::back_inserter(surfaces));
+    for (const TetraCase& c : printed_tetra_cases()) surfaces.push_back(measure_printed_tetra(c, run));
+    if (!flags.small) surfaces.push_back(measure_tetra(fine_tetra_case(), run));
     const std::vector<PairsResult> pairs{measure_pairs(Kernel::quartic, run),
                                          measure_pairs(Kernel::cauchy, run)};
     publish(results_of(run, surfaces, pairs), flags);

@@ -11,6 +11,7 @@ struct PairsResult {
     double pairs = 0;     ///< of points and segments, in one round
     double seconds = -1;  ///< on the card
     double flops_per_pair = 0;
+    double cpu_rate = 0;  ///< [1/s] pairs on all threads of the CPU
 };
 
 /// Value and gradient at many points, each of the same segments, with the field's own code.

@@ -1,25 +1,33 @@
 #include "gpu_quads.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <string_view>
 
-#include "clock.h"
-#include "coppice/base/median.h"
+#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/quads/device_printed_quads.h"
 #include "coppice/cuda/quads/device_quads.h"
+#include "coppice/cuda/quads/printed_quad_stages.h"
 #include "coppice/pipeline/drag/quad_model.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "gpu_apart.h"
+#include "gpu_costs.h"
+#include "measure.h"
 
 namespace coppice::bench {
 namespace {
 
-constexpr double kFlopsPerPair = 98;  // value and gradient of the quartic kernel at one point for one segment
-constexpr int kWarm = 5;
+MeshOptions quad_options() {
+    MeshOptions options;
+    options.device = Device::cpu;
+    options.remesh_rounds = 0;
+    return options;
+}
 
-double stage_seconds(const MeshResult& made, std::initializer_list<std::string_view> names) {
+double sum_of(const std::vector<std::pair<std::string, double>>& stages,
+              std::initializer_list<std::string_view> names) {
     double sum = 0;
-    for (const auto& [name, seconds] : made.stages) {
+    for (const auto& [name, seconds] : stages) {
         if (std::ranges::find(names, name) != names.end()) sum += seconds;
     }
     return sum;
@@ -45,90 +53,116 @@ struct Given {
     cuda::ContactInput contacts() const {
         return {model.skeleton, {model.tubes, model.tube}, field, model.control};
     }
+    /// The field with the regions of the surface.
+    ConvolutionField with_regions(const Context& ctx) const {
+        ConvolutionField out = field;
+        set_regions(out, model, ctx);
+        return out;
+    }
 };
 
-/// Vertices of two surfaces that lie apart, by the distance to their anchors.
-std::int64_t apart(const Buffer<Vec3>& a, const Buffer<Vec3>& anchors, const Buffer<Vec3>& b) {
-    std::int64_t count = 0;
-    for (std::size_t v = 0; v < a.size(); ++v)
-        count += !(distance(a[v], b[v]) <= 1e-4f * distance(a[v], anchors[v]));
-    return count;
+/// As many points in each region as it has quads.
+FieldWork work_of(const ConvolutionField& field, const Given& given) {
+    std::vector<double> weight(field.region_count());
+    for (const std::uint32_t r : given.model.control.region) ++weight[r];
+    return {field, weight};
 }
 
-double mean_list(const Given& given, const Context& ctx) {
-    ConvolutionField field = given.field;
-    set_regions(field, given.model, ctx);
-    double sum = 0;
-    for (const std::uint32_t r : given.model.control.region)
-        sum += static_cast<double>(field.candidates(r).size() + field.rivals(r).size());
-    return sum / static_cast<double>(given.model.control.region.size());
+/// [m] How far vertices may lie apart, by the distance to their anchors.
+std::vector<float> tolerances_of(std::span<const Vec3> positions, std::span<const Vec3> anchors) {
+    std::vector<float> out(positions.size());
+    for (std::size_t v = 0; v < out.size(); ++v) out[v] = 1e-4f * distance(positions[v], anchors[v]);
+    return out;
 }
 
-std::vector<KernelCost> costs_of(const Given& given, const ProjectReport& projected, double list) {
-    const double vertices = given.patches.vertex_count(), quads = given.patches.quad_count();
-    const double pairs = static_cast<double>(projected.evaluations) * list;
-    constexpr double kPoint = sizeof(Vec3);
-    return {{"refine", 2 * kPoint * 1.6 * vertices, 2 * 3 * 25 * 1.3 * vertices},
-            {"project", 3 * kPoint * vertices, kFlopsPerPair * pairs},
-            {"find folds", 2 * kPoint * vertices, 150 * quads},
-            {"normals", 2 * kPoint * vertices, 4 * 20 * vertices},
-            {"quads", sizeof(Quad) * quads, 0}};
-}
-
-void measure_on_card(const Given& given, const MeshOptions& options, const GpuRun& run, double cage_seconds,
-                     GpuResult& out) {
+void measure_on_card(const Given& given, const MeshOptions& options, const GpuRun& run, GpuResult& out) {
     DeviceQuads device(run.ctx);
+    const auto make = [&](const cuda::QuadJob& job, Buffer<Vec3>& positions, Buffer<Vec3>* anchors) {
+        if (!device.begin(job, given.contacts())) throw Error("gpu: lists are too long for the card");
+        return device.finish(positions, anchors);
+    };
     cuda::QuadJob job = given.job(options);
     job.untangle.passes = 0;  // as the model at rest
     Buffer<Vec3> positions, anchors;
-    if (!device.begin(job, given.contacts())) throw Error("gpu: lists are too long for the card");
-    cuda::QuadReport report = device.finish(positions, &anchors);
-    out.apart = apart(given.model.rest.positions, anchors, positions);
+    const cuda::QuadReport report = make(job, positions, &anchors);
+    const Buffer<Vec3>& rest = given.model.rest.positions;
+    out.apart = apart(rest, positions, tolerances_of(rest, anchors));
     job.untangle = options.untangle;
-    std::vector<double> whole, card;
-    for (int i = 0; i < std::max(3, run.repeat / 5); ++i) {
-        const Clock clock;
-        device.begin(job, given.contacts());
-        report = device.finish(positions);
-        whole.push_back(clock.seconds());
+    out.whole = out.cage + median_time(run, 1, few_rounds(run), [&] { make(job, positions, nullptr); });
+    const FieldWork work = work_of(given.with_regions(run.ctx), given);
+    time_on_card(
+        device, run, quad_costs(job, work, static_cast<double>(report.projected.evaluations)),
+        [&] { device.repeat(); }, out);
+}
+
+/// What [Zhu2015] prints, on the CPU by the kernels of the card.
+class PrintedOnCpu {
+  public:
+    PrintedOnCpu(const cuda::QuadJob& job, const ConvolutionField& field, const Context& ctx)
+        : exec_(ctx), stages_(exec_, job), kernel_(field.kernel()), field_(upload_field(exec_, field)) {}
+
+    void run() {
+        stages_.refine();
+        cuda::with_formula(
+            kernel_, [&](const auto& formula) { stages_.evolve(cuda::FieldView(formula, field_), how_); });
     }
-    for (int i = 0; i < run.repeat + kWarm; ++i) {
-        const Clock clock;
-        device.repeat();
-        if (i >= kWarm) card.push_back(clock.seconds());
-    }
-    out.device = median(card);
-    out.with_cage = cage_seconds + median(whole);
-    out.bytes_per_face = static_cast<double>(device.bytes_used()) / static_cast<double>(out.faces);
-    device.measure();
-    constexpr int kRounds = 5;
-    for (int i = 0; i < kRounds; ++i) device.repeat();
-    out.kernels =
-        shares_of(device.take_times(), kRounds, costs_of(given, report.projected, mean_list(given, run.ctx)));
+    std::span<const Vec3> positions() const { return stages_.positions(); }
+    std::uint32_t faces() const { return stages_.mesh().face_count(); }
+    int steps() const { return how_.steps; }
+
+  private:
+    cuda::HostExecutor exec_;
+    cuda::PrintedQuadStages<cuda::HostExecutor> stages_;
+    KernelConstants kernel_;
+    cuda::FieldArrays field_;
+    cuda::Evolution how_;
+};
+
+GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun& run) {
+    const ConvolutionField field = given.with_regions(run.ctx);
+    const cuda::QuadJob job = given.job(quad_options());
+    PrintedOnCpu cpu(job, field, run.ctx);
+    GpuResult out;
+    out.cpu = median_time(run, 1, few_rounds(run), [&] { cpu.run(); });
+    out.name = what.name + ", as printed";
+    out.segments = what.skeleton.size() - what.skeleton.tree_count();
+    out.faces = cpu.faces();
+    out.papers = what.papers;
+    if (!run.device.device) return out;
+    DevicePrintedQuads device(run.ctx);
+    const QuadMesh made = device.make(job, field);
+    out.apart =
+        apart(cpu.positions(), made.positions, tolerances(cpu.positions(), given.model.skeleton, run.ctx));
+    time_on_card(
+        device, run, printed_quad_costs(job, work_of(field, given), cpu.steps()), [&] { device.repeat(); },
+        out);
+    return out;
 }
 
 }  // namespace
 
-GpuResult measure_quads(const QuadCase& what, const GpuRun& run) {
-    MeshOptions options;
-    options.device = Device::cpu;
-    options.remesh_rounds = 0;
-    GpuResult out{what.name};
+std::vector<GpuResult> measure_quads(const QuadCase& what, const GpuRun& run) {
+    const MeshOptions options = quad_options();
+    GpuResult out;
+    out.name = what.name;
     out.papers = what.papers;
-    out.goal = what.goal;
-    std::vector<double> cpu, cage;
-    for (int i = 0; i < std::max(3, run.repeat / 5); ++i) {
-        const MeshResult made = mesh_skeleton(what.skeleton, options, run.ctx);
-        cpu.push_back(stage_seconds(made, {"field", "quads", "refine", "anchors", "project", "untangle"}));
-        cage.push_back(stage_seconds(made, {"prepare", "graft", "part", "cage", "weights", "topology"}));
-        out.faces = made.quads().mesh.quads.size();
-    }
+    out.goals = what.goals;
     out.segments = what.skeleton.size() - what.skeleton.tree_count();
-    out.cpu = median(cpu);
-    if (!run.device.device) return out;
+    std::vector<Measure> stages;
+    median_time(run, 0, few_rounds(run), [&] {
+        const MeshResult made = mesh_skeleton(what.skeleton, options, run.ctx);
+        for (const auto& [name, seconds] : made.stages) Measures(stages).add(name, seconds);
+        out.faces = made.quads().mesh.quads.size();
+    });
+    for (const Measure& m : stages) out.cpu_stages.emplace_back(m.name, m.median());
+    out.cpu = sum_of(out.cpu_stages, {"field", "quads", "refine", "anchors", "project", "untangle"});
+    out.cage = sum_of(out.cpu_stages, {"prepare", "graft", "part", "cage", "weights", "topology"});
+    if (!run.device.device && !what.as_printed) return {out};
     const Given given(what.skeleton, options, run.ctx);
-    measure_on_card(given, options, run, median(cage), out);
-    return out;
+    if (run.device.device) measure_on_card(given, options, run, out);
+    std::vector<GpuResult> all{out};
+    if (what.as_printed) all.push_back(measure_printed(what, given, run));
+    return all;
 }
 
 }  // namespace coppice::bench

@@ -1,18 +1,23 @@
 #pragma once
 
+#include <vector>
+
 #include "coppice/skeleton/skeleton.h"
 #include "gpu_case.h"
 
 namespace coppice::bench {
 
-/// What is measured of quads, with what the papers print for it and what it should take.
+/// What is measured of quads.
 struct QuadCase {
     std::string name;
     Skeleton skeleton;
-    double papers = -1, goal = -1;  ///< [s]
+    double papers = -1;  ///< [s] printed for subdivision and approximation
+    std::vector<Goal> goals;
+    bool as_printed = false;  ///< whether what [Zhu2015] prints is measured beside it
 };
 
-/// From a cage on the card to quads, normals and all on the card, and on the CPU.
-GpuResult measure_quads(const QuadCase& what, const GpuRun& run);
+/// From a cage on the card to quads, normals and all on the card, and on the CPU; as printed, subdivision and
+/// evolution alone, on both sides by the same kernels.
+std::vector<GpuResult> measure_quads(const QuadCase& what, const GpuRun& run);
 
 }  // namespace coppice::bench
