@@ -34,11 +34,15 @@ void add_program_flags(CLI::App& app, ProgramFlags& flags, int& repeat, double& 
     app.add_option("--markdown", flags.markdown, "write the tables to this file as well");
 }
 
-void publish(const Results& results, const ProgramFlags& flags) {
-    fmt::print("{}", results.markdown);
+void save(const Results& results, const ProgramFlags& flags) {
     write_text(flags.markdown, results.markdown);
     write_text(flags.json, results.json);
     write_text(flags.csv, results.csv);
+}
+
+void publish(const Results& results, const ProgramFlags& flags) {
+    fmt::print("{}", results.markdown);
+    save(results, flags);
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& run) {

@@ -28,6 +28,9 @@ struct Results {
 void add_program_flags(CLI::App& app, ProgramFlags& flags, int& repeat, double& seconds,
                        const std::string& row);
 
+/// Writes the files that were asked for. Throws IoError.
+void save(const Results& results, const ProgramFlags& flags);
+
 /// Prints the tables and writes the files that were asked for. Throws IoError.
 void publish(const Results& results, const ProgramFlags& flags);
 

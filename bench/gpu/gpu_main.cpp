@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "coppice/base/error.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/assemble.h"
@@ -56,7 +57,8 @@ double printed(const Stages& stages, std::ptrdiff_t on_cpu) {
     return sum;
 }
 
-std::vector<QuadCase> quad_cases(bool small) {
+/// The trees of [Zhu2015].
+std::vector<QuadCase> printed_quad_cases() {
     constexpr std::ptrdiff_t kOnCpu = 1;  // the polyhedron
     std::vector<QuadCase> out;
     for (const PaperTree& tree : paper_trees()) {
@@ -67,16 +69,19 @@ std::vector<QuadCase> quad_cases(bool small) {
                        {{GoalKind::card, 0.15}},
                        true});
     }
-    if (small) return out;
-    out.push_back({"tree30k",
-                   random_tree(30'000, kSeed),
-                   -1,
-                   {{GoalKind::card, 1}, {GoalKind::cage, 20}, {GoalKind::speedup, 10}}});
-    out.push_back(
-        {"tree300k", random_tree(300'000, kSeed), -1, {{GoalKind::card, 8}, {GoalKind::memory, 80}}});
-    out.push_back({"1,000 trees of 300", forest(1000, 300), -1, {{GoalKind::card, 15}}});
     return out;
 }
+
+QuadCase tree30k() {
+    return {"tree30k",
+            random_tree(30'000, kSeed),
+            -1,
+            {{GoalKind::card, 1}, {GoalKind::cage, 20}, {GoalKind::speedup, 10}}};
+}
+QuadCase tree300k() {
+    return {"tree300k", random_tree(300'000, kSeed), -1, {{GoalKind::card, 8}, {GoalKind::memory, 80}}};
+}
+QuadCase thousand_trees() { return {"1,000 trees of 300", forest(1000, 300), -1, {{GoalKind::card, 15}}}; }
 
 /// The trees of [Zhu2013], in its polyhedron.
 std::vector<TetraCase> printed_tetra_cases() {
@@ -100,34 +105,80 @@ TetraCase fine_tetra_case() {
     return {"tree30k", random_tree(30'000, kSeed), false, 0.87f, 2, -1, {{GoalKind::card, 12}}};
 }
 
-Results results_of(const GpuRun& run, const std::vector<GpuResult>& surfaces,
-                   const std::vector<PairsResult>& pairs) {
-    const std::string card =
-        run.device.device
-            ? fmt::format("{}, capability {}.{}, {} multiprocessors, {:.1f} Tflop/s, {:.2f} TB/s",
-                          run.device.device->name, run.device.device->compute / 10,
-                          run.device.device->compute % 10, run.device.device->multiprocessors,
-                          1e-12 * run.device.device->flops, 1e-12 * run.device.device->bandwidth)
-            : "no card: " + run.device.missing;
-    nlohmann::ordered_json json{{"machine", machine_description()}, {"card", card}};
-    for (const GpuResult& r : surfaces) json["surfaces"].push_back(json_of(r, run.device));
-    for (const PairsResult& r : pairs) json["pairs"].push_back(json_of(r, run.device));
-    std::string markdown = fmt::format("Measured on: {}; {}.\n\n", machine_description(), card);
-    markdown += markdown_of(surfaces, run.device) + "\n" + markdown_of(pairs, run.device);
-    return {markdown, json.dump(1) + "\n", {}};
+std::string describe(const DeviceSearch& search) {
+    if (!search.device) return "no card: " + search.missing;
+    const DeviceInfo& card = *search.device;
+    return fmt::format("{}, capability {}.{}, {} multiprocessors, {:.1f} Tflop/s, {:.2f} TB/s", card.name,
+                       card.compute / 10, card.compute % 10, card.multiprocessors, 1e-12 * card.flops,
+                       1e-12 * card.bandwidth);
 }
+
+/// Case after case. After each one all files are written, so that a run that is cut off, or a card that
+/// fails, takes nothing with it.
+class Bench {
+  public:
+    explicit Bench(const Flags& flags)
+        : flags_(flags), run_{find_device(), flags.repeat, flags.seconds, flags.context()} {}
+
+    void quads(const QuadCase& c) {
+        attempt(c.name, [&] { std::ranges::move(measure_quads(c, run_), std::back_inserter(surfaces_)); });
+    }
+    void printed_tetra(const TetraCase& c) {
+        attempt(c.name, [&] { surfaces_.push_back(measure_printed_tetra(c, run_)); });
+    }
+    void tetra(const TetraCase& c) {
+        attempt(c.name, [&] { surfaces_.push_back(measure_tetra(c, run_)); });
+    }
+    void pairs(Kernel kernel) {
+        attempt("pairs", [&] { pairs_.push_back(measure_pairs(kernel, run_)); });
+    }
+    void finish() const { publish(results(), flags_); }
+
+  private:
+    template <class Work>
+    void attempt(const std::string& name, const Work& work) {
+        try {
+            work();
+        } catch (const Error& error) {
+            failures_.push_back(fmt::format("{}: {}", name, error.what()));
+        }
+        save(results(), flags_);
+    }
+
+    Results results() const {
+        const std::string card = describe(run_.device);
+        nlohmann::ordered_json json{{"machine", machine_description()}, {"card", card}};
+        for (const std::string& failure : failures_) json["failures"].push_back(failure);
+        for (const GpuResult& r : surfaces_) json["surfaces"].push_back(json_of(r, run_.device));
+        for (const PairsResult& r : pairs_) json["pairs"].push_back(json_of(r, run_.device));
+        std::string markdown = fmt::format("Measured on: {}; {}.\n\n", machine_description(), card);
+        for (const std::string& failure : failures_)
+            markdown += fmt::format("Not measured: {}.\n\n", failure);
+        markdown += markdown_of(surfaces_, run_.device) + "\n" + markdown_of(pairs_, run_.device);
+        return {markdown, json.dump(1) + "\n", {}};
+    }
+
+    const Flags& flags_;
+    GpuRun run_;
+    std::vector<GpuResult> surfaces_;
+    std::vector<PairsResult> pairs_;
+    std::vector<std::string> failures_;
+};
 
 void measure(const Flags& flags) {
     if (!flags.tree.empty()) return write_skeleton(flags.tree, random_tree(3000, kSeed));
-    const GpuRun run{find_device(), flags.repeat, flags.seconds, flags.context()};
-    std::vector<GpuResult> surfaces;
-    for (const QuadCase& c : quad_cases(flags.small))
-        std::ranges::move(measure_quads(c, run), std::back_inserter(surfaces));
-    for (const TetraCase& c : printed_tetra_cases()) surfaces.push_back(measure_printed_tetra(c, run));
-    if (!flags.small) surfaces.push_back(measure_tetra(fine_tetra_case(), run));
-    const std::vector<PairsResult> pairs{measure_pairs(Kernel::quartic, run),
-                                         measure_pairs(Kernel::cauchy, run)};
-    publish(results_of(run, surfaces, pairs), flags);
+    Bench bench(flags);
+    for (const QuadCase& c : printed_quad_cases()) bench.quads(c);
+    if (!flags.small) bench.quads(tree30k());
+    for (const TetraCase& c : printed_tetra_cases()) bench.printed_tetra(c);
+    bench.pairs(Kernel::quartic);
+    bench.pairs(Kernel::cauchy);
+    if (!flags.small) {
+        bench.tetra(fine_tetra_case());
+        bench.quads(tree300k());
+        bench.quads(thousand_trees());
+    }
+    bench.finish();
 }
 
 }  // namespace
