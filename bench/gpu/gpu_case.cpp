@@ -143,6 +143,7 @@ nlohmann::ordered_json json_of(const GpuResult& r, const DeviceSearch& device) {
     const auto put = [&](const char* name, double value) {
         if (value >= 0) out[name] = value;
     };
+    if (!r.note.empty()) out["note"] = r.note;
     put("papers_s", r.papers);
     put("device_s", r.device);
     put("cpu_s", r.cpu);
@@ -165,7 +166,11 @@ nlohmann::ordered_json json_of(const GpuResult& r, const DeviceSearch& device) {
 }
 
 std::string markdown_of(const std::vector<GpuResult>& results, const DeviceSearch& device) {
-    std::string out = figures(results) + "\n" + goals(results);
+    std::string out = figures(results);
+    for (const GpuResult& r : results) {
+        if (!r.note.empty()) out += fmt::format("\n{}: {}.\n", r.name, r.note);
+    }
+    out += "\n" + goals(results);
     const auto has_kernels = [](const GpuResult& r) { return !r.kernels.empty(); };
     if (std::ranges::any_of(results, has_kernels)) out += "\n" + kernels(results, device);
     return out;

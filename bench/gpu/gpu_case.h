@@ -54,6 +54,7 @@ struct Goal {
 /// One row of the tables. Times are medians; below 0: not measured.
 struct GpuResult {
     std::string name;
+    std::string note;  ///< what was done otherwise than in the other rows; mostly empty
     std::uint64_t segments = 0, faces = 0;
     double papers = -1;  ///< [s] printed for the same work
     double device = -1;  ///< [s] from the cage, or the coarse tetrahedra, on the card to the surface there

@@ -76,9 +76,13 @@ std::vector<float> tolerances_of(std::span<const Vec3> positions, std::span<cons
 }
 
 void measure_on_card(const Given& given, const MeshOptions& options, const GpuRun& run, GpuResult& out) {
+    const ConvolutionField field = given.with_regions(run.ctx);
     DeviceQuads device(run.ctx);
     const auto make = [&](const cuda::QuadJob& job, Buffer<Vec3>& positions, Buffer<Vec3>* anchors) {
-        if (!device.begin(job, given.contacts())) throw Error("gpu: lists are too long for the card");
+        if (!device.begin(job, given.contacts())) {
+            out.note = "the field's lists, too long for the card, come from the CPU";
+            device.begin(job, field);
+        }
         return device.finish(positions, anchors);
     };
     cuda::QuadJob job = given.job(options);
@@ -89,7 +93,7 @@ void measure_on_card(const Given& given, const MeshOptions& options, const GpuRu
     out.apart = apart(rest, positions, tolerances_of(rest, anchors));
     job.untangle = options.untangle;
     out.whole = out.cage + median_time(run, 1, few_rounds(run), [&] { make(job, positions, nullptr); });
-    const FieldWork work = work_of(given.with_regions(run.ctx), given);
+    const FieldWork work = work_of(field, given);
     time_on_card(
         device, run, quad_costs(job, work, static_cast<double>(report.projected.evaluations)),
         [&] { device.repeat(); }, out);
