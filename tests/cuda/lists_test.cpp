@@ -15,6 +15,7 @@
 #include "coppice/cuda/exec/host_executor.h"
 #include "coppice/skeleton/prepare.h"
 #include "coppice/spatial/box_tree.h"
+#include "field/crowded_stem.h"
 #include "paths.h"
 #include "zoo.h"
 
@@ -264,6 +265,16 @@ TEST(FindContactsOnDevice, AHubHasTheListsOfTheCpuUntilOneIsCut) {
     const ConvolutionField field(skeleton, {});
     HostExecutor executor;
     EXPECT_TRUE(find_contacts(executor, input_of(scene, field)).state.is_cut);
+}
+
+// Only the root's region, which all segments are relatives of, would be cut: it is left without a box.
+TEST(FindContactsOnDevice, OthersTakeNoPlaceOfRelatives) {
+    const Skeleton stem = crowded_stem();
+    std::vector<Box3> boxes(stem.size());
+    boxes.back() = {{-1, -1, -1}, {1, 1, 2}};
+    const Comparison c = compare(in_boxes(stem, boxes));
+    expect_same(c);
+    EXPECT_EQ(c.longest, 1u + 9u + 99u);
 }
 
 // Stems beside each other along x; nodes 2 i and 2 i + 1 are those of stem i.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coppice/field/convolution_field.h"
+#include "field/crowded_stem.h"
 
 namespace coppice {
 namespace {
@@ -53,6 +54,19 @@ TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
         EXPECT_EQ(field.candidates(r).size(), 3u);
         EXPECT_TRUE(field.rivals(r).empty());
     }
+}
+
+TEST(FindContacts, OthersTakeNoPlaceOfRelatives) {
+    const Skeleton s = crowded_stem();
+    std::vector<NodeId> tube;
+    std::vector<FieldRegion> regions;
+    for (const NodeId n : nodes(s)) {
+        tube.push_back(n);
+        regions.push_back({Box3{{-1, -1, -1}, {1, 1, 2}}, n});
+    }
+    ConvolutionField field(s, {});
+    field.set_regions(regions, {s, tube});
+    EXPECT_EQ(field.candidates(s.size() - 1).size(), 1u + 9u + 99u);
 }
 
 TEST(FindContacts, OfACrowdTheNearestArePicked) {

@@ -53,11 +53,13 @@ class Hub {
 /// bookkeeping.
 class Flood {
   public:
-    Flood(const Skeleton& skeleton, std::span<const SegmentSupport> supports, std::span<const Hub> hubs)
-        : skeleton_(skeleton), supports_(supports), hubs_(hubs) {}
+    Flood(const Skeleton& skeleton, std::span<const SegmentSupport> supports, std::span<const Hub> hubs,
+          const MayCount& may_count)
+        : skeleton_(skeleton), supports_(supports), hubs_(hubs), may_count_(may_count) {}
 
-    /// Appends the region's segments to `out`, sorted.
-    void run(const FieldRegion& region, std::vector<std::uint32_t>& out) {
+    /// Appends the segments of a region, which has this number, to `out`, sorted.
+    void run(std::size_t number, const FieldRegion& region, std::vector<std::uint32_t>& out) {
+        number_ = number;
         NodeId seed = region.seed;
         if (skeleton_.is_root(seed) && !skeleton_.is_tip(seed)) seed = skeleton_.leader(seed);
         box_ = region.box;
@@ -82,7 +84,8 @@ class Flood {
     static void accept(NodeId segment, std::vector<std::uint32_t>& out) { out.push_back(segment.index()); }
 
     bool touches(NodeId segment) const {
-        return may_touch(supports_[segment.index()], box_, center_, half_diagonal_);
+        return may_touch(supports_[segment.index()], box_, center_, half_diagonal_) &&
+               (!may_count_ || may_count_(number_, segment));
     }
 
     void visit(Step step, std::vector<std::uint32_t>& out) {
@@ -114,6 +117,8 @@ class Flood {
     const Skeleton& skeleton_;
     std::span<const SegmentSupport> supports_;
     std::span<const Hub> hubs_;
+    const MayCount& may_count_;
+    std::size_t number_ = 0;
     Box3 box_;
     Vec3 center_;
     float half_diagonal_ = 0;
@@ -148,6 +153,12 @@ std::size_t longest_list(std::size_t regions) {
 
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                                std::span<const FieldRegion> regions, const Context& ctx) {
+    return find_candidates(skeleton, supports, regions, MayCount(), ctx);
+}
+
+CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
+                               std::span<const FieldRegion> regions, const MayCount& may_count,
+                               const Context& ctx) {
     COPPICE_ASSERT(supports.size() == skeleton.size());
     COPPICE_ASSERT(std::all_of(regions.begin(), regions.end(), [&](const FieldRegion& r) {
         return r.seed && r.seed.index() < skeleton.size();
@@ -155,11 +166,11 @@ CandidateLists find_candidates(const Skeleton& skeleton, std::span<const Segment
     const std::vector<Hub> hubs = find_hubs(skeleton, supports, ctx);
     const std::size_t count = regions.size();
     return collect_lists(count, kCandidateListsGrain, ctx, [&](IndexRange range, const auto& put) {
-        Flood flood(skeleton, supports, hubs);
+        Flood flood(skeleton, supports, hubs, may_count);
         std::vector<std::uint32_t> list;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             list.clear();
-            flood.run(regions[i], list);
+            flood.run(i, regions[i], list);
             for (const std::uint32_t segment : list) put(i, segment);
         }
     });

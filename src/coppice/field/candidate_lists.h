@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -70,6 +71,13 @@ std::size_t longest_list(std::size_t regions);
 /// keeps those with the fewest nodes between them and the seed.
 CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
                                std::span<const FieldRegion> regions, const Context& ctx = {});
+
+/// Whether a segment may be in the list of a region. Called by many threads at once.
+using MayCount = std::function<bool(std::size_t region, NodeId segment)>;
+/// The same, connected through segments alone that may be in the list; others take no place in it.
+CandidateLists find_candidates(const Skeleton& skeleton, std::span<const SegmentSupport> supports,
+                               std::span<const FieldRegion> regions, const MayCount& may_count,
+                               const Context& ctx = {});
 
 /// Finds for every box all segments whose support touches it, connected or not; supports of radius 0 are left
 /// out. O((segments + regions) log n + lists). Of more than longest_list() the nearest to the box's center

@@ -193,8 +193,11 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
     const Contents contents = contents_of(tubes);
     std::vector<FieldRegion> at_tubes(regions.begin(), regions.end());
     for (std::uint32_t r = 0; r < regions.size(); ++r) at_tubes[r].seed = NodeId(r);
-    const CandidateLists near =
-        find_candidates(tubes.tree, tube_supports(tubes.tree, contents, supports, ctx), at_tubes, ctx);
+    const auto is_own = [&](std::size_t r, NodeId t) {
+        return kinship.related(t.index(), static_cast<std::uint32_t>(r));
+    };
+    const CandidateLists near = find_candidates(
+        tubes.tree, tube_supports(tubes.tree, contents, supports, ctx), at_tubes, is_own, ctx);
     ContactLists out;
     out.own = collect_lists(regions.size(), kContactListsGrain, ctx, [&](IndexRange range, const auto& put) {
         std::vector<std::uint32_t> list;
@@ -205,7 +208,6 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
             list.clear();
             for (std::uint64_t k = near.first[r]; k < near.first[r + 1]; ++k) {
                 const std::uint32_t t = near.segments[k];
-                if (!kinship.related(t, r)) continue;
                 for (const std::uint32_t s : contents[t]) {
                     const bool touches = t == r || may_touch(supports[s], box, center, half_diagonal);
                     if (touches && list.size() < kLongestList) list.push_back(s);

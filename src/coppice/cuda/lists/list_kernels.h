@@ -122,14 +122,12 @@ struct OwnSearch {
     template <class Visit>
     COPPICE_HOST_DEVICE void run(std::uint32_t region, const Visit& visit) const {
         const RegionProbe probe(boxes[region]);
-        const TubeKin own = kin(region);
         std::uint32_t reached = 0, found = 0;
         visit_connected(region, probe, [&](std::uint32_t t) {
             if (++reached > kLongestList) {
                 raise_to(cut[0], 1u);
                 return false;
             }
-            if (!are_related(kin(t), own)) return true;
             for (std::uint32_t k = tables.first_content[t]; k < tables.first_content[t + 1]; ++k) {
                 const std::uint32_t s = tables.contents[k];
                 if (found < kLongestList && (t == region || probe.touches(segments[s]))) {
@@ -145,11 +143,13 @@ struct OwnSearch {
     COPPICE_HOST_DEVICE TubeKin kin(std::uint32_t t) const {
         return {t, tables.tubes[t].end, tables.tubes[t].parent};
     }
-    /// Calls visit(tube), ascending, for the seed and all that are connected with it through others that
-    /// touch the box, until it returns false.
+    /// Calls visit(tube), ascending, for the seed and all relatives of the region's tube that are connected
+    /// with it through others that touch the box, until it returns false. Between relatives there are none
+    /// but relatives.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_connected(std::uint32_t region, const RegionProbe& probe,
                                              const Visit& visit) const {
+        const TubeKin own = kin(region);
         const std::uint32_t seed = tables.tubes[region].seed;
         NodeId top = tables.tubes[seed].parent;
         if (!top) {
@@ -162,7 +162,7 @@ struct OwnSearch {
         }
         const std::uint32_t end = tables.tubes[top.index()].end;
         for (std::uint32_t t = top.index() + 1; t < end;) {
-            if (t == seed || probe.touches(tubes[t])) {
+            if (t == seed || (are_related(kin(t), own) && probe.touches(tubes[t]))) {
                 if (!visit(t)) return;
                 ++t;
             } else {
