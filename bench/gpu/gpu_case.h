@@ -86,6 +86,18 @@ double median_time(const GpuRun& run, int warm, int rounds, const Work& work) {
 /// Rounds of the CPU, which is slow, and of what copies.
 inline int few_rounds(const GpuRun& run) { return std::max(2, run.repeat / 5); }
 
+/// Does the card's part of a row, where there is a card. What it fails at becomes a note, so that the CPU's
+/// part is told all the same.
+template <class Work>
+void on_card(const GpuRun& run, GpuResult& out, const Work& work) {
+    if (!run.device.device) return;
+    try {
+        work();
+    } catch (const DeviceError& error) {
+        out.note = error.what();
+    }
+}
+
 /// Sums up launches by the kernel, and puts the costs beside them. `rounds` were measured.
 std::vector<KernelShare> shares_of(const std::vector<cuda::KernelTime>& times, int rounds,
                                    const std::vector<KernelCost>& costs);

@@ -93,10 +93,10 @@ void measure_on_card(const Given& given, const MeshOptions& options, const GpuRu
     out.apart = apart(rest, positions, tolerances_of(rest, anchors));
     job.untangle = options.untangle;
     out.whole = out.cage + median_time(run, 1, few_rounds(run), [&] { make(job, positions, nullptr); });
-    const FieldWork work = work_of(field, given);
+    const auto costs =
+        quad_costs(job, work_of(field, given), static_cast<double>(report.projected.evaluations));
     time_on_card(
-        device, run, quad_costs(job, work, static_cast<double>(report.projected.evaluations)),
-        [&] { device.repeat(); }, out);
+        device, run, costs, [&] { device.repeat(); }, out);
 }
 
 /// What [Zhu2015] prints, on the CPU by the kernels of the card.
@@ -132,14 +132,15 @@ GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun
     out.segments = what.skeleton.size() - what.skeleton.tree_count();
     out.faces = cpu.faces();
     out.papers = what.papers;
-    if (!run.device.device) return out;
-    DevicePrintedQuads device(run.ctx);
-    const QuadMesh made = device.make(job, field);
-    out.apart =
-        apart(cpu.positions(), made.positions, tolerances(cpu.positions(), given.model.skeleton, run.ctx));
-    time_on_card(
-        device, run, printed_quad_costs(job, work_of(field, given), cpu.steps()), [&] { device.repeat(); },
-        out);
+    on_card(run, out, [&] {
+        DevicePrintedQuads device(run.ctx);
+        const QuadMesh made = device.make(job, field);
+        out.apart = apart(cpu.positions(), made.positions,
+                          tolerances(cpu.positions(), given.model.skeleton, run.ctx));
+        const auto costs = printed_quad_costs(job, work_of(field, given), cpu.steps());
+        time_on_card(
+            device, run, costs, [&] { device.repeat(); }, out);
+    });
     return out;
 }
 
@@ -163,7 +164,7 @@ std::vector<GpuResult> measure_quads(const QuadCase& what, const GpuRun& run) {
     out.cage = sum_of(out.cpu_stages, {"prepare", "graft", "part", "cage", "weights", "topology"});
     if (!run.device.device && !what.as_printed) return {out};
     const Given given(what.skeleton, options, run.ctx);
-    if (run.device.device) measure_on_card(given, options, run, out);
+    on_card(run, out, [&] { measure_on_card(given, options, run, out); });
     std::vector<GpuResult> all{out};
     if (what.as_printed) all.push_back(measure_printed(what, given, run));
     return all;

@@ -134,15 +134,17 @@ GpuResult measure_printed_tetra(const TetraCase& what, const GpuRun& run) {
     PrintedOnCpu cpu(given);
     out.cpu = median_time(run, 0, few_rounds(run), [&] { cpu.run(false); });
     out.faces = cpu.triangles();
-    if (!run.device.device) return out;
-    DeviceMarcher device(run.ctx);
-    const PrintedMarch made = device.march_as_printed(given.mesh, what.levels, given.cut(), true, run.ctx);
-    const Buffer<Vec3>& found = made.mesh.positions;
-    out.apart = strays(found, cpu.run(true).positions, tolerances(found, given.skeleton, run.ctx));
-    time_on_card(
-        device, run,
-        printed_tetra_costs(cpu.counts(), what.levels, static_cast<double>(made.triangles), work_of(given)),
-        [&] { device.repeat_as_printed(); }, out);
+    on_card(run, out, [&] {
+        DeviceMarcher device(run.ctx);
+        const PrintedMarch made =
+            device.march_as_printed(given.mesh, what.levels, given.cut(), true, run.ctx);
+        const Buffer<Vec3>& found = made.mesh.positions;
+        out.apart = strays(found, cpu.run(true).positions, tolerances(found, given.skeleton, run.ctx));
+        const auto costs = printed_tetra_costs(cpu.counts(), what.levels, static_cast<double>(made.triangles),
+                                               work_of(given));
+        time_on_card(
+            device, run, costs, [&] { device.repeat_as_printed(); }, out);
+    });
     return out;
 }
 
@@ -152,16 +154,17 @@ GpuResult measure_tetra(const TetraCase& what, const GpuRun& run) {
     MarchResult cpu;
     out.cpu = median_time(run, 1, few_rounds(run), [&] { cpu = given.march(); });
     out.faces = cpu.mesh.triangles.size();
-    if (!run.device.device) return out;
-    DeviceMarcher device(run.ctx);
-    MarchResult made;
-    const auto march = [&] {
-        made = device.march(given.mesh, given.cut(), given.inside(), given.how, run.ctx);
-    };
-    march();
-    const Buffer<Vec3>& found = made.mesh.positions;
-    out.apart = strays(found, cpu.mesh.positions, tolerances(found, given.skeleton, run.ctx));
-    time_on_card(device, run, march_costs(cpu.report, work_of(given)), march, out);
+    on_card(run, out, [&] {
+        DeviceMarcher device(run.ctx);
+        MarchResult made;
+        const auto march = [&] {
+            made = device.march(given.mesh, given.cut(), given.inside(), given.how, run.ctx);
+        };
+        march();
+        const Buffer<Vec3>& found = made.mesh.positions;
+        out.apart = strays(found, cpu.mesh.positions, tolerances(found, given.skeleton, run.ctx));
+        time_on_card(device, run, march_costs(cpu.report, work_of(given)), march, out);
+    });
     return out;
 }
 
