@@ -13,6 +13,7 @@
 #include "coppice/field/field_simd_internal.h"
 #include "coppice/field/kernel/contact_kernel.h"
 #include "coppice/field/list_kernel.h"
+#include "coppice/field/skeleton_segments.h"
 
 namespace coppice {
 namespace {
@@ -20,18 +21,6 @@ namespace {
 constexpr std::size_t kConvolutionFieldGrain = 4096;
 constexpr std::size_t kRegionGrain = 256;
 constexpr std::size_t kContactBatch = 64;
-
-/// The direction of each segment without length: that of the nearest ancestor that has a length, else +Z.
-std::vector<Vec3> fallback_directions(const Skeleton& skeleton) {
-    std::vector<Vec3> direction(skeleton.size(), Vec3{0, 0, 1});
-    for (const NodeId n : nodes(skeleton)) {
-        if (skeleton.is_root(n)) continue;
-        const Vec3 axis = skeleton.position(n) - skeleton.position(skeleton.parent(n));
-        const float l = length(axis);
-        direction[n.index()] = l > 0 ? axis / l : direction[skeleton.parent(n).index()];
-    }
-    return direction;
-}
 
 /// By segment, the child node nearest to the root of the chain of leaders it belongs to.
 std::vector<std::uint32_t> find_axes(const Skeleton& skeleton) {
@@ -66,17 +55,9 @@ ConvolutionField::ConvolutionField(const Skeleton& skeleton, const FieldOptions&
       axes_(find_axes(skeleton)),
       blend_(checked_blend(options)),
       contact_(options.contact) {
-    const std::vector<Vec3> direction = fallback_directions(skeleton);
+    const SkeletonSegments segments(skeleton, builder_);
     parallel_for(ctx, skeleton.size(), kConvolutionFieldGrain, [&](std::size_t i) {
-        const NodeId n(static_cast<std::uint32_t>(i));
-        if (skeleton.is_root(n)) {
-            segments_[i] = builder_.build_ball(skeleton.position(n), skeleton.radius(n));
-            if (!skeleton.is_tip(n)) segments_[i].weight = 0;
-        } else {
-            const NodeId p = skeleton.parent(n);
-            segments_[i] = builder_.build(skeleton.segment(n), direction[i], skeleton.is_tip(n),
-                                          skeleton.is_root(p) && skeleton.leader(p) == n);
-        }
+        segments_[i] = segments.build(NodeId(static_cast<std::uint32_t>(i)), skeleton.positions());
         supports_[i] = segment_support(segments_[i], builder_.reach());
     });
 }
