@@ -4,40 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "coppice/base/rotation.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/drag/quad_model.h"
 #include "coppice/skeleton/random_tree.h"
+#include "drag_scenes.h"
 #include "errors.h"
 #include "zoo.h"
 
 namespace coppice {
 namespace {
 
-constexpr double kGreatest = 20 * std::numbers::pi / 180;
+using test::Dragged;
+using test::kGreatest;
 
 Skeleton small_tree() { return random_tree(400, 3); }
-
-/// A branch of a tree, and the part that it can change.
-struct Dragged {
-    QuadModel model;
-    BranchDrag drag;
-    DragPart part;
-
-    explicit Dragged(const Skeleton& tree, const MeshOptions& options = {}, std::uint32_t segments = 40)
-        : model(quad_model(tree, options)),
-          drag(model, branch_of_about(model.skeleton, segments), {0.3, 1, 0.2}),
-          part(drag_part(model, drag, kGreatest)) {}
-
-    DragPose at(double angle) const {
-        DragPose pose = drag.rest();
-        drag.turn(angle, pose);
-        return pose;
-    }
-};
 
 /// In the order of the model's refined quads.
 Buffer<Vec3> in_model_order(const DragPart& part, std::span<const Vec3> drawn) {

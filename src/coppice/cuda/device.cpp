@@ -2,8 +2,8 @@
 
 namespace coppice {
 
-DeviceInfo require_device() {
-    const DeviceSearch search = find_device();
+DeviceInfo require_device(int number) {
+    const DeviceSearch search = find_device(number);
     if (!search.device) throw DeviceError("no CUDA device was found: " + search.missing);
     return *search.device;
 }

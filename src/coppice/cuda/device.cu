@@ -8,16 +8,16 @@ namespace {
 // Products and sums in single precision that a multiprocessor begins in one cycle.
 int lanes_of(int compute) { return compute == 75 || compute == 80 ? 64 : 128; }
 
-double attribute(cudaDeviceAttr which) {
+double attribute(cudaDeviceAttr which, int device) {
     int value = 0;
-    return cudaDeviceGetAttribute(&value, which, 0) == cudaSuccess ? value : 0;
+    return cudaDeviceGetAttribute(&value, which, device) == cudaSuccess ? value : 0;
 }
 
 }  // namespace
 
 bool has_cuda() { return true; }
 
-DeviceSearch find_device() {
+DeviceSearch find_device(int number) {
     DeviceSearch out;
     const auto failed = [&](cudaError_t error) {
         cudaGetLastError();
@@ -26,23 +26,23 @@ DeviceSearch find_device() {
     };
     int count = 0;
     if (failed(cudaGetDeviceCount(&count))) return out;
-    if (count == 0) {
-        out.missing = "CUDA finds no device";
+    if (number >= count) {
+        out.missing = count == 0 ? "CUDA finds no device" : "CUDA finds no device of this number";
         return out;
     }
     cudaDeviceProp properties{};
     std::size_t free = 0, all = 0;
-    if (failed(cudaSetDevice(0)) || failed(cudaGetDeviceProperties(&properties, 0)) ||
+    if (failed(cudaSetDevice(number)) || failed(cudaGetDeviceProperties(&properties, number)) ||
         failed(cudaMemGetInfo(&free, &all))) {
         return out;
     }
     DeviceInfo info{properties.name, 10 * properties.major + properties.minor,
                     static_cast<std::uint32_t>(properties.multiProcessorCount), all, free};
     constexpr double kHertz = 1e3, kBits = 8;  // clocks are told in kHz, buses in bits
-    info.flops =
-        2.0 * lanes_of(info.compute) * info.multiprocessors * attribute(cudaDevAttrClockRate) * kHertz;
-    info.bandwidth = 2 * attribute(cudaDevAttrMemoryClockRate) * kHertz *
-                     attribute(cudaDevAttrGlobalMemoryBusWidth) / kBits;
+    info.flops = 2.0 * lanes_of(info.compute) * info.multiprocessors *
+                 attribute(cudaDevAttrClockRate, number) * kHertz;
+    info.bandwidth = 2 * attribute(cudaDevAttrMemoryClockRate, number) * kHertz *
+                     attribute(cudaDevAttrGlobalMemoryBusWidth, number) / kBits;
     out.device = info;
     return out;
 }

@@ -37,13 +37,13 @@ struct DeviceInfo {
 
 /// What looking for a card found: one of the two.
 struct DeviceSearch {
-    std::optional<DeviceInfo> device;  ///< the first that CUDA names
+    std::optional<DeviceInfo> device;  ///< the card
     std::string missing;               ///< or why there is none, as the end of a sentence
 };
 
-/// Looks for a card; the first call takes as long as the driver takes to start, some tenths of a second.
-/// Never throws.
-DeviceSearch find_device();
+/// Looks for the card to which CUDA gives this number, and chooses it on this thread; the first call takes as
+/// long as the driver takes to start, some tenths of a second. Never throws.
+DeviceSearch find_device(int number = 0);
 
 /// Whether this build has the kernels at all: see COPPICE_CUDA in the build.
 bool has_cuda();
@@ -54,7 +54,7 @@ class DeviceError : public Error {
     using Error::Error;
 };
 
-/// The card. Throws DeviceError, which says why, where there is none.
-DeviceInfo require_device();
+/// The same card. Throws DeviceError, which says why, where there is none.
+DeviceInfo require_device(int number = 0);
 
 }  // namespace coppice

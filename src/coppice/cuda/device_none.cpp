@@ -4,6 +4,6 @@ namespace coppice {
 
 bool has_cuda() { return false; }
 
-DeviceSearch find_device() { return {{}, "this program was built without CUDA"}; }
+DeviceSearch find_device(int) { return {{}, "this program was built without CUDA"}; }
 
 }  // namespace coppice

@@ -1,15 +1,25 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "coppice/base/column.h"
+#include "coppice/base/kernel/host_device.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice {
 
 /// Outward, as long as twice the area of the quad between the middles of its sides.
-inline Vec3 area_normal(std::span<const Vec3> positions, const Quad& q) {
+COPPICE_HOST_DEVICE inline Vec3 area_normal(std::span<const Vec3> positions, const Quad& q) {
     return cross(positions[q[2]] - positions[q[0]], positions[q[3]] - positions[q[1]]);
+}
+
+/// The unit normal of a vertex, of the quads about it in their order, weighted by area; +Z where they cancel.
+COPPICE_HOST_DEVICE inline Vec3 fan_normal(std::span<const Vec3> positions, std::span<const Quad> quads,
+                                           std::span<const std::uint32_t> fan) {
+    Vec3 sum;
+    for (const std::uint32_t f : fan) sum += area_normal(positions, quads[f]);
+    return normalized(sum);
 }
 
 /// Unit normals per vertex, from the quads about it in their order, weighted by area; +Z where they cancel.

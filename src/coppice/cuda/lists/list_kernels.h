@@ -309,4 +309,16 @@ struct SumUp {
     }
 };
 
+/// Empties all lists where some had too little room, so that whoever reads them before that is known reads
+/// nothing that was not written.
+struct EmptyUnfit {
+    std::span<const std::uint32_t> state;  ///< see SumUp
+    std::size_t own_room, rival_room;
+    std::span<std::uint32_t> own_first, rival_first;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
+        if (state[0] <= own_room && state[1] <= rival_room) return;
+        own_first[r] = rival_first[r] = 0;
+    }
+};
+
 }  // namespace coppice::cuda

@@ -39,6 +39,13 @@ struct ListState {
     bool fits(ListRoom room) const { return entries.own <= room.own && entries.rivals <= room.rivals; }
 };
 
+/// More room, after lists did not fit: enough for those that could be counted.
+inline ListRoom grown(const ListRoom& room, const ListState& state) {
+    const bool own_fits = state.entries.own <= room.own;
+    return {std::max(room.own, state.entries.own),
+            own_fits ? std::max(room.rivals, state.entries.rivals) : room.rivals};
+}
+
 /// Room that is enough for most surfaces.
 inline ListRoom usual_room(std::size_t regions) {
     return {static_cast<std::uint32_t>(1024 + 16 * regions), static_cast<std::uint32_t>(1024 + 8 * regions)};
@@ -69,8 +76,8 @@ std::span<const Box3> region_boxes(Exec& exec, const ContactTables& tables, cons
 /// Lists are the same as the CPU's for the same arithmetic. A card fuses products and sums, so that a segment
 /// that only just reaches the box of a region may be in one and not in the other.
 ///
-/// Lists that have no room are not written. O((regions + lists) log n), but for nodes with very many
-/// children, all of which are looked at.
+/// Where there is too little room, all lists are empty. O((regions + lists) log n), but for nodes with very
+/// many children, all of which are looked at.
 template <class Exec>
 DeviceLists begin_contacts(Exec& exec, const ContactTables& tables, const ContactGeometry& geometry,
                            std::span<const std::uint32_t> order, ListRoom room) {
@@ -102,6 +109,7 @@ DeviceLists begin_contacts(Exec& exec, const ContactTables& tables, const Contac
     const auto rivals = exec.template array<std::uint32_t>(room.rivals);
     exec.each("fill rivals", regions, FillRivals{tables.in_order, rows, first, rivals, own_first, own});
     exec.each("sum up lists", 1, SumUp{own_first, first, state});
+    exec.each("empty lists", regions + 1, EmptyUnfit{state, own.size(), rivals.size(), own_first, first});
     return {{own_first, own}, {first, rivals}, state};
 }
 
@@ -127,9 +135,7 @@ ContactsFound find_contacts(Exec& exec, const ContactTables& tables, const Conta
         const DeviceLists lists = begin_contacts(exec, tables, geometry, order, room);
         const ListState state = state_of(exec, lists);
         if (state.is_cut || state.fits(room)) return {lists, state};
-        const bool own_fits = state.entries.own <= room.own;
-        room.own = std::max(room.own, state.entries.own);
-        if (own_fits) room.rivals = std::max(room.rivals, state.entries.rivals);
+        room = grown(room, state);
     }
 }
 

@@ -29,7 +29,8 @@ class QuadStages {
         cage_.fan_half = exec.upload(job.cage.fan_half);
         cage_.on_boundary = exec.upload(job.cage.on_boundary);
         region_ = exec.upload(job.region);
-        clips_ = exec.upload(job.clips);
+        clips_ = exec.template array<ClipPlane>(job.clips.size());
+        write_clips(job.clips);
         for (int level = 0; level <= job.levels; ++level) {
             const std::size_t count = refined_counts(job.cage, level).vertices;
             points_.push_back({exec.template array<Vec3>(count), exec.template array<Vec3>(count)});
@@ -44,6 +45,11 @@ class QuadStages {
         exec_.write(positions, points_[0].positions);
         exec_.write(anchors, points_[0].anchors);
     }
+
+    /// The same for those who write them by kernels.
+    PointPair cage_points() const { return points_.front(); }
+    /// Gives the flat ends other planes; quads stay.
+    void write_clips(std::span<const ClipPlane> clips) { exec_.write(clips, clips_); }
 
     /// Catmull-Clark steps from the cage on.
     void refine() {
@@ -109,6 +115,15 @@ class QuadStages {
         return report;
     }
 
+    /// Memory for what projection leaves, so that what is taken later on can be given back.
+    void make_projection_room() {
+        if (sums_.empty())
+            sums_ =
+                exec_.template array<ProjectionSums>(static_cast<std::size_t>(job_.project.relax_passes) + 1);
+        if (relaxed_.empty() && job_.project.relax_passes > 0)
+            relaxed_ = exec_.template array<Vec3>(counts_.vertices);
+    }
+
     /// Memory for all that the stages leave, so that what is taken later on can be given back.
     void make_room() {
         if (normals_.empty()) normals_ = exec_.template array<Vec3>(counts_.vertices);
@@ -135,6 +150,7 @@ class QuadStages {
     /// From now on the refined points lie there: one place per refined vertex.
     void put_points(const PointPair& points) { points_.back() = points; }
 
+    const CageView& cage() const { return cage_; }                                ///< of the executor
     QuadCounts counts() const { return counts_; }                                 ///< of what comes out
     std::span<const Vec3> positions() const { return points_.back().positions; }  ///< [m] of the executor
     std::span<const Vec3> anchors() const { return points_.back().anchors; }      ///< [m] of the executor
@@ -149,14 +165,6 @@ class QuadStages {
     PatchStars stars() const { return PatchStars(cage_, job_.levels); }
     PointPair& points() { return points_.back(); }
     SurfaceView surface() { return {stars(), job_.levels, region_, clips_, points(), status_}; }
-
-    void make_projection_room() {
-        if (sums_.empty())
-            sums_ =
-                exec_.template array<ProjectionSums>(static_cast<std::size_t>(job_.project.relax_passes) + 1);
-        if (relaxed_.empty() && job_.project.relax_passes > 0)
-            relaxed_ = exec_.template array<Vec3>(counts_.vertices);
-    }
 
     void upload_flat() {
         if (flat_.vertex.empty()) return;
@@ -273,7 +281,7 @@ class QuadStages {
     FlatVertices flat_;
     CageView cage_;  // of the executor, as all that follows
     std::span<const std::uint32_t> region_;
-    std::span<const ClipPlane> clips_;
+    std::span<ClipPlane> clips_;
     std::vector<PointPair> points_;  // by level
     std::span<Vec3> relaxed_;        // what the next relaxation is written to
     std::span<ProjectionStatus> status_;

@@ -270,6 +270,29 @@ DragPart part_of_regions(const QuadModel& model, const Flags& changed, const Con
 
 }  // namespace
 
+ControlMesh control_of(const QuadModel& model, const DragPart& part) {
+    const ControlMesh& all = model.control;
+    ControlMesh out{.cage = {{}, part.patches.cage().quads, all.cage.origin},
+                    .region = part.region,
+                    .region_node = all.region_node,
+                    .clip = clips_of(part, all.clip)};
+    for (const std::uint32_t v : part.cage_vertex) {
+        out.cage.positions.push_back(all.cage.positions[v]);
+        out.anchors.push_back(all.anchors[v]);
+    }
+    for (const std::uint32_t f : part.cage_quad) out.part.push_back(all.part[f]);
+    return out;
+}
+
+std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane> clips) {
+    std::vector<ClipPlane> out;
+    for (std::size_t k = 0; k < part.clip.size(); ++k) {
+        out.push_back(clips[part.clip[k]]);
+        out.back().first_quad = part.clip_quad[k];
+    }
+    return out;
+}
+
 DragPart drag_part(const QuadModel& model, const BranchDrag& drag, double greatest_angle,
                    const Context& ctx) {
     return part_of_regions(model, changed_regions(model, drag, std::fabs(greatest_angle), ctx), ctx);

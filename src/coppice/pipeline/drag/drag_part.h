@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "coppice/base/column.h"
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
+#include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/quad_model.h"
@@ -40,6 +42,12 @@ struct DragPart {
     CompressedRows<std::uint32_t> fans;  ///< per shaded vertex: the quads about it, ascending
     /// @}
 };
+
+/// The cage of a part with all that belongs to it, by its own vertices and quads. Regions are those of the
+/// model.
+ControlMesh control_of(const QuadModel& model, const DragPart& part);
+/// The flat ends of a part among those of all of its model's cage, by the part's quads.
+std::vector<ClipPlane> clips_of(const DragPart& part, std::span<const ClipPlane> clips);
 
 /// Finds the part that a drag can change up to an angle [rad] to both sides. The whole where the projection
 /// relaxes, which goes from quad to quad. O(n log n).

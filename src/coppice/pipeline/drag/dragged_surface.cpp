@@ -44,11 +44,7 @@ ProjectReport DraggedSurface::project_part(const DragPose& pose, Buffer<Vec3>& p
     field.set_regions(pipeline_internal::field_regions(model_->control, part_->cage_quad,
                                                        {pose.cage, pose.anchors}, skeleton),
                       {tubes, model_->tube}, ctx);
-    std::vector<ClipPlane> clips;
-    for (std::size_t k = 0; k < part_->clip.size(); ++k) {
-        clips.push_back(pose.clips[part_->clip[k]]);
-        clips.back().first_quad = part_->clip_quad[k];
-    }
+    const std::vector<ClipPlane> clips = clips_of(*part_, pose.clips);
     positions = part_->patches.refine(picked(pose.cage, part_->cage_vertex), ctx);
     const Buffer<Vec3> anchors = part_->patches.refine(picked(pose.anchors, part_->cage_vertex), ctx);
     const ProjectionTarget target{FieldRef(field), part_->region, clips};
@@ -60,11 +56,8 @@ ProjectReport DraggedSurface::make(const DragPose& pose, const Context& ctx) {
     const ProjectReport report = project_part(pose, refined, ctx);
     parallel_for(ctx, part_->written, kDragGrain,
                  [&](std::size_t i) { positions_[i] = refined[part_->from[i]]; });
-    parallel_for(ctx, part_->shaded, kDragGrain, [&](std::size_t i) {
-        Vec3 sum;
-        for (const std::uint32_t f : part_->fans[i]) sum += area_normal(positions_, part_->quads[f]);
-        normals_[i] = normalized(sum);
-    });
+    parallel_for(ctx, part_->shaded, kDragGrain,
+                 [&](std::size_t i) { normals_[i] = fan_normal(positions_, part_->quads, part_->fans[i]); });
     return report;
 }
 

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "coppice/cuda/device.h"
+#include "coppice/cuda/drag/drag_job.h"
+#include "coppice/cuda/drag/drag_kernels.h"
+#include "coppice/cuda/lists/lists_stages.h"
+#include "coppice/cuda/quads/quad_stages.h"
+
+namespace coppice::cuda {
+
+/// The stages of a frame in which a part of a surface is made anew, in the memory of an executor: what moved
+/// is put into place, the lists of the field are found, the cage of the part is refined, moved onto the
+/// field, written to where it is drawn from, and shaded. All that stays is copied once.
+///
+/// Topology is that of PatchRefinement, positions agree with project() to 1e-4 of the local radius.
+template <class Exec>
+class DragStages {
+  public:
+    /// Everything is at rest. The executor must outlive it and is used by nobody else; so must what the job
+    /// refers to. `room` is for the field's lists, which have more where they need it; the usual one where it
+    /// is left out.
+    DragStages(Exec& exec, const DragJob& job, const std::optional<ListRoom>& room = {})
+        : exec_(exec),
+          counts_{job.quads.clips.size(), job.written(), job.shaded()},
+          quads_(exec, job.quads),
+          tables_(upload_contacts(exec, contact_topology(job.contacts))),
+          segments_(copied<DeviceSegment>(device_segments(job.contacts.field))),
+          nodes_(copied<Vec3>(job.contacts.skeleton.positions())),
+          tube_nodes_(copied<Vec3>(job.contacts.tubes.tree.positions())),
+          geometry_(geometry_of(job.contacts)),
+          order_(rival_order(exec, tables_, geometry_)),
+          room_(room.value_or(usual_room(tables_.tubes.size()))),
+          blend_(job.contacts.field.blend()),
+          contact_(job.contacts.field.contact()),
+          which_{exec.upload(job.nodes), exec.upload(job.tube_nodes), exec.upload(job.vertices)},
+          from_(exec.upload(job.from)),
+          shade_{exec.upload(job.fan_first), exec.upload(job.fan_quads), exec.upload(job.quads_about), {}} {
+        quads_.make_projection_room();
+        before_ = exec.mark();
+    }
+
+    /// Begins a frame; does not wait for it, but for the one before. `project(quads, field)` moves refined
+    /// vertices onto a field: see QuadStages::project. What it writes is of use once has_room().
+    template <class Project>
+    void begin(const DragMoves& moves, const DrawnVertices& drawn, const Project& project) {
+        exec_.rewind(before_);
+        place(moves);
+        lists_ = begin_contacts(exec_, tables_, geometry_, order_, room_);
+        quads_.refine();
+        project(quads_, FieldArrays{segments_, lists_.own, lists_.rivals, blend_, contact_});
+        exec_.each("write drawn", counts_.written, WriteDrawn{from_, quads_.positions(), drawn.positions});
+        shade_.drawn = drawn;
+        exec_.each("shade drawn", counts_.shaded, shade_);
+    }
+
+    /// Waits for the frame. False where the field's lists had too little room: they have more the next time,
+    /// and the frame has to be begun again. Throws DeviceError where the CPU has to make the lists.
+    bool has_room() {
+        const ListState state = state_of(exec_, lists_);
+        if (state.is_cut)
+            throw DeviceError("more branches meet at one place than lists on the device can hold");
+        if (state.fits(room_)) return true;
+        // A little more than is asked for now, since branches go on moving.
+        constexpr std::uint32_t kShare = 8;
+        room_ = grown(room_, state);
+        room_ = {room_.own + room_.own / kShare, room_.rivals + room_.rivals / kShare};
+        return false;
+    }
+
+  private:
+    struct Counts {
+        std::size_t clips, written, shaded;
+    };
+    struct Moving {
+        std::span<const std::uint32_t> nodes, tube_nodes, vertices;
+    };
+
+    template <class T>
+    std::span<T> copied(std::span<const T> values) {
+        const std::span<T> out = exec_.template array<T>(values.size());
+        exec_.write(values, out);
+        return out;
+    }
+    ContactGeometry geometry_of(const ContactInput& input) {
+        const PointPair cage = quads_.cage_points();
+        return {segments_,
+                input.field.reach(),
+                nodes_,
+                exec_.upload(input.skeleton.radii()),
+                tube_nodes_,
+                exec_.upload(input.tubes.tree.radii()),
+                quads_.cage().quads,
+                cage.positions,
+                cage.anchors};
+    }
+
+    void place(const DragMoves& moves) {
+        exec_.each("place nodes", moves.nodes.size(),
+                   PlaceNodes{which_.nodes, exec_.upload(moves.nodes), nodes_, segments_});
+        exec_.each("place tubes", moves.tube_nodes.size(),
+                   PlaceTubes{which_.tube_nodes, exec_.upload(moves.tube_nodes), tube_nodes_});
+        exec_.each("place vertices", moves.vertices.size(),
+                   PlaceVertices{which_.vertices, exec_.upload(moves.vertices), quads_.cage_points()});
+        if (counts_.clips > 0) quads_.write_clips(moves.clips);
+    }
+
+    Exec& exec_;
+    Counts counts_;
+    QuadStages<Exec> quads_;
+    ContactTables tables_;
+    std::span<DeviceSegment> segments_;
+    std::span<Vec3> nodes_, tube_nodes_;
+    ContactGeometry geometry_;
+    std::span<const std::uint32_t> order_;
+    ListRoom room_;
+    int blend_;
+    float contact_;
+    Moving which_;
+    std::span<const std::uint32_t> from_;
+    ShadeDrawn shade_;
+    typename Exec::Mark before_{};
+    DeviceLists lists_;
+};
+
+}  // namespace coppice::cuda

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
+#include "coppice/cuda/drag/drag_job.h"
+#include "coppice/field/convolution_field.h"
+#include "coppice/field/skeleton_segments.h"
+#include "coppice/mesh/control_mesh.h"
+#include "coppice/pipeline/drag/branch_drag.h"
+#include "coppice/pipeline/drag/drag_part.h"
+#include "coppice/pipeline/drag/quad_model.h"
+
+namespace coppice {
+
+/// What a card is given of a branch that is dragged: once all that stays, and for each frame what moved.
+class DragFeed {
+  public:
+    /// All three must outlive this. O(n).
+    DragFeed(const QuadModel& model, const BranchDrag& drag, const DragPart& part, const Context& ctx = {});
+    DragFeed(const DragFeed&) = delete;             ///< its job refers to it
+    DragFeed& operator=(const DragFeed&) = delete;  ///< its job refers to it
+
+    /// As long as this lives. The field's contact has to be above 0.
+    cuda::DragJob job() const;
+    /// What moved in a pose; until the next call. O(branch).
+    cuda::DragMoves moves(const DragPose& pose);
+
+  private:
+    void find_vertices();
+    void find_quads();
+
+    const QuadModel* model_;
+    const BranchDrag* drag_;
+    const DragPart* part_;
+    ControlMesh control_;     // the part at rest
+    ConvolutionField field_;  // at rest
+    SkeletonSegments segments_;
+    Buffer<Vec3> drawn_;
+    std::vector<std::uint32_t> vertices_;  // that turn: of the part's cage
+    Buffer<std::uint32_t> fan_quads_;      // the part's fans, by the quads below
+    std::vector<Quad> quads_about_;
+
+    // In a frame.
+    std::vector<cuda::MovedNode> moved_nodes_;
+    std::vector<Vec3> moved_tubes_;
+    std::vector<cuda::MovedVertex> moved_vertices_;
+    std::vector<ClipPlane> clips_;
+};
+
+}  // namespace coppice

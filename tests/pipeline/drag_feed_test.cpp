@@ -1,0 +1,198 @@
+#include "coppice/pipeline/drag/drag_feed.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "coppice/cuda/drag/drag_stages.h"
+#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/field/upload_field.h"
+#include "coppice/pipeline/drag/dragged_surface.h"
+#include "coppice/skeleton/random_tree.h"
+#include "drag_scenes.h"
+#include "zoo.h"
+
+namespace coppice {
+namespace {
+
+using cuda::HostExecutor;
+using cuda::QuadStages;
+using test::Dragged;
+using test::kGreatest;
+
+constexpr std::array<double, 5> kSwing{0, 0.11, kGreatest, -kGreatest, 0};
+
+/// The frames of a drag by the kernels of a card, on the CPU.
+class ByKernels {
+  public:
+    ByKernels(const QuadModel& model, const BranchDrag& drag, const DragPart& part,
+              const std::optional<cuda::ListRoom>& room = {})
+        : feed_(model, drag, part), exec_(Context{.threads = 2}) {
+        const cuda::DragJob job = feed_.job();
+        drawn_ = {exec_.array<Vec3>(job.drawn.size()), exec_.array<Vec3>(job.shaded())};
+        exec_.write(job.drawn, drawn_.positions);
+        stages_.emplace(exec_, job, room);
+        kernel_ = job.contacts.field.kernel();
+    }
+
+    /// Makes a frame; how often it had to begin.
+    int make(const DragPose& pose) {
+        int begun = 0;
+        do {
+            ++begun;
+            stages_->begin(feed_.moves(pose), drawn_,
+                           [&](QuadStages<HostExecutor>& quads, const cuda::FieldArrays& field) {
+                               cuda::with_formula(kernel_, [&](const auto& formula) {
+                                   quads.project(cuda::FieldView(formula, field));
+                               });
+                           });
+        } while (!stages_->has_room());
+        return begun;
+    }
+    std::span<const Vec3> positions() const { return drawn_.positions; }
+    std::span<const Vec3> normals() const { return drawn_.normals; }
+
+  private:
+    DragFeed feed_;
+    HostExecutor exec_;
+    cuda::DrawnVertices drawn_;
+    std::optional<cuda::DragStages<HostExecutor>> stages_;
+    KernelConstants kernel_;
+};
+
+/// How many vertices lie elsewhere than the CPU's, of those that frames write.
+struct Differing {
+    std::size_t positions = 0, normals = 0, all = 0;
+};
+
+/// [m] Of the nearest node.
+float local_radius(const QuadModel& model, const DragPose& pose, Vec3 p) {
+    float nearest = std::numeric_limits<float>::infinity(), radius = 0;
+    for (std::size_t n = 0; n < pose.nodes.size(); ++n) {
+        const float away = distance(pose.nodes[n], p);
+        if (away >= nearest) continue;
+        nearest = away;
+        radius = model.skeleton.radius(NodeId(static_cast<std::uint32_t>(n)));
+    }
+    return radius;
+}
+
+Differing differing(const Dragged& d, const DragPose& pose, const DraggedSurface& cpu,
+                    const ByKernels& kernels) {
+    Differing out{.all = d.part.written};
+    for (std::size_t i = 0; i < d.part.written; ++i) {
+        const Vec3 p = cpu.positions()[i];
+        const float away = distance(p, kernels.positions()[i]);
+        if (away == 0) continue;
+        // Coordinates are rounded to 6e-8 of themselves, several times over.
+        out.positions += !(away <= 1e-4f * local_radius(d.model, pose, p) + 1e-6f * length(p));
+    }
+    for (std::size_t i = 0; i < d.part.shaded; ++i)
+        out.normals += !(distance(cpu.normals()[i], kernels.normals()[i]) <= 1e-2f);
+    return out;
+}
+
+/// A swing, frame by frame. Returns how many vertices differ in all.
+Differing swing(const Dragged& d, ByKernels& kernels) {
+    DraggedSurface cpu(d.model, d.part);
+    DragPose pose = d.drag.rest();
+    Differing sum;
+    for (const double angle : kSwing) {
+        SCOPED_TRACE(angle);
+        d.drag.turn(angle, pose);
+        cpu.make(pose);
+        kernels.make(pose);
+        const Differing frame = differing(d, pose, cpu, kernels);
+        sum.positions += frame.positions;
+        sum.normals += frame.normals;
+        sum.all += frame.all;
+        // What is not written stays to the bit.
+        EXPECT_TRUE(std::ranges::equal(kernels.positions().subspan(d.part.written),
+                                       cpu.positions().subspan(d.part.written)));
+    }
+    return sum;
+}
+
+/// `share` of the vertices may differ: those whose rays lie in a plane of symmetry, or touch a wall between
+/// branches, go by rounding to one side or the other.
+void expect_same(const Dragged& d, double share = 0) {
+    ByKernels kernels(d.model, d.drag, d.part);
+    const Differing found = swing(d, kernels);
+    const auto all = static_cast<double>(found.all);
+    EXPECT_GT(found.all, 1000u);
+    EXPECT_LE(static_cast<double>(found.positions), share * all);
+    // One that lies elsewhere turns the normals of its eight neighbours too.
+    EXPECT_LE(static_cast<double>(found.normals), 9 * share * all);
+}
+
+TEST(DragFeed, FramesByKernelsAreThoseOfTheCpu) { expect_same(Dragged(random_tree(400, 3))); }
+
+TEST(DragFeed, AlsoWhereBranchesRunThroughEachOther) {
+    expect_same(Dragged(random_tree(600, 4, true), {}, 150), 1.0 / 500);
+}
+
+TEST(DragFeed, AlsoWithOtherEndsFieldsAndMethods) {
+    MeshOptions flat, balls, walked;
+    flat.control.tips = TipShape::flat;
+    flat.levels = 1;
+    balls.method = MeshMethod::bmesh;
+    balls.levels = 1;
+    walked.project.method = ProjectionMethod::gradient;
+    walked.field.kernel = Kernel::cauchy;
+    walked.levels = 1;
+    for (const MeshOptions& options : {flat, balls, walked})
+        expect_same(Dragged(random_tree(200, 3), options), 1.0 / 1000);
+}
+
+TEST(DragFeed, AlsoWhereTheWholeIsRelaxed) {
+    MeshOptions relaxed;
+    relaxed.project.relax_passes = 1;
+    relaxed.levels = 1;
+    const Dragged d(random_tree(200, 3), relaxed);
+    EXPECT_EQ(d.part.written, d.part.vertex.size());
+    expect_same(d, 1.0 / 1000);
+}
+
+TEST(DragFeed, InTheZooFewRaysGoElsewhere) {
+    Differing sum;
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const QuadModel model = quad_model(skeleton);
+        if (!branch_of_about(model.skeleton, 5)) continue;
+        const Dragged d(skeleton, {}, 5);
+        ByKernels kernels(d.model, d.drag, d.part);
+        const Differing found = swing(d, kernels);
+        sum.positions += found.positions;
+        sum.all += found.all;
+    }
+    EXPECT_LT(sum.positions, sum.all / 200);
+}
+
+TEST(DragFeed, AFrameBeginsAgainWithMoreRoomForLists) {
+    const Dragged d(random_tree(200, 3));
+    ByKernels kernels(d.model, d.drag, d.part, cuda::ListRoom{1, 1}), roomy(d.model, d.drag, d.part);
+    const DragPose pose = d.at(0.2);
+    EXPECT_EQ(roomy.make(pose), 1);
+    // First the own lists are counted, then those of rivals.
+    EXPECT_EQ(kernels.make(pose), 3);
+    EXPECT_EQ(kernels.make(pose), 1);
+    EXPECT_TRUE(std::ranges::equal(kernels.positions(), roomy.positions()));
+    EXPECT_TRUE(std::ranges::equal(kernels.normals(), roomy.normals()));
+}
+
+TEST(DragFeed, NormalsOfWhatStaysAreThoseAtRest) {
+    const Dragged d(random_tree(200, 3));
+    ByKernels kernels(d.model, d.drag, d.part);
+    const DraggedSurface rest(d.model, d.part);
+    kernels.make(d.drag.rest());
+    ASSERT_EQ(kernels.normals().size(), d.part.shaded);
+    ASSERT_GT(d.part.shaded, d.part.written);
+    for (std::size_t i = 0; i < d.part.shaded; ++i)
+        EXPECT_LT(distance(kernels.normals()[i], rest.normals()[i]), 1e-2f);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <numbers>
+
+#include "coppice/pipeline/drag/branch_drag.h"
+#include "coppice/pipeline/drag/drag_part.h"
+#include "coppice/pipeline/drag/quad_model.h"
+
+namespace coppice::test {
+
+inline constexpr double kGreatest = 20 * std::numbers::pi / 180;  // [rad]
+
+/// A branch of a tree, and the part that it can change.
+struct Dragged {
+    QuadModel model;
+    BranchDrag drag;
+    DragPart part;
+
+    explicit Dragged(const Skeleton& tree, const MeshOptions& options = {}, std::uint32_t segments = 40)
+        : model(quad_model(tree, options)),
+          drag(model, branch_of_about(model.skeleton, segments), {0.3, 1, 0.2}),
+          part(drag_part(model, drag, kGreatest)) {}
+
+    DragPose at(double angle) const {
+        DragPose pose = drag.rest();
+        drag.turn(angle, pose);
+        return pose;
+    }
+};
+
+}  // namespace coppice::test
