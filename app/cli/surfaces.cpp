@@ -173,7 +173,6 @@ std::string count(Figures& counts, const CylinderMesh& surface) {
                        grouped(surface.mesh.face_count()));
 }
 
-/// What the surface was computed on, and why that is not what was asked for.
 template <class Surface>
 void tell_device(Run& run, const Surface& surface) {
     run.counts()["device"] = surface.device.name;
@@ -182,6 +181,10 @@ void tell_device(Run& run, const Surface& surface) {
 void tell_device(Run&, const CylinderMesh&) {}
 
 }  // namespace
+
+void tell_device(Run& run, const MeshResult& result) {
+    std::visit([&](const auto& surface) { tell_device(run, surface); }, result.surface);
+}
 
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx) {
@@ -216,7 +219,7 @@ void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std
 std::string count_surface(Run& run, const MeshResult& result) {
     std::string said =
         std::visit([&](const auto& surface) { return count(run.counts(), surface); }, result.surface);
-    std::visit([&](const auto& surface) { tell_device(run, surface); }, result.surface);
+    tell_device(run, result);
     if (result.bent_apart) {
         run.counts()["trees_bent_apart"] = counts_of(*result.bent_apart);
         said = told(*result.bent_apart) + said;

@@ -20,6 +20,8 @@ void add_mesh_write_options(OptionList& options, MeshWriteOptions& write);
 /// Throws UsageError where one of them would do nothing for any of the files.
 void check_mesh_write_options(const MeshWriteOptions& write, std::span<const std::filesystem::path> outputs);
 
+/// Puts what the surface was computed on into the report, and says why that is not what was asked for.
+void tell_device(Run& run, const MeshResult& result);
 /// Puts the figures of a surface into the report; returns what to say of it.
 std::string count_surface(Run& run, const MeshResult& result);
 

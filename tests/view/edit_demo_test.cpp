@@ -89,6 +89,41 @@ TEST_F(EditDemoTest, TellsWhatWasDraggedAndHowLongItTook) {
     EXPECT_NE(result.pictures.front(), result.pictures.back());
 }
 
+/// Four frames of the small tree, and what made them.
+EditDemoResult small_demo(SurfaceBackend& backend) {
+    return edit_demo(quad_model(small_tree()), {.frames = 4, .segments = 30}, small_picture(), backend);
+}
+
+TEST_F(EditDemoTest, TheCpuTakesOverWhereThereIsNoCardAndSaysWhy) {
+    const DeviceSearch search = find_device();
+    if (search.device) GTEST_SKIP() << "there is a card: " << search.device->name;
+    const auto asked = surface_backend(Device::cuda), left = surface_backend(Device::automatic);
+    const EditDemoResult on_request = small_demo(*asked), by_itself = small_demo(*left);
+    EXPECT_EQ(on_request.backend, "CPU");
+    EXPECT_EQ(on_request.note, "no CUDA device was found: " + search.missing + "; the CPU made the surfaces");
+    EXPECT_EQ(by_itself.backend, "CPU");
+    EXPECT_EQ(by_itself.note, "");
+    EXPECT_EQ(on_request.pictures, small_demo(*cpu_backend()).pictures);
+}
+
+TEST_F(EditDemoTest, ACardShowsWhatTheCpuShows) {
+    const DeviceSearch search = find_device();
+    if (!search.device) GTEST_SKIP() << "there is no card: " << search.missing;
+    const auto card = surface_backend(Device::cuda), cpu = surface_backend(Device::cpu);
+    const EditDemoResult here = small_demo(*card), there = small_demo(*cpu);
+    EXPECT_EQ(here.note, "");
+    EXPECT_NE(here.backend, "CPU");
+    EXPECT_EQ(there.backend, "CPU");
+    ASSERT_EQ(here.pictures.size(), there.pictures.size());
+    for (std::size_t k = 0; k < here.pictures.size(); ++k) {
+        // Positions differ by far less than a pixel: a few of those along edges may.
+        std::size_t differing = 0;
+        const auto &a = here.pictures[k].pixels, &b = there.pictures[k].pixels;
+        for (std::size_t i = 0; i < a.size(); ++i) differing += a[i] != b[i] ? 1 : 0;
+        EXPECT_LT(differing, a.size() / 100);
+    }
+}
+
 TEST_F(EditDemoTest, OfOneFrameShowsTheTreeAtRest) {
     const QuadModel model = quad_model(small_tree());
     const auto backend = cpu_backend();

@@ -11,6 +11,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -74,7 +75,7 @@ Figures figures_of(const EditDemoResult& result) {
 ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
     const QuadModel model =
         run.stage("mesh", [&](const Context& ctx) { return quad_model(tree, flags.mesh, ctx); });
-    const auto backend = cpu_backend();
+    const auto backend = surface_backend(flags.mesh.device);
     const EditDemoResult result = run.stage("frames", [&](const Context& ctx) {
         return edit_demo(model, flags.demo, flags.view, *backend, ctx);
     });
@@ -82,6 +83,7 @@ ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
         if (!flags.output.empty()) write_picture(flags.output, result.pictures.back());
         if (!flags.sheet.empty()) write_sheet(flags.sheet, result.pictures);
     });
+    if (!result.note.empty()) run.warn(result.note);
     Figures said = figures_of(result);
     run.counts().append(said);
     run.counts()["seconds"] = cli::figures_of(result.seconds);
@@ -98,6 +100,7 @@ ExitCode draw_once(Run& run, const ViewFlags& flags, const Skeleton& tree) {
     const ViewResult result =
         run.stage("draw", [&](const Context&) { return view_surface(to_polygons(made), flags.view); });
     run.stage("write", [&](const Context&) { write_picture(flags.output, result.picture); });
+    tell_device(run, made);
     run.counts()["renderer"] = result.renderer;
     run.counts()["opengl"] = result.opengl;
     run.counts()["pixels"] = result.picture.pixels.size();

@@ -179,7 +179,6 @@ EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, co
     const Running running(backend, prepared, model, each);
     EditDemoResult out{.renderer = view.context().renderer(),
                        .opengl = view.context().version(),
-                       .backend = backend.name(),
                        .branch = model.skeleton.stable_id(drag.top()).index(),
                        .segments = static_cast<std::uint32_t>(drag.nodes().size()),
                        .quads = static_cast<std::uint32_t>(part.quads.size()),
@@ -202,6 +201,8 @@ EditDemoResult edit_demo(const QuadModel& model, const EditDemoOptions& demo, co
         if (is_shown(k, demo.frames)) out.pictures.push_back(view.picture());
         ctx.report(static_cast<float>(k + 1) / static_cast<float>(demo.frames));
     }
+    out.backend = backend.name();
+    out.note = backend.note();
     double whole = 0;
     out.seconds = laps.summary(whole);
     out.frames_per_second = demo.frames / whole;

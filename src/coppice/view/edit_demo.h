@@ -37,6 +37,7 @@ struct EditDemoResult {
     std::string renderer;          ///< what drew, as its maker calls it
     std::string opengl;            ///< its version
     std::string backend;           ///< what made the surfaces
+    std::string note;              ///< see SurfaceBackend
     std::uint32_t branch = 0;      ///< id of the branch's first node, as in the prepared skeleton
     std::uint32_t segments = 0;    ///< that were dragged
     std::uint32_t quads = 0;       ///< that were drawn

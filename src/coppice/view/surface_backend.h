@@ -4,6 +4,7 @@
 #include <string>
 
 #include "coppice/base/context.h"
+#include "coppice/cuda/device.h"
 #include "coppice/pipeline/drag/branch_drag.h"
 #include "coppice/pipeline/drag/drag_part.h"
 #include "coppice/pipeline/drag/quad_model.h"
@@ -28,8 +29,10 @@ class SurfaceBackend {
     SurfaceBackend(const SurfaceBackend&) = delete;             ///< it is one
     SurfaceBackend& operator=(const SurfaceBackend&) = delete;  ///< it is one
 
-    /// What it runs on, in a word or two.
+    /// What it runs on, in a word or two; once it has begun.
     virtual std::string name() const = 0;
+    /// Where a card was asked for and did not do the work, why: a sentence. Else empty.
+    virtual std::string note() const { return {}; }
     /// Called once, before any frame. The buffers hold the surface at rest in the order of the part's drawn
     /// vertices, and their context is current here and in all later calls; scene and buffers stay where they
     /// are as long as frames are made.
@@ -47,5 +50,10 @@ class SurfaceBackend {
 
 /// Makes surfaces on the CPU and sends the vertices that changed.
 std::unique_ptr<SurfaceBackend> cpu_backend();
+
+/// Makes surfaces where it is told to. A card writes them straight into the buffers that it draws from; one
+/// that does not draw sends them by way of the host, if it is asked for by name. Device::automatic takes the
+/// card that draws, where CUDA knows it. Where there is none, or it fails, the CPU goes on, with a note.
+std::unique_ptr<SurfaceBackend> surface_backend(Device wanted);
 
 }  // namespace coppice

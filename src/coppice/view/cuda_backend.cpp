@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "coppice/base/column.h"
+#include "coppice/cuda/drag/device_drag.h"
+#include "coppice/pipeline/drag/drag_feed.h"
+#include "coppice/view/surface_backend.h"
+
+namespace coppice {
+namespace {
+
+// A drag on a card: into the buffers where it is the card that draws and OpenGL shares them, else by way of
+// the host.
+class CardFrames {
+  public:
+    CardFrames(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx)
+        : buffers_(buffers),
+          feed_(scene.model, scene.drag, scene.part, ctx),
+          device_(std::max(0, buffers.cuda_device), ctx) {
+        if (scene.model.field.contact == 0)
+            throw DeviceError("the lists of a field without contact are made on the CPU");
+        is_direct_ = buffers.cuda_device >= 0 && attach();
+        if (!is_direct_) {
+            positions_.resize(scene.part.written);
+            normals_.resize(scene.part.shaded);
+        }
+        device_.begin(feed_.job(), feed_.moves(scene.drag.rest()));
+    }
+
+    std::string name() const { return device_.name() + (is_direct_ ? "" : ", by way of the host"); }
+    void make(const DragPose& pose) { device_.make(feed_.moves(pose)); }
+    void deliver() {
+        if (is_direct_) return;
+        device_.download(positions_, normals_);
+        write_vertices(buffers_, positions_, normals_);
+    }
+
+  private:
+    bool attach() {
+        try {
+            device_.attach({buffers_.positions, buffers_.normals});
+            return true;
+        } catch (const DeviceError&) {
+            return false;
+        }
+    }
+
+    VertexBuffers buffers_;
+    DragFeed feed_;
+    DeviceDrag device_;
+    bool is_direct_ = false;
+    Buffer<Vec3> positions_, normals_;  // where they go by way of the host
+};
+
+// Makes surfaces on a card, and on the CPU from the frame on in which that fails.
+class CudaBackend : public SurfaceBackend {
+  public:
+    explicit CudaBackend(Device wanted) : wanted_(wanted) {}
+
+    std::string name() const override { return name_; }
+    std::string note() const override { return note_; }
+
+    void begin(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx) override {
+        scene_.emplace(scene);
+        buffers_ = buffers;
+        if (!is_wanted()) return begin_on_cpu(ctx);
+        on_card(ctx, [&] {
+            card_.emplace(scene, buffers, ctx);
+            name_ = card_->name();
+        });
+    }
+    void make(const DragPose& pose, const Context& ctx) override {
+        if (card_) on_card(ctx, [&] { card_->make(pose); });
+        if (!card_) cpu_->make(pose, ctx);
+    }
+    void deliver() override { card_ ? card_->deliver() : cpu_->deliver(); }
+    void end() noexcept override {
+        card_.reset();
+        if (cpu_) cpu_->end();
+        scene_.reset();
+    }
+
+  private:
+    // Left to itself, a card makes what it draws.
+    bool is_wanted() const {
+        if (wanted_ != Device::automatic) return wanted_ == Device::cuda;
+        return buffers_.cuda_device >= 0 && find_device(buffers_.cuda_device).device.has_value();
+    }
+    void begin_on_cpu(const Context& ctx) {
+        cpu_ = cpu_backend();
+        name_ = cpu_->name();
+        cpu_->begin(*scene_, buffers_, ctx);
+    }
+    template <class Work>
+    void on_card(const Context& ctx, const Work& work) {
+        try {
+            work();
+        } catch (const DeviceError& error) {
+            note_ = fmt::format("{}; the CPU made the surfaces", error.what());
+            card_.reset();
+            begin_on_cpu(ctx);
+        }
+    }
+
+    Device wanted_;
+    std::string name_, note_;
+    std::optional<DragScene> scene_;
+    VertexBuffers buffers_;
+    std::optional<CardFrames> card_;
+    std::unique_ptr<SurfaceBackend> cpu_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceBackend> surface_backend(Device wanted) {
+    return std::make_unique<CudaBackend>(wanted);
+}
+
+}  // namespace coppice
