@@ -1,5 +1,8 @@
 #include "coppice/cuda/device.h"
 
+#include <map>
+#include <mutex>
+
 #include "coppice/cuda/exec/cuda_check.cuh"
 
 namespace coppice {
@@ -13,11 +16,8 @@ double attribute(cudaDeviceAttr which, int device) {
     return cudaDeviceGetAttribute(&value, which, device) == cudaSuccess ? value : 0;
 }
 
-}  // namespace
-
-bool has_cuda() { return true; }
-
-DeviceSearch find_device(int number) {
+// All but how much memory is free. Takes the driver's time to start, and some milliseconds more.
+DeviceSearch first_search(int number) {
     DeviceSearch out;
     const auto failed = [&](cudaError_t error) {
         cudaGetLastError();
@@ -31,19 +31,42 @@ DeviceSearch find_device(int number) {
         return out;
     }
     cudaDeviceProp properties{};
-    std::size_t free = 0, all = 0;
-    if (failed(cudaSetDevice(number)) || failed(cudaGetDeviceProperties(&properties, number)) ||
-        failed(cudaMemGetInfo(&free, &all))) {
-        return out;
-    }
+    if (failed(cudaGetDeviceProperties(&properties, number))) return out;
     DeviceInfo info{properties.name, 10 * properties.major + properties.minor,
-                    static_cast<std::uint32_t>(properties.multiProcessorCount), all, free};
+                    static_cast<std::uint32_t>(properties.multiProcessorCount), properties.totalGlobalMem};
     constexpr double kHertz = 1e3, kBits = 8;  // clocks are told in kHz, buses in bits
     info.flops = 2.0 * lanes_of(info.compute) * info.multiprocessors *
                  attribute(cudaDevAttrClockRate, number) * kHertz;
     info.bandwidth = 2 * attribute(cudaDevAttrMemoryClockRate, number) * kHertz *
                      attribute(cudaDevAttrGlobalMemoryBusWidth, number) / kBits;
     out.device = info;
+    return out;
+}
+
+// The same, looked for once.
+DeviceSearch known(int number) {
+    static std::mutex mutex;
+    static std::map<int, DeviceSearch> found;
+    const std::scoped_lock lock(mutex);
+    const auto at = found.find(number);
+    return at != found.end() ? at->second : found.emplace(number, first_search(number)).first->second;
+}
+
+}  // namespace
+
+bool has_cuda() { return true; }
+
+DeviceSearch find_device(int number) {
+    DeviceSearch out = known(number);
+    if (!out.device) return out;
+    std::size_t free = 0, all = 0;
+    cudaError_t error = cudaSetDevice(number);
+    if (error == cudaSuccess) error = cudaMemGetInfo(&free, &all);
+    if (error != cudaSuccess) {
+        cudaGetLastError();
+        return {{}, cudaGetErrorString(error)};
+    }
+    out.device->free = free;
     return out;
 }
 

@@ -42,7 +42,8 @@ struct DeviceSearch {
 };
 
 /// Looks for the card to which CUDA gives this number, and chooses it on this thread; the first call takes as
-/// long as the driver takes to start, some tenths of a second. Never throws.
+/// long as the driver takes to start, some tenths of a second, and later ones only look how much memory is
+/// free. Never throws.
 DeviceSearch find_device(int number = 0);
 
 /// Whether this build has the kernels at all: see COPPICE_CUDA in the build.
@@ -56,5 +57,9 @@ class DeviceError : public Error {
 
 /// The same card. Throws DeviceError, which says why, where there is none.
 DeviceInfo require_device(int number = 0);
+
+/// Throws DeviceError, which says both numbers, where a card has less memory free than would be needed
+/// [bytes].
+void require_room(std::uint64_t free, std::uint64_t needed);
 
 }  // namespace coppice

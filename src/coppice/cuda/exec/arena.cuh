@@ -21,6 +21,7 @@ class Arena {
     /// How much was taken; see rewind().
     struct Mark {
         std::size_t piece = 0, used = 0, total = 0;
+        friend bool operator==(const Mark&, const Mark&) = default;
     };
 
     /// Memory that begins at a multiple of 256 bytes.
@@ -36,7 +37,8 @@ class Arena {
         return out;
     }
     Mark mark() const { return at_; }
-    /// Gives back what was taken since the mark.
+    /// Gives back what was taken since the mark; or takes again what had been taken when a later one was
+    /// made.
     void rewind(const Mark& mark) { at_ = mark; }
     /// Gives back everything.
     void reset() {

@@ -5,9 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <cstring>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -15,6 +13,8 @@
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/arena.cuh"
 #include "coppice/cuda/exec/kernel_time.h"
+#include "coppice/cuda/exec/recording.cuh"
+#include "coppice/cuda/exec/staging.cuh"
 
 namespace coppice::cuda {
 
@@ -75,9 +75,29 @@ class CudaExecutor {
   public:
     static constexpr bool kIsDevice = true;
 
-    explicit CudaExecutor(const Context& ctx = {}) : ctx_(ctx) {
-        check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "begin a stream");
-    }
+    /// What was taken so far; see rewind().
+    struct Mark {
+        Arena<DeviceMemory>::Mark device;
+        Arena<PinnedMemory>::Mark pinned;
+        friend bool operator==(const Mark&, const Mark&) = default;
+    };
+
+    /// See replay().
+    class Recording {
+      public:
+        void clear() {
+            graph_.clear();
+            times_ = 0;
+        }
+
+      private:
+        friend CudaExecutor;
+        Graph graph_;
+        int times_ = 0;  // that the work was done without it
+        Mark begin_, end_;
+    };
+
+    explicit CudaExecutor(const Context& ctx = {}) : ctx_(ctx), stream_(new_stream()), staging_(stream_) {}
     CudaExecutor(const CudaExecutor&) = delete;
     CudaExecutor& operator=(const CudaExecutor&) = delete;
     ~CudaExecutor() {
@@ -89,15 +109,15 @@ class CudaExecutor {
         cudaStreamDestroy(stream_);
     }
 
+    std::size_t room() const {
+        std::size_t free = 0, all = 0;
+        check(cudaMemGetInfo(&free, &all), "tell its memory");
+        return free - free / 32 + device_.size();  // the driver wants some of it
+    }
     /// Makes sure of so much memory at once; throws when the card has less. What is taken beyond it comes in
     /// further pieces.
     void reserve(std::size_t bytes) {
-        std::size_t free = 0, all = 0;
-        check(cudaMemGetInfo(&free, &all), "tell its memory");
-        if (bytes > free + device_.size()) {
-            throw DeviceError("the CUDA device has " + std::to_string((free + device_.size()) >> 20) +
-                              " MiB of memory free, and " + std::to_string(bytes >> 20) + " would be needed");
-        }
+        require_room(room(), bytes);
         device_.reserve(bytes);
     }
     template <class T>
@@ -113,33 +133,28 @@ class CudaExecutor {
     }
     template <class T>
     void write(std::span<const T> from, std::span<T> to) {
-        if (from.empty()) return;
-        std::byte* const staged = pinned_.take(from.size_bytes());
-        std::memcpy(staged, from.data(), from.size_bytes());
-        check(cudaMemcpyAsync(to.data(), staged, from.size_bytes(), cudaMemcpyHostToDevice, stream_),
-              "take data");
+        staging_.send(bytes_of(from), reinterpret_cast<std::byte*>(to.data()), from.size_bytes());
     }
     template <class T>
     void download(std::span<const T> from, std::span<T> to) {
-        if (!from.empty()) {
-            check(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyDeviceToHost, stream_),
-                  "give data back");
-        }
+        staging_.bring(bytes_of(from), reinterpret_cast<std::byte*>(to.data()), from.size_bytes());
         wait();
+    }
+    template <class T>
+    std::span<const T> fetch(std::span<const T> from) {
+        T* const to = reinterpret_cast<T*>(pinned_.take(from.size_bytes()));
+        check(cudaMemcpyAsync(to, from.data(), from.size_bytes(), cudaMemcpyDeviceToHost, stream_),
+              "give data back");
+        return {to, from.size()};
     }
     template <class T>
     void clear(std::span<T> values) {
         if (values.empty()) return;
         check(cudaMemsetAsync(values.data(), 0, values.size_bytes(), stream_), "clear memory");
     }
-    /// What was taken so far; see rewind().
-    struct Mark {
-        Arena<DeviceMemory>::Mark device;
-        Arena<PinnedMemory>::Mark pinned;
-    };
     Mark mark() const { return {device_.mark(), pinned_.mark()}; }
+    /// Does not wait: what takes the same memory next comes later in the stream.
     void rewind(const Mark& mark) {
-        wait();
         device_.rewind(mark.device);
         pinned_.rewind(mark.pinned);
     }
@@ -187,6 +202,23 @@ class CudaExecutor {
         copy_within(key.Current(), keys);
         copy_within(value.Current(), values);
     }
+    template <class Work>
+    void replay(Recording& recording, const Work& work) {
+        if (measures_) return work();  // launch by launch
+        const Mark begin = mark();
+        if (recording.graph_.has_launches() && recording.begin_ == begin) {
+            recording.graph_.launch(stream_);
+            return rewind(recording.end_);
+        }
+        // The first time takes memory and loads kernels, which cannot be recorded.
+        if (recording.times_++ != 1 || !recording.graph_.record(stream_, work)) {
+            rewind(begin);
+            return work();
+        }
+        recording.begin_ = begin;
+        recording.end_ = mark();
+        recording.graph_.launch(stream_);
+    }
     void wait() { check(cudaStreamSynchronize(stream_), "finish"); }
 
     cudaStream_t stream() const { return stream_; }
@@ -210,6 +242,16 @@ class CudaExecutor {
     }
 
   private:
+    template <class T>
+    static const std::byte* bytes_of(std::span<const T> values) {
+        return reinterpret_cast<const std::byte*>(values.data());
+    }
+    static cudaStream_t new_stream() {
+        cudaStream_t stream = nullptr;
+        check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "begin a stream");
+        return stream;
+    }
+
     struct Timed {
         const char* name;
         cudaEvent_t begin, end;
@@ -243,6 +285,7 @@ class CudaExecutor {
 
     Context ctx_;
     cudaStream_t stream_ = nullptr;
+    Staging staging_;
     Arena<DeviceMemory> device_;
     Arena<PinnedMemory> pinned_;
     bool measures_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -12,6 +13,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/base/parallel.h"
+#include "coppice/cuda/device.h"
 
 namespace coppice::cuda {
 
@@ -45,17 +47,38 @@ class HostExecutor {
   public:
     static constexpr bool kIsDevice = false;  ///< kernels run on the CPU
 
-    /// Runs with the context's threads, and stops with it.
-    explicit HostExecutor(const Context& ctx = {}) : ctx_(ctx) {}
+    /// Launches that are made again at once: see replay().
+    class Recording {
+      public:
+        void clear() {}  ///< forgets them
+    };
 
-    /// Memory for `count` numbers, not set, until reset().
+    /// Runs with the context's threads, and stops with it. Arrays may take `room` bytes, as if a card had no
+    /// more.
+    explicit HostExecutor(const Context& ctx = {}, std::size_t room = std::numeric_limits<std::size_t>::max())
+        : ctx_(ctx), room_(room) {}
+
+    /// [bytes] That all arrays together may take.
+    std::size_t room() const { return room_; }
+    /// Makes sure of so much memory at once. Throws DeviceError when there is less.
+    void reserve(std::size_t bytes) const { require_room(room_, bytes); }
+    /// [bytes] That arrays took at once since reset().
+    std::size_t bytes_used() const { return most_; }
+
+    /// Memory for `count` numbers, not set, until reset(). Throws DeviceError when there is none left.
     template <class T>
     std::span<T> array(std::size_t count) {
         static_assert(std::is_trivially_copyable_v<T>);
+        constexpr std::size_t kAlignment = 256;  // of arrays on a card
+        const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+        require_room(room_, used_ + bytes);
         // Each one of its own, so that a sanitizer sees who reads beyond.
         memory_.push_back(
-            std::make_unique_for_overwrite<std::byte[]>(std::max<std::size_t>(1, count) * sizeof(T)));
-        return {reinterpret_cast<T*>(memory_.back().get()), count};
+            {std::make_unique_for_overwrite<std::byte[]>(std::max<std::size_t>(1, count) * sizeof(T)),
+             bytes});
+        used_ += bytes;
+        most_ = std::max(most_, used_);
+        return {reinterpret_cast<T*>(memory_.back().begin.get()), count};
     }
     /// A copy of `values`, which may go away.
     template <class T>
@@ -74,6 +97,11 @@ class HostExecutor {
     void download(std::span<const T> from, std::span<T> to) const {
         std::copy(from.begin(), from.end(), to.begin());
     }
+    /// The same without waiting: the values are there after wait(), until rewind() or reset().
+    template <class T>
+    std::span<const T> fetch(std::span<const T> from) {
+        return upload(from);
+    }
     /// Sets all bytes to 0.
     template <class T>
     void clear(std::span<T> values) const {
@@ -84,9 +112,17 @@ class HostExecutor {
     /// See rewind().
     Mark mark() const { return memory_.size(); }
     /// Frees the arrays made since the mark, once all that was begun has been done.
-    void rewind(Mark mark) { memory_.resize(mark); }
+    void rewind(Mark mark) {
+        while (memory_.size() > mark) {
+            used_ -= memory_.back().bytes;
+            memory_.pop_back();
+        }
+    }
     /// Frees all arrays.
-    void reset() { memory_.clear(); }
+    void reset() {
+        rewind(0);
+        most_ = 0;
+    }
 
     /// Runs kernel(i) for every i below `count`.
     template <class Kernel>
@@ -118,12 +154,23 @@ class HostExecutor {
             values[i] = old_values[order[i]];
         }
     }
+    /// Does the work of work(), which begins the same launches in the same arrays every time, neither writes
+    /// nor downloads, and does not wait. A card is told of them once, and then does them all at one word.
+    template <class Work>
+    void replay(Recording& /*recording*/, const Work& work) const {
+        work();
+    }
     /// Waits until all that was begun has been done.
     void wait() const {}
 
   private:
+    struct Array {
+        std::unique_ptr<std::byte[]> begin;
+        std::size_t bytes;  ///< that it would take on a card
+    };
     Context ctx_;
-    std::vector<std::unique_ptr<std::byte[]>> memory_;
+    std::size_t room_, used_ = 0, most_ = 0;
+    std::vector<Array> memory_;
 };
 
 }  // namespace coppice::cuda

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "coppice/cuda/field/field_view.h"
@@ -26,22 +28,39 @@ void with_formula(const KernelConstants& constants, const Use& use) {
     }
 }
 
-/// The segments of a field as a card reads them.
-std::vector<DeviceSegment> device_segments(const ConvolutionField& field);
+/// The segments of a field as a card reads them, behind so many of others.
+std::vector<DeviceSegment> device_segments(const ConvolutionField& field, std::uint32_t others = 0);
 
-/// Lists with offsets of 32 bits. Throws DeviceError when there are more than 2^32 entries.
-std::vector<std::uint32_t> device_offsets(const CandidateLists& lists);
+/// Several fields as one: the segments and the regions of each follow those of the one before. They have the
+/// same kernel, blend and contact.
+struct JoinedFields {
+    std::vector<DeviceSegment> segments;             ///< see FieldArrays
+    std::vector<std::uint32_t> own_first, own;       ///< see RegionLists
+    std::vector<std::uint32_t> rival_first, rivals;  ///< see RegionLists
 
-/// Copies a field with its lists into the arrays of an executor.
+    /// One field at least. Throws DeviceError when there are more than 2^32 entries.
+    explicit JoinedFields(std::span<const ConvolutionField* const> fields);
+};
+
+/// Copies fields with their lists into the arrays of an executor, as one field.
+template <class Exec>
+FieldArrays upload_fields(Exec& exec, std::span<const ConvolutionField* const> fields) {
+    const JoinedFields all(fields);
+    const auto upload = [&]<class T>(const std::vector<T>& values) {
+        return exec.upload(std::span<const T>(values));
+    };
+    return {upload(all.segments),
+            {upload(all.own_first), upload(all.own)},
+            {upload(all.rival_first), upload(all.rivals)},
+            fields.front()->blend(),
+            fields.front()->contact()};
+}
+
+/// The same of one field.
 template <class Exec>
 FieldArrays upload_field(Exec& exec, const ConvolutionField& field) {
-    const auto upload_lists = [&](const CandidateLists& lists) {
-        return RegionLists{exec.upload(std::span<const std::uint32_t>(device_offsets(lists))),
-                           exec.upload(std::span<const std::uint32_t>(lists.segments))};
-    };
-    return {exec.upload(std::span<const DeviceSegment>(device_segments(field))),
-            upload_lists(field.own_lists()), upload_lists(field.rival_lists()), field.blend(),
-            field.contact()};
+    const ConvolutionField* const one = &field;
+    return upload_fields(exec, std::span(&one, 1));
 }
 
 }  // namespace coppice::cuda

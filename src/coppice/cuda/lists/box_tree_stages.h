@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -11,6 +12,16 @@
 #include "coppice/spatial/box_tree_kernel.h"
 
 namespace coppice::cuda {
+
+/// The row that an item of rows is in: see CompressedRows.
+COPPICE_HOST_DEVICE inline std::uint32_t row_of(std::span<const std::uint32_t> first, std::uint32_t item) {
+    return static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), item) - first.begin()) - 1;
+}
+
+/// Places in the order of a tree.
+struct PlaceRange {
+    std::uint32_t begin, end;  ///< the first, and one past the last
+};
 
 /// A BoxTree in the memory of an executor: the same order and the same boxes. Eight boxes that one box of the
 /// level above bounds are a group.
@@ -45,8 +56,14 @@ class DeviceBoxTree {
     /// counts. A visit that returns false ends the search.
     template <class Visit>
     COPPICE_HOST_DEVICE void visit_overlapping(const Box3& box, const Visit& visit) const {
+        visit_overlapping(box, {0, static_cast<std::uint32_t>(item_.size())}, visit);
+    }
+    /// The same of what lies at some places only.
+    template <class Visit>
+    COPPICE_HOST_DEVICE void visit_overlapping(const Box3& box, PlaceRange places, const Visit& visit) const {
+        if (places.begin == places.end) return;
         // Byte l: the boxes still to be visited of the group of level l where the search has come to.
-        std::uint64_t pending = groups_[first_[level_count_ - 1]].overlapping(box);
+        std::uint64_t pending = hits_of(level_count_ - 1, 0, box, places);
         const std::uint32_t top = level_count_ - 1;
         pending <<= 8 * top;
         for (std::uint32_t l = top, group = 0; pending != 0;) {
@@ -61,7 +78,7 @@ class DeviceBoxTree {
             if (l > 0) {
                 group = i;
                 --l;
-                pending |= std::uint64_t{groups_[first_[l] + group].overlapping(box)} << (8 * l);
+                pending |= std::uint64_t{hits_of(l, group, box, places)} << (8 * l);
             } else if (!visit(item_[i])) {
                 return;
             }
@@ -69,6 +86,15 @@ class DeviceBoxTree {
     }
 
   private:
+    /// The boxes of a group that overlap one and have some of the places beneath them; the group has some.
+    COPPICE_HOST_DEVICE std::uint32_t hits_of(std::uint32_t l, std::uint32_t group, const Box3& box,
+                                              PlaceRange places) const {
+        const std::uint32_t begin = kWidth * group;
+        const std::uint32_t first = places.begin >> (3 * l), last = (places.end - 1) >> (3 * l);
+        const std::uint32_t skipped = first > begin ? first - begin : 0;
+        const std::uint32_t left = last - begin < kWidth - 1 ? kWidth - 1 - (last - begin) : 0;
+        return groups_[first_[l] + group].overlapping(box) & (0xffu << skipped) & (0xffu >> left);
+    }
     COPPICE_HOST_DEVICE static std::uint32_t lowest_bit(std::uint32_t bits) {
 #ifdef __CUDA_ARCH__
         return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits)) - 1);
@@ -104,6 +130,14 @@ struct EncodeBoxes {
         code[i] = box_code(box_grid(all[0]), boxes[i]);
         item[i] = i;
     }
+};
+
+/// What comes first where items of several surfaces are in one order: see sort_by_surface().
+struct KeySurfaces {
+    std::span<const std::uint32_t> first;  ///< item of each surface, and one more
+    std::span<const std::uint32_t> item;
+    std::span<std::uint32_t> key;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { key[i] = row_of(first, item[i]); }
 };
 
 /// Group by group, the boxes of the items.
@@ -148,10 +182,12 @@ struct GroupTop {
     }
 };
 
-/// The order of boxes along a Morton curve: that of a BoxTree. They must be finite and not empty.
+/// The order of boxes along a Morton curve, one number for each: that of a BoxTree. They must be finite and
+/// not empty.
 template <class Exec>
-std::span<const std::uint32_t> box_order(Exec& exec, std::span<const Box3> boxes) {
+void order_boxes(Exec& exec, std::span<const Box3> boxes, std::span<std::uint32_t> order) {
     constexpr std::size_t kShare = 64;  // boxes that one thread bounds
+    const auto before = exec.mark();
     std::span<const Box3> all = boxes;
     do {
         const std::span<Box3> fewer = exec.template array<Box3>((all.size() + kShare - 1) / kShare);
@@ -159,10 +195,28 @@ std::span<const std::uint32_t> box_order(Exec& exec, std::span<const Box3> boxes
         all = fewer;
     } while (all.size() > 1);
     const auto code = exec.template array<std::uint64_t>(boxes.size());
-    const auto item = exec.template array<std::uint32_t>(boxes.size());
-    exec.each("encode boxes", boxes.size(), EncodeBoxes{boxes, all, code, item});
-    exec.sort_pairs(code, item, 3 * kBoxCodeBits);
-    return item;
+    exec.each("encode boxes", boxes.size(), EncodeBoxes{boxes, all, code, order});
+    exec.sort_pairs(code, order, 3 * kBoxCodeBits);
+    exec.rewind(before);
+}
+
+/// Puts the items of each surface, whose numbers follow those of the one before, one after the other: then
+/// they have the same places as numbers. Otherwise the order stays.
+template <class Exec>
+void sort_by_surface(Exec& exec, std::span<const std::uint32_t> first, std::span<std::uint32_t> order) {
+    const auto before = exec.mark();
+    const auto key = exec.template array<std::uint32_t>(order.size());
+    exec.each("key surfaces", order.size(), KeySurfaces{first, order, key});
+    exec.sort_pairs(key, order, std::bit_width(first.size()));
+    exec.rewind(before);
+}
+
+/// The same as order_boxes() in an array of its own.
+template <class Exec>
+std::span<const std::uint32_t> box_order(Exec& exec, std::span<const Box3> boxes) {
+    const auto order = exec.template array<std::uint32_t>(boxes.size());
+    order_boxes(exec, boxes, order);
+    return order;
 }
 
 /// The tree of boxes that lie in a given order: that of box_order(), or of where they were before they moved,

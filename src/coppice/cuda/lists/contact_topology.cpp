@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "coppice/base/error.h"
+#include "coppice/cuda/field/upload_field.h"
 
 namespace coppice::cuda {
 namespace {
@@ -52,7 +53,66 @@ std::vector<std::uint32_t> indices(std::span<const NodeId> ids) {
     return out;
 }
 
+// Appends rows whose items are numbered from `base` on.
+void append(const CompressedRows<std::uint32_t>& rows, std::uint32_t base,
+            CompressedRows<std::uint32_t>& to) {
+    const auto items = static_cast<std::uint32_t>(to.items.size());
+    for (std::size_t r = 0; r < rows.size(); ++r) to.first.push_back(items + rows.first[r + 1]);
+    for (const std::uint32_t item : rows.items) to.items.push_back(base + item);
+}
+
+NodeId shifted(NodeId id, std::uint32_t by) { return id ? NodeId(id.index() + by) : id; }
+
+// Appends one surface behind the others, which have so many quads.
+void append(const ContactTopology& one, std::uint32_t quads, ContactTopology& to) {
+    const auto segments = static_cast<std::uint32_t>(to.segments.size());
+    const auto tubes = static_cast<std::uint32_t>(to.tubes.size());
+    for (const SegmentLink& s : one.segments)
+        to.segments.push_back(
+            {s.start + segments, s.thick + segments, shifted(s.rival_of, tubes), s.rank + segments});
+    for (const std::uint32_t s : one.in_order) to.in_order.push_back(s + segments);
+    for (const TubeLink& t : one.tubes)
+        to.tubes.push_back({shifted(t.parent, tubes), t.end + tubes, t.seed + tubes, t.source + segments});
+    append(one.contents, segments, to.contents);
+    append(one.quads, quads, to.quads);
+    to.first_segment.push_back(static_cast<std::uint32_t>(to.segments.size()));
+}
+
+template <class T, class Values>
+void append(const Values& values, std::vector<T>& to) {
+    to.insert(to.end(), values.begin(), values.end());
+}
+
 }  // namespace
+
+ContactPlaces::ContactPlaces(std::span<const ContactInput> inputs) : reach(inputs.front().field.reach()) {
+    for (const ContactInput& input : inputs) {
+        const auto first_vertex = static_cast<std::uint32_t>(cage.size());
+        append(device_segments(input.field, static_cast<std::uint32_t>(segments.size())), segments);
+        for (Quad quad : input.control.cage.quads) {
+            for (std::uint32_t& v : quad) v += first_vertex;
+            quads.push_back(quad);
+        }
+        append(input.skeleton.positions(), nodes);
+        append(input.skeleton.radii(), radii);
+        append(input.tubes.tree.positions(), tube_nodes);
+        append(input.tubes.tree.radii(), tube_radii);
+        append(input.control.cage.positions, cage);
+        append(input.control.anchors, anchors);
+    }
+}
+
+ContactTopology contact_topology(std::span<const ContactInput> inputs) {
+    if (inputs.size() == 1) return contact_topology(inputs.front());
+    ContactTopology out;
+    out.first_segment = {0};
+    std::uint32_t quads = 0;
+    for (const ContactInput& input : inputs) {
+        append(contact_topology(input), quads, out);
+        quads += static_cast<std::uint32_t>(input.control.region.size());
+    }
+    return out;
+}
 
 ContactTopology contact_topology(const ContactInput& input) {
     const Skeleton& tubes = input.tubes.tree;

@@ -38,6 +38,8 @@ struct ContactTopology {
     std::vector<TubeLink> tubes;             ///< by tube, which is by region
     CompressedRows<std::uint32_t> contents;  ///< the segments that each tube wraps
     CompressedRows<std::uint32_t> quads;     ///< the cage quads of each region
+    /// Of several surfaces: the first segment of each, and one more. Empty: there is one.
+    std::vector<std::uint32_t> first_segment;
 };
 
 /// What a surface is made of: `tubes` wrap the segments of `skeleton`, of which `field` was made, and have
@@ -52,6 +54,10 @@ struct ContactInput {
 /// Stays valid while nodes move and until radii change so that another child is the thickest. O(n).
 ContactTopology contact_topology(const ContactInput& input);
 
+/// The same of several surfaces as one: segments, tubes and quads of each follow those of the one before.
+/// None is a rival of another's.
+ContactTopology contact_topology(std::span<const ContactInput> inputs);
+
 /// A ContactTopology in the arrays of an executor, by the same names.
 struct ContactTables {
     /// See there.
@@ -61,7 +67,23 @@ struct ContactTables {
     std::span<const TubeLink> tubes;
     std::span<const std::uint32_t> first_content, contents;
     std::span<const std::uint32_t> first_quad, quads;
+    std::span<const std::uint32_t> first_segment;
     /// @}
+};
+
+/// Places and radii of several surfaces as one: see contact_topology(). Their fields have the same options.
+struct ContactPlaces {
+    /// See ContactGeometry.
+    /// @{
+    std::vector<DeviceSegment> segments;
+    float reach = 0;
+    std::vector<Vec3> nodes, tube_nodes, cage, anchors;
+    std::vector<float> radii, tube_radii;
+    std::vector<Quad> quads;
+    /// @}
+
+    /// One surface at least. O(n).
+    explicit ContactPlaces(std::span<const ContactInput> inputs);
 };
 
 /// Places and radii, in the arrays of an executor: those that other stages read too.
@@ -83,8 +105,8 @@ ContactTables upload_contacts(Exec& exec, const ContactTopology& t) {
     const auto upload = [&]<class T>(const T& values) {
         return exec.upload(std::span<const typename T::value_type>(values));
     };
-    return {upload(t.segments),       upload(t.in_order),    upload(t.tubes),      upload(t.contents.first),
-            upload(t.contents.items), upload(t.quads.first), upload(t.quads.items)};
+    return {upload(t.segments),       upload(t.in_order),    upload(t.tubes),       upload(t.contents.first),
+            upload(t.contents.items), upload(t.quads.first), upload(t.quads.items), upload(t.first_segment)};
 }
 
 }  // namespace coppice::cuda

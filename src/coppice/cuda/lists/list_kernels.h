@@ -229,7 +229,7 @@ struct FindRivals {
         std::uint32_t* const row = rows.data() + std::size_t{r} * kMostRivals;
         std::uint32_t count = 0, looked = 0;
         Farthest farthest;
-        tree.visit_overlapping(probe.box, [&](std::uint32_t s) {
+        tree.visit_overlapping(probe.box, places_of(r), [&](std::uint32_t s) {
             const SegmentLink link = tables.segments[s];
             if (!link.rival_of) return true;
             if (probe.touches(capsules[s]) && !is_own(r, link.rank)) {
@@ -238,6 +238,13 @@ struct FindRivals {
             return ++looked < kMostNear;
         });
         return count;
+    }
+    /// Where the tree has the segments of the region's surface.
+    COPPICE_HOST_DEVICE PlaceRange places_of(std::uint32_t r) const {
+        const auto first = tables.first_segment;
+        if (first.empty()) return {0, static_cast<std::uint32_t>(tree.items().size())};
+        const std::uint32_t surface = row_of(first, tables.tubes[r].source);
+        return {first[surface], first[surface + 1]};
     }
     COPPICE_HOST_DEVICE bool is_own(std::uint32_t r, std::uint32_t rank) const {
         std::uint32_t begin = own_first[r], end = own_first[r + 1];

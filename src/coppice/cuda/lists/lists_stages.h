@@ -55,10 +55,15 @@ inline ListRoom usual_room(std::size_t regions) {
 template <class Exec>
 std::span<const std::uint32_t> rival_order(Exec& exec, const ContactTables& tables,
                                            const ContactGeometry& geometry) {
+    const auto order = exec.template array<std::uint32_t>(tables.segments.size());
+    const auto before = exec.mark();
     const auto capsules = exec.template array<DeviceSupport>(tables.segments.size());
     const auto boxes = exec.template array<Box3>(tables.segments.size());
     exec.each("support rivals", capsules.size(), SupportRivals{tables, geometry, capsules, boxes});
-    return box_order(exec, std::span<const Box3>(boxes));
+    order_boxes(exec, std::span<const Box3>(boxes), order);
+    if (!tables.first_segment.empty()) sort_by_surface(exec, tables.first_segment, order);
+    exec.rewind(before);
+    return order;
 }
 
 /// The boxes of the regions: see FieldRegion.
@@ -67,6 +72,57 @@ std::span<const Box3> region_boxes(Exec& exec, const ContactTables& tables, cons
     const auto boxes = exec.template array<Box3>(tables.tubes.size());
     exec.each("bound regions", boxes.size(), BoundRegions{tables, geometry, boxes});
     return boxes;
+}
+
+/// Where lists are written to.
+struct ListArrays {
+    std::span<std::uint32_t> state;                ///< see state_of()
+    std::span<std::uint32_t> own_first, own;       ///< see RegionLists
+    std::span<std::uint32_t> rival_first, rivals;  ///< see RegionLists
+    DeviceLists lists() const { return {{own_first, own}, {rival_first, rivals}, state}; }  ///< to be read
+};
+
+/// Memory for the lists of so many regions.
+template <class Exec>
+ListArrays list_arrays(Exec& exec, std::size_t regions, ListRoom room) {
+    const auto numbers = [&](std::size_t count) { return exec.template array<std::uint32_t>(count); };
+    return {numbers(3), numbers(regions + 1), numbers(room.own), numbers(regions + 1), numbers(room.rivals)};
+}
+
+/// Fills the own lists: see begin_contacts().
+template <class Exec>
+void fill_own(Exec& exec, const ContactTables& tables, const ContactGeometry& geometry,
+              std::span<const Box3> boxes, const ListArrays& out) {
+    const std::size_t regions = tables.tubes.size(), segments = tables.segments.size();
+    const auto before = exec.mark();
+    const auto supports = exec.template array<DeviceSupport>(segments);
+    exec.each("support segments", segments, SupportSegments{geometry, supports});
+    const auto of_tubes = exec.template array<DeviceSupport>(regions);
+    exec.each("support tubes", regions, SupportTubes{tables, geometry, supports, of_tubes});
+    const OwnSearch search{tables, boxes, supports, of_tubes, out.state.subspan(2)};
+    exec.each("count own", regions + 1, CountOwn{search, out.own_first});
+    exec.exclusive_scan(std::span<const std::uint32_t>(out.own_first), out.own_first);
+    exec.each("fill own", regions, FillOwn{search, out.own_first, out.own});
+    exec.rewind(before);
+}
+
+/// Fills the lists of rivals, after the own ones, and gives both their final names.
+template <class Exec>
+void fill_rivals(Exec& exec, const ContactTables& tables, const ContactGeometry& geometry,
+                 std::span<const Box3> boxes, std::span<const std::uint32_t> order, const ListArrays& out) {
+    const std::size_t regions = tables.tubes.size(), segments = tables.segments.size();
+    const auto before = exec.mark();
+    const auto capsules = exec.template array<DeviceSupport>(segments);
+    const auto capsule_boxes = exec.template array<Box3>(segments);
+    exec.each("support rivals", segments, SupportRivals{tables, geometry, capsules, capsule_boxes});
+    const DeviceBoxTree tree = box_tree(exec, std::span<const Box3>(capsule_boxes), order);
+    const auto rows = exec.template array<std::uint32_t>(regions * kMostRivals);
+    exec.each("find rivals", regions + 1,
+              FindRivals{tables, boxes, capsules, tree, out.own_first, out.own, rows, out.rival_first});
+    exec.exclusive_scan(std::span<const std::uint32_t>(out.rival_first), out.rival_first);
+    exec.each("fill rivals", regions,
+              FillRivals{tables.in_order, rows, out.rival_first, out.rivals, out.own_first, out.own});
+    exec.rewind(before);
 }
 
 /// Begins to make the lists; does not wait. `order` is of rival_order(), of these places or others: it
@@ -79,38 +135,26 @@ std::span<const Box3> region_boxes(Exec& exec, const ContactTables& tables, cons
 /// Where there is too little room, all lists are empty. O((regions + lists) log n), but for nodes with very
 /// many children, all of which are looked at.
 template <class Exec>
+void begin_contacts(Exec& exec, const ContactTables& tables, const ContactGeometry& geometry,
+                    std::span<const std::uint32_t> order, const ListArrays& out) {
+    const auto before = exec.mark();
+    exec.clear(out.state);
+    const std::span<const Box3> boxes = region_boxes(exec, tables, geometry);
+    fill_own(exec, tables, geometry, boxes, out);
+    fill_rivals(exec, tables, geometry, boxes, order, out);
+    exec.each("sum up lists", 1, SumUp{out.own_first, out.rival_first, out.state});
+    exec.each("empty lists", out.own_first.size(),
+              EmptyUnfit{out.state, out.own.size(), out.rivals.size(), out.own_first, out.rival_first});
+    exec.rewind(before);
+}
+
+/// The same in arrays of their own.
+template <class Exec>
 DeviceLists begin_contacts(Exec& exec, const ContactTables& tables, const ContactGeometry& geometry,
                            std::span<const std::uint32_t> order, ListRoom room) {
-    const std::size_t regions = tables.tubes.size(), segments = tables.segments.size();
-    const std::span<const Box3> boxes = region_boxes(exec, tables, geometry);
-    const auto state = exec.template array<std::uint32_t>(3);
-    exec.clear(state);
-
-    const auto supports = exec.template array<DeviceSupport>(segments);
-    exec.each("support segments", segments, SupportSegments{geometry, supports});
-    const auto of_tubes = exec.template array<DeviceSupport>(regions);
-    exec.each("support tubes", regions, SupportTubes{tables, geometry, supports, of_tubes});
-    const OwnSearch search{tables, boxes, supports, of_tubes, state.subspan(2)};
-    const auto own_first = exec.template array<std::uint32_t>(regions + 1);
-    exec.each("count own", regions + 1, CountOwn{search, own_first});
-    exec.exclusive_scan(std::span<const std::uint32_t>(own_first), own_first);
-    const auto own = exec.template array<std::uint32_t>(room.own);
-    exec.each("fill own", regions, FillOwn{search, own_first, own});
-
-    const auto capsules = exec.template array<DeviceSupport>(segments);
-    const auto capsule_boxes = exec.template array<Box3>(segments);
-    exec.each("support rivals", segments, SupportRivals{tables, geometry, capsules, capsule_boxes});
-    const DeviceBoxTree tree = box_tree(exec, std::span<const Box3>(capsule_boxes), order);
-    const auto rows = exec.template array<std::uint32_t>(regions * kMostRivals);
-    const auto first = exec.template array<std::uint32_t>(regions + 1);
-    exec.each("find rivals", regions + 1,
-              FindRivals{tables, boxes, capsules, tree, own_first, own, rows, first});
-    exec.exclusive_scan(std::span<const std::uint32_t>(first), first);
-    const auto rivals = exec.template array<std::uint32_t>(room.rivals);
-    exec.each("fill rivals", regions, FillRivals{tables.in_order, rows, first, rivals, own_first, own});
-    exec.each("sum up lists", 1, SumUp{own_first, first, state});
-    exec.each("empty lists", regions + 1, EmptyUnfit{state, own.size(), rivals.size(), own_first, first});
-    return {{own_first, own}, {first, rivals}, state};
+    const ListArrays out = list_arrays(exec, tables.tubes.size(), room);
+    begin_contacts(exec, tables, geometry, order, out);
+    return out.lists();
 }
 
 /// Waits for lists.
@@ -124,32 +168,43 @@ ListState state_of(Exec& exec, const DeviceLists& lists) {
 /// Lists that were waited for.
 struct ContactsFound {
     DeviceLists lists;
-    ListState state;  ///< the lists are of use unless it is cut
+    ListState state;    ///< the lists are of use unless it is cut
+    ListArrays arrays;  ///< that they lie in
 };
 
 /// The same in as much room as it takes; `room` is tried first. Waits.
 template <class Exec>
 ContactsFound find_contacts(Exec& exec, const ContactTables& tables, const ContactGeometry& geometry,
                             std::span<const std::uint32_t> order, ListRoom room) {
+    const auto before = exec.mark();
     for (;;) {
-        const DeviceLists lists = begin_contacts(exec, tables, geometry, order, room);
-        const ListState state = state_of(exec, lists);
-        if (state.is_cut || state.fits(room)) return {lists, state};
+        const ListArrays arrays = list_arrays(exec, tables.tubes.size(), room);
+        begin_contacts(exec, tables, geometry, order, arrays);
+        const ListState state = state_of(exec, arrays.lists());
+        if (state.is_cut || state.fits(room)) return {arrays.lists(), state, arrays};
         room = grown(room, state);
+        exec.rewind(before);
     }
 }
 
-/// Copies the places and radii of a surface.
+/// Copies the places and radii of several surfaces as one: see contact_topology().
+template <class Exec>
+ContactGeometry upload_geometry(Exec& exec, std::span<const ContactInput> inputs) {
+    const ContactPlaces places(inputs);
+    const auto upload = [&]<class T>(const std::vector<T>& values) {
+        return exec.upload(std::span<const T>(values));
+    };
+    return {upload(places.segments),   places.reach,
+            upload(places.nodes),      upload(places.radii),
+            upload(places.tube_nodes), upload(places.tube_radii),
+            upload(places.quads),      upload(places.cage),
+            upload(places.anchors)};
+}
+
+/// The same of one surface.
 template <class Exec>
 ContactGeometry upload_geometry(Exec& exec, const ContactInput& input) {
-    const auto upload = [&]<class T>(const T& values) {
-        return exec.upload(std::span<const typename T::value_type>(values));
-    };
-    return {upload(device_segments(input.field)), input.field.reach(),
-            upload(input.skeleton.positions()),   upload(input.skeleton.radii()),
-            upload(input.tubes.tree.positions()), upload(input.tubes.tree.radii()),
-            upload(input.control.cage.quads),     upload(input.control.cage.positions),
-            upload(input.control.anchors)};
+    return upload_geometry(exec, std::span(&input, 1));
 }
 
 /// Uploads all that the lists are made of, and finds them. Waits.

@@ -11,9 +11,13 @@ DeviceQuads& DeviceQuads::operator=(DeviceQuads&&) noexcept = default;
 
 // Without a card there is no object to call these of.
 void DeviceQuads::begin(const cuda::QuadJob&, const ConvolutionField&) {}
+void DeviceQuads::begin(std::span<const cuda::QuadTask>) {}
 bool DeviceQuads::begin(const cuda::QuadJob&, const cuda::ContactInput&) { return false; }
+bool DeviceQuads::begin(std::span<const cuda::QuadJob>, std::span<const cuda::ContactInput>) { return false; }
 cuda::QuadReport DeviceQuads::finish(Buffer<Vec3>&, Buffer<Vec3>*) { return {}; }
+std::vector<cuda::QuadReport> DeviceQuads::finish(std::span<const cuda::QuadPlaces>) { return {}; }
 void DeviceQuads::repeat() {}
+std::size_t DeviceQuads::rounds() const { return 0; }
 void DeviceQuads::measure() {}
 std::vector<cuda::KernelTime> DeviceQuads::take_times() { return {}; }
 std::uint64_t DeviceQuads::bytes_used() const { return 0; }

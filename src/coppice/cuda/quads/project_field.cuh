@@ -1,18 +1,17 @@
 #pragma once
 
 #include "coppice/cuda/exec/cuda_executor.cuh"
-#include "coppice/cuda/field/field_view.h"
-#include "coppice/cuda/quads/quad_stages.h"
-#include "coppice/field/kernel/kernel_constants.h"
+#include "coppice/cuda/quads/project_field.h"
 
 namespace coppice::cuda {
 
-/// QuadStages::project and QuadStages::untangle with whatever kernel a field has: compiled in one place,
-/// since these are the kernels that take the longest.
+/// Compiled in one place, since these are the kernels that take the longest: device_quads.cu.
 /// @{
-void project(QuadStages<CudaExecutor>& stages, const KernelConstants& kernel, const FieldArrays& field);
-UntangleReport untangle(QuadStages<CudaExecutor>& stages, const KernelConstants& kernel,
-                        const FieldArrays& field);
+extern template void project<CudaExecutor>(QuadStages<CudaExecutor>& stages, const KernelConstants& kernel,
+                                           const FieldArrays& field);
+extern template std::vector<UntangleReport> unfold<CudaExecutor>(
+    QuadStages<CudaExecutor>& stages, const QuadStages<CudaExecutor>::FoldSearch& search,
+    const KernelConstants& kernel, const FieldArrays& field);
 /// @}
 
 }  // namespace coppice::cuda

@@ -14,27 +14,31 @@ QuadCounts refined_counts(const CageView& cage, int levels) {
             cage.face_count() << (2 * levels)};
 }
 
-}  // namespace cuda
-
-std::uint64_t bytes_of(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries) {
-    using cuda::refined_counts;
-    constexpr std::uint64_t kSlack = std::uint64_t{16}
-                                     << 20;  // what arrays are rounded up by, and what is small
+std::uint64_t bytes_of_job(const QuadJob& job) {
     constexpr std::uint64_t kFoldedShare = 50, kAroundFold = 100;
-    const cuda::QuadCounts out = refined_counts(job.cage, job.levels);
-    std::uint64_t bytes = kSlack;
+    const QuadCounts out = refined_counts(job.cage, job.levels);
+    std::uint64_t bytes = 0;
     for (int level = 0; level <= job.levels; ++level)
         bytes += 2 * sizeof(Vec3) * std::uint64_t{refined_counts(job.cage, level).vertices};
-    bytes += sizeof(cuda::ProjectionStatus) * std::uint64_t{out.vertices};
+    bytes += sizeof(ProjectionStatus) * std::uint64_t{out.vertices};
     if (job.project.relax_passes > 0) bytes += sizeof(Vec3) * std::uint64_t{out.vertices};
     bytes += sizeof(std::uint32_t) * std::uint64_t{out.quads};          // where folds are
     bytes += (sizeof(Quad) + sizeof(Vec3)) * std::uint64_t{out.quads};  // quads and normals
     bytes += std::min<std::uint64_t>(out.quads / kFoldedShare * kAroundFold, out.quads) / 4 * sizeof(Vec3);
     bytes += 2 * sizeof(Quad) * std::uint64_t{job.cage.face_count()} +
              sizeof(std::uint64_t) * std::uint64_t{job.cage.edge_count()} +
-             sizeof(std::uint32_t) * (job.cage.vertex_count() + std::uint64_t{5} * job.cage.face_count());
-    bytes += sizeof(cuda::DeviceSegment) * segments + sizeof(std::uint32_t) * entries;
+             sizeof(std::uint32_t) * (job.cage.vertex_count() + std::uint64_t{6} * job.cage.face_count());
     return bytes;
+}
+
+std::uint64_t bytes_of_field(std::uint64_t segments, std::uint64_t entries) {
+    return sizeof(DeviceSegment) * segments + sizeof(std::uint32_t) * entries;
+}
+
+}  // namespace cuda
+
+std::uint64_t bytes_of(const cuda::QuadJob& job, std::uint64_t segments, std::uint64_t entries) {
+    return cuda::kSlackBytes + cuda::bytes_of_job(job) + cuda::bytes_of_field(segments, entries);
 }
 
 }  // namespace coppice

@@ -255,33 +255,57 @@ struct FollowRim {
     }
 };
 
-/// Of all vertices: see ProjectReport.
+/// Of the vertices of one part: see ProjectReport.
 struct ProjectionSums {
-    unsigned long long evaluations, not_converged, anchors_outside;
+    unsigned long long vertices, evaluations, not_converged, anchors_outside;
     unsigned int most;
 };
 
-/// Sums up kPerThread vertices.
+/// Sums up kPerThread vertices, part by part.
 struct SumStatus {
-    static constexpr std::uint32_t kPerThread = 256;
+    static constexpr std::uint32_t kPerThread = 64;
+
+    PatchStars stars;
+    std::span<const std::uint32_t> part;  ///< see QuadJob
     std::span<const ProjectionStatus> status;
-    std::span<ProjectionSums> sums;  ///< one, 0 at first
+    std::span<ProjectionSums> sums;  ///< per part, 0 at first
+
+    static std::size_t thread_count(std::size_t vertices) { return (vertices + kRun - 1) / kRun * kLanes; }
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         ProjectionSums sum{};
-        // Neighbouring threads read neighbours.
-        const std::size_t stride = (status.size() + kPerThread - 1) / kPerThread;
-        for (std::size_t v = i; v < status.size(); v += stride) {
+        auto current = static_cast<std::uint32_t>(sums.size());
+        // Neighbouring threads read neighbours, and each one what lies near, which is of one part mostly.
+        std::uint32_t v = i / kLanes * kRun + i % kLanes;
+        for (std::uint32_t k = 0; k < kPerThread && v < status.size(); ++k, v += kLanes) {
+            const std::uint32_t owner = stars.owner(v);
+            if (owner == CageView::kNone) continue;
+            const std::uint32_t here = part.empty() ? 0 : part[owner];
+            if (here != current) {
+                add(current, sum);
+                sum = {};
+                current = here;
+            }
             const ProjectionStatus s = status[v];
+            ++sum.vertices;
             sum.evaluations += s.evaluations;
             sum.not_converged += s.not_converged;
             sum.anchors_outside += s.anchor_outside;
             sum.most = kernel::larger(sum.most, static_cast<unsigned int>(s.most));
         }
-        add_to(sums[0].evaluations, sum.evaluations);
-        if (sum.not_converged != 0) add_to(sums[0].not_converged, sum.not_converged);
-        if (sum.anchors_outside != 0) add_to(sums[0].anchors_outside, sum.anchors_outside);
-        raise_to(sums[0].most, sum.most);
+        add(current, sum);
+    }
+
+  private:
+    static constexpr std::uint32_t kLanes = 32, kRun = kLanes * kPerThread;
+
+    COPPICE_HOST_DEVICE void add(std::uint32_t to, const ProjectionSums& sum) const {
+        if (to >= sums.size() || sum.vertices == 0) return;
+        add_to(sums[to].vertices, sum.vertices);
+        add_to(sums[to].evaluations, sum.evaluations);
+        if (sum.not_converged != 0) add_to(sums[to].not_converged, sum.not_converged);
+        if (sum.anchors_outside != 0) add_to(sums[to].anchors_outside, sum.anchors_outside);
+        raise_to(sums[to].most, sum.most);
     }
 };
 

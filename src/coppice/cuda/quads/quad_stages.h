@@ -29,6 +29,7 @@ class QuadStages {
         cage_.fan_half = exec.upload(job.cage.fan_half);
         cage_.on_boundary = exec.upload(job.cage.on_boundary);
         region_ = exec.upload(job.region);
+        part_ = exec.upload(job.part);
         clips_ = exec.template array<ClipPlane>(job.clips.size());
         write_clips(job.clips);
         for (int level = 0; level <= job.levels; ++level) {
@@ -68,49 +69,53 @@ class QuadStages {
     void project(const Field& field) {
         if (job_.project.method == ProjectionMethod::none) return;
         make_projection_room();
-        exec_.clear(sums_);
-        project_once(field, 0);
+        project_once(field);
         for (int pass = 1; pass <= job_.project.relax_passes; ++pass) {
+            sum_up(pass - 1);
             exec_.each("relax", counts_.vertices,
                        RelaxVertices{stars(), job_.project.relax_weight, points().positions, relaxed_});
             std::swap(points().positions, relaxed_);
-            project_once(field, static_cast<std::size_t>(pass));
+            project_once(field);
         }
+    }
+
+    /// Numbers that are on their way from the executor.
+    struct ProjectionCounts {
+        std::span<const ProjectionSums> sums;  ///< pass by pass, those of all parts
+    };
+    /// Begins to count how projection went.
+    ProjectionCounts count_projected() {
+        if (job_.project.method == ProjectionMethod::none) return {};
+        sum_up(job_.project.relax_passes);
+        return {exec_.fetch(std::span<const ProjectionSums>(sums_))};
+    }
+    /// How it went, part by part, once the executor was waited for.
+    std::vector<ProjectReport> reports_of(const ProjectionCounts& counts) const {
+        std::vector<ProjectReport> out(job_.parts);
+        if (counts.sums.empty()) return out;
+        for (std::size_t i = 0; i < counts.sums.size(); ++i) {
+            ProjectReport& report = out[i % job_.parts];
+            const ProjectionSums& pass = counts.sums[i];
+            report.evaluations += pass.evaluations;
+            report.max_evaluations = std::max(report.max_evaluations, pass.most);
+            report.vertices = pass.vertices;
+            report.not_converged = pass.not_converged;
+            report.anchors_outside = pass.anchors_outside;
+        }
+        const PatchStars stars(job_.cage, job_.levels);
+        for (const std::uint32_t v : flat_.vertex) {
+            const std::uint32_t part = job_.part.empty() ? 0 : job_.part[stars.owner(v)];
+            if (part < job_.parts) ++out[part].clipped;
+        }
+        return out;
     }
 
     /// How projection went. Waits for it.
     ProjectReport projected() {
-        ProjectReport out;
-        if (job_.project.method == ProjectionMethod::none) return out;
-        std::vector<ProjectionSums> sums(sums_.size());
-        exec_.download(std::span<const ProjectionSums>(sums_), std::span(sums));
-        for (const ProjectionSums& pass : sums) {
-            out.evaluations += pass.evaluations;
-            out.max_evaluations = std::max(out.max_evaluations, pass.most);
-        }
-        out.not_converged = sums.back().not_converged;
-        out.anchors_outside = sums.back().anchors_outside;
-        out.clipped = flat_.vertex.size();
-        out.vertices = counts_.vertices - lone_vertices();
-        return out;
-    }
-
-    /// Unfolds what projection has folded: see coppice::untangle. Waits for it.
-    template <class Field>
-    UntangleReport untangle(const Field& field) {
-        UntangleReport report;
-        if (job_.untangle.passes == 0 || job_.project.method == ProjectionMethod::none || job_.levels == 0)
-            return report;
         const auto before = exec_.mark();
-        const std::vector<std::uint32_t> bad = find_bad();
-        report.bad_before = bad.size();
-        if (!bad.empty()) {
-            const FoldClusters clusters(bad, counts_.vertices, PatchStars(job_.cage, job_.levels));
-            report.still_bad = clusters.fixed;
-            if (clusters.size() > 0) unfold(field, clusters, report);
-            std::sort(report.still_bad.begin(), report.still_bad.end());
-            report.bad_after = report.still_bad.size();
-        }
+        const ProjectionCounts counts = count_projected();
+        exec_.wait();
+        const ProjectReport report = reports_of(counts).front();
         exec_.rewind(before);
         return report;
     }
@@ -118,10 +123,58 @@ class QuadStages {
     /// Memory for what projection leaves, so that what is taken later on can be given back.
     void make_projection_room() {
         if (sums_.empty())
-            sums_ =
-                exec_.template array<ProjectionSums>(static_cast<std::size_t>(job_.project.relax_passes) + 1);
+            sums_ = exec_.template array<ProjectionSums>(
+                (static_cast<std::size_t>(job_.project.relax_passes) + 1) * job_.parts);
         if (relaxed_.empty() && job_.project.relax_passes > 0)
             relaxed_ = exec_.template array<Vec3>(counts_.vertices);
+    }
+
+    /// Folds that are being looked for.
+    struct FoldSearch {
+        bool is_needed = false;                       ///< else nothing is looked for
+        typename Exec::Mark before{};                 ///< what had been taken when it began
+        std::span<const std::uint32_t> found, first;  ///< see FindBad
+        std::span<const std::uint32_t> bad;           ///< once the executor was waited for: see GatherBad
+    };
+    /// Begins to look for folds. What is taken from now on is given back by unfold().
+    FoldSearch find_folds() {
+        FoldSearch out;
+        out.is_needed = job_.untangle.passes > 0 && job_.project.method != ProjectionMethod::none &&
+                        job_.levels > 0 && counts_.quads > 0;
+        if (!out.is_needed) return out;
+        // Most surfaces have fewer, which then are on the host as soon as their count is.
+        constexpr std::uint32_t kUsualShare = 64, kLeastRoom = 1024;
+        out.before = exec_.mark();
+        const std::uint32_t runs = fold_runs();
+        const auto found = exec_.template array<std::uint32_t>(std::size_t{runs} * FindBad::kRun);
+        const auto first = exec_.template array<std::uint32_t>(runs + 1);
+        exec_.clear(first);
+        exec_.groups("find folds", runs,
+                     FindBad{stars(), FaceLimits(job_.untangle.quality), points().positions, points().anchors,
+                             found, first});
+        exec_.exclusive_scan(std::span<const std::uint32_t>(first), first);
+        out.found = found;
+        out.first = first;
+        const auto bad = exec_.template array<std::uint32_t>(kLeastRoom + counts_.quads / kUsualShare);
+        exec_.groups("gather folds", runs, GatherBad{found, first, bad});
+        out.bad = exec_.fetch(std::span<const std::uint32_t>(bad));
+        return out;
+    }
+    /// Unfolds them: see coppice::untangle; one report for each part. Waits, once if there are none.
+    template <class Field>
+    std::vector<UntangleReport> unfold(const FoldSearch& search, const Field& field) {
+        std::vector<UntangleReport> reports(job_.parts);
+        if (!search.is_needed) return reports;
+        exec_.wait();
+        if (search.bad[0] > 0) unfold_all(all_of(search), field, reports);
+        exec_.rewind(search.before);
+        return reports;
+    }
+
+    /// Unfolds what projection has folded. Waits for it.
+    template <class Field>
+    UntangleReport untangle(const Field& field) {
+        return unfold(find_folds(), field).front();
     }
 
     /// Memory for all that the stages leave, so that what is taken later on can be given back.
@@ -188,13 +241,17 @@ class QuadStages {
     }
 
     template <class Field>
-    void project_once(const Field& field, std::size_t pass) {
+    void project_once(const Field& field) {
         const Projector<Field> projector(field, rule());
         exec_.each("project", counts_.vertices, ProjectVertices<Field>{surface(), projector});
         if (!flat_.vertex.empty()) project_flat(field);
-        constexpr std::size_t kEach = SumStatus::kPerThread;
-        exec_.each("sum up", (counts_.vertices + kEach - 1) / kEach,
-                   SumStatus{status_, sums_.subspan(pass, 1)});
+    }
+
+    void sum_up(int pass) {
+        const auto sums = sums_.subspan(static_cast<std::size_t>(pass) * job_.parts, job_.parts);
+        exec_.clear(sums);
+        exec_.each("sum up", SumStatus::thread_count(counts_.vertices),
+                   SumStatus{stars(), part_, status_, sums});
     }
 
     template <class Field>
@@ -209,29 +266,30 @@ class QuadStages {
         exec_.each("flat insides", count, FollowRim{surface(), flat_view_, rims_});
     }
 
-    std::uint32_t lone_vertices() const {
-        std::uint32_t lone = 0;
-        for (std::uint32_t v = 0; v < job_.cage.vertex_count(); ++v) lone += job_.cage.fan(v).empty();
-        return lone;
+    std::uint32_t fold_runs() const { return (counts_.quads + FindBad::kRun - 1) / FindBad::kRun; }
+
+    /// The bad quads, of a search that was waited for.
+    std::vector<std::uint32_t> all_of(const FoldSearch& search) {
+        const std::size_t count = search.bad[0];
+        if (count < search.bad.size()) return {search.bad.begin() + 1, search.bad.begin() + 1 + count};
+        const auto bad = exec_.template array<std::uint32_t>(1 + count);
+        exec_.groups("gather folds", fold_runs(), GatherBad{search.found, search.first, bad});
+        std::vector<std::uint32_t> out(count);
+        exec_.download(std::span<const std::uint32_t>(bad.subspan(1)), std::span(out));
+        return out;
     }
 
-    std::vector<std::uint32_t> find_bad() {
-        const std::uint32_t runs = (counts_.quads + FindBad::kRun - 1) / FindBad::kRun;
-        const auto found = exec_.template array<std::uint32_t>(std::size_t{runs} * FindBad::kRun);
-        const auto first = exec_.template array<std::uint32_t>(runs + 1);
-        exec_.clear(first);
-        exec_.groups("find folds", runs,
-                     FindBad{stars(), FaceLimits(job_.untangle.quality), points().positions, points().anchors,
-                             found, first});
-        exec_.exclusive_scan(std::span<const std::uint32_t>(first), first);
-        std::uint32_t count = 0;
-        exec_.download(std::span<const std::uint32_t>(first.last(1)), std::span(&count, 1));
-        std::vector<std::uint32_t> out(count);
-        if (count == 0) return out;
-        const auto bad = exec_.template array<std::uint32_t>(count);
-        exec_.groups("gather folds", runs, GatherBad{found, first, bad});
-        exec_.download(std::span<const std::uint32_t>(bad), std::span(out));
-        return out;
+    template <class Field>
+    void unfold_all(const std::vector<std::uint32_t>& bad, const Field& field,
+                    std::vector<UntangleReport>& reports) {
+        for (const std::uint32_t q : bad) ++reports[job_.part_of_quad(q)].bad_before;
+        const FoldClusters clusters(bad, counts_.vertices, PatchStars(job_.cage, job_.levels));
+        for (const std::uint32_t q : clusters.fixed) reports[job_.part_of_quad(q)].still_bad.push_back(q);
+        if (clusters.size() > 0) unfold_clusters(field, clusters, reports);
+        for (UntangleReport& report : reports) {
+            std::sort(report.still_bad.begin(), report.still_bad.end());
+            report.bad_after = report.still_bad.size();
+        }
     }
 
     RowsView upload_rows(const CompressedRows<std::uint32_t>& rows) {
@@ -240,10 +298,14 @@ class QuadStages {
     }
 
     template <class Field>
-    void unfold(const Field& field, const FoldClusters& clusters, UntangleReport& report) {
+    void unfold_clusters(const Field& field, const FoldClusters& clusters,
+                         std::vector<UntangleReport>& reports) {
         const std::size_t vertices = clusters.vertices.items.size(), faces = clusters.faces.items.size();
-        const auto numbers = [&](std::size_t count) { return exec_.template array<std::uint32_t>(count); };
+        const std::size_t count = clusters.size();
+        const auto numbers = [&](std::size_t n) { return exec_.template array<std::uint32_t>(n); };
         const auto points = [&] { return exec_.template array<Vec3>(vertices); };
+        // What the host wants to know lies in one piece: so it waits once.
+        const auto told = numbers(faces + 3 * count);
         const ClusterView view{upload_rows(clusters.vertices),
                                upload_rows(clusters.faces),
                                upload_rows(clusters.bad),
@@ -253,24 +315,22 @@ class QuadStages {
                                points(),
                                points(),
                                numbers(faces),
-                               numbers(faces),
-                               numbers(clusters.size()),
-                               numbers(clusters.size()),
-                               numbers(clusters.size())};
-        exec_.groups("unfold", clusters.size(),
+                               told.first(faces),
+                               told.subspan(faces, count),
+                               told.subspan(faces + count, count),
+                               told.last(count)};
+        exec_.groups("unfold", count,
                      UnfoldCluster<Field>{surface(), view, field, FaceLimits(job_.untangle.quality),
                                           job_.untangle.passes, job_.untangle.projected_passes});
-        const auto download = [&](std::span<const std::uint32_t> from) {
-            std::vector<std::uint32_t> out(from.size());
-            exec_.download(from, std::span(out));
-            return out;
-        };
-        const auto still = download(view.least_bad), count = download(view.least_count);
-        const auto passes = download(view.passes), moved = download(view.moved_count);
-        for (std::uint32_t c = 0; c < clusters.size(); ++c) {
+        const std::span<const std::uint32_t> outcome = exec_.fetch(std::span<const std::uint32_t>(told));
+        exec_.wait();
+        const auto still = outcome.first(faces), still_count = outcome.subspan(faces, count);
+        const auto passes = outcome.subspan(faces + count, count), moved = outcome.last(count);
+        for (std::uint32_t c = 0; c < count; ++c) {
+            UntangleReport& report = reports[job_.part_of_quad(clusters.faces[c].front())];
             report.passes = std::max(report.passes, passes[c]);
             report.moved += moved[c];
-            for (std::uint32_t k = 0; k < count[c]; ++k)
+            for (std::uint32_t k = 0; k < still_count[c]; ++k)
                 report.still_bad.push_back(clusters.faces[c][still[clusters.faces.first[c] + k]]);
         }
     }
@@ -280,12 +340,12 @@ class QuadStages {
     QuadCounts counts_;
     FlatVertices flat_;
     CageView cage_;  // of the executor, as all that follows
-    std::span<const std::uint32_t> region_;
+    std::span<const std::uint32_t> region_, part_;
     std::span<ClipPlane> clips_;
     std::vector<PointPair> points_;  // by level
     std::span<Vec3> relaxed_;        // what the next relaxation is written to
     std::span<ProjectionStatus> status_;
-    std::span<ProjectionSums> sums_;  // by pass
+    std::span<ProjectionSums> sums_;  // by pass, those of all parts
     FlatView flat_view_;
     std::span<RimChange> rims_;
     std::span<Vec3> normals_;

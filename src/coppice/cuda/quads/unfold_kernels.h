@@ -31,17 +31,19 @@ struct FindBad {
     }
 };
 
-/// Brings them together, ascending: a group for each run.
+/// Brings them together, ascending, as far as there is room, behind their count: a group for each run.
 struct GatherBad {
     std::span<const std::uint32_t> found;
     std::span<const std::uint32_t> first;  ///< per run, and one more
-    std::span<std::uint32_t> bad;
+    std::span<std::uint32_t> out;          ///< the count, and then the bad quads
 
     template <class Group>
     COPPICE_HOST_DEVICE void operator()(std::uint32_t run, const Group& group) const {
         group.each(first[run + 1] - first[run], [&](std::uint32_t k) {
-            bad[first[run] + k] = run * FindBad::kRun + found[run * FindBad::kRun + k];
+            const std::size_t place = std::size_t{1} + first[run] + k;
+            if (place < out.size()) out[place] = run * FindBad::kRun + found[run * FindBad::kRun + k];
         });
+        if (run == 0) group.each(1, [&](std::uint32_t) { out[0] = first[first.size() - 1]; });
     }
 };
 

@@ -1,0 +1,120 @@
+#include "coppice/cuda/batch/joined_jobs.h"
+
+#include <algorithm>
+
+#include "coppice/base/error.h"
+#include "coppice/cuda/device.h"
+
+namespace coppice::cuda {
+namespace {
+
+std::uint32_t shifted(std::uint32_t index, std::uint32_t by) {
+    return index == CageView::kNone ? index : index + by;
+}
+
+template <class T>
+void append(std::vector<T>& to, std::span<const T> values) {
+    to.insert(to.end(), values.begin(), values.end());
+}
+
+// Throws before anything of that size is made.
+void check_size(std::span<const QuadJob> jobs) {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
+    std::uint64_t vertices = 0, quads = 0;
+    for (const QuadJob& job : jobs) {
+        const QuadCounts counts = refined_counts(job.cage, job.levels);
+        vertices += counts.vertices;
+        quads += counts.quads;
+    }
+    if (vertices > kMost || quads > kMost)
+        throw DeviceError("the surfaces have too many vertices for one batch");
+}
+
+}  // namespace
+
+JoinedJobs::JoinedJobs(std::span<const QuadJob> jobs, std::span<const std::uint32_t> regions)
+    : job_(jobs.front()) {
+    COPPICE_ASSERT(jobs.size() == regions.size());
+    check_size(jobs);
+    JobOffsets at;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        COPPICE_ASSERT(jobs[i].levels == job_.levels);
+        offsets_.push_back(at);
+        if (jobs.size() > 1) add(jobs[i], at);
+        at.vertices += jobs[i].cage.vertex_count();
+        at.edges += jobs[i].cage.edge_count();
+        at.faces += jobs[i].cage.face_count();
+        at.clips += static_cast<std::uint32_t>(jobs[i].clips.size());
+        at.regions += regions[i];
+    }
+    offsets_.push_back(at);
+    if (jobs.size() > 1) refer();
+}
+
+void JoinedJobs::add(const QuadJob& job, const JobOffsets& at) {
+    const CageView& cage = job.cage;
+    const auto half = [&](std::uint32_t h) { return shifted(h, 4 * at.faces); };
+    for (const Quad& q : cage.quads)
+        quads_.push_back({q[0] + at.vertices, q[1] + at.vertices, q[2] + at.vertices, q[3] + at.vertices});
+    for (const auto& s : cage.side) {
+        const std::uint32_t by = 2 * at.edges;
+        side_.push_back({s[0] + by, s[1] + by, s[2] + by, s[3] + by});
+    }
+    for (const auto& pair : cage.edge_half) edge_half_.push_back({half(pair[0]), half(pair[1])});
+    const auto halves = static_cast<std::uint32_t>(fan_half_.size());
+    for (std::uint32_t v = 0; v < cage.vertex_count(); ++v) fan_first_.push_back(halves + cage.fan_first[v]);
+    for (const std::uint32_t h : cage.fan_half) fan_half_.push_back(half(h));
+    if (!cage.closed()) {
+        on_boundary_.resize(at.vertices, 0);
+        append(on_boundary_, cage.on_boundary);
+    }
+    append(positions_, job.positions);
+    append(anchors_, job.anchors);
+    for (const std::uint32_t r : job.region) region_.push_back(r + at.regions);
+    part_.insert(part_.end(), cage.face_count(), static_cast<std::uint32_t>(offsets_.size() - 1));
+    for (ClipPlane clip : job.clips) {
+        clip.first_quad += at.faces;
+        clips_.push_back(clip);
+    }
+}
+
+void JoinedJobs::refer() {
+    fan_first_.push_back(static_cast<std::uint32_t>(fan_half_.size()));
+    if (!on_boundary_.empty()) on_boundary_.resize(positions_.size(), 0);
+    job_.cage.quads = quads_;
+    job_.cage.side = side_;
+    job_.cage.edge_half = edge_half_;
+    job_.cage.fan_first = fan_first_;
+    job_.cage.fan_half = fan_half_;
+    job_.cage.on_boundary = on_boundary_;
+    job_.positions = positions_;
+    job_.anchors = anchors_;
+    job_.region = region_;
+    job_.clips = clips_;
+    job_.part = part_;
+    job_.parts = static_cast<std::uint32_t>(size());
+}
+
+std::uint32_t JoinedJobs::vertex_count(std::size_t job) const {
+    const JobOffsets &from = offsets_[job], &to = offsets_[job + 1];
+    const std::uint32_t inside = (1u << job_.levels) - 1;
+    return to.vertices - from.vertices + inside * (to.edges - from.edges) +
+           inside * inside * (to.faces - from.faces);
+}
+
+void JoinedJobs::copy_part(std::size_t job, std::span<const Vec3> all, std::span<Vec3> out) const {
+    const JobOffsets &from = offsets_[job], &to = offsets_[job + 1], &end = offsets_.back();
+    const std::size_t inside = (std::size_t{1} << job_.levels) - 1;
+    const auto rest = [&](std::span<const Vec3> part, std::span<Vec3> places) {
+        std::copy(part.begin(), part.end(), places.begin());
+        return places.subspan(part.size());
+    };
+    // Vertices of the cage come first, then those inside edges, then those inside quads.
+    out = rest(all.subspan(from.vertices, to.vertices - from.vertices), out);
+    all = all.subspan(end.vertices);
+    out = rest(all.subspan(inside * from.edges, inside * (to.edges - from.edges)), out);
+    all = all.subspan(inside * end.edges);
+    rest(all.subspan(inside * inside * from.faces, inside * inside * (to.faces - from.faces)), out);
+}
+
+}  // namespace coppice::cuda

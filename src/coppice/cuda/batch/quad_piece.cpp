@@ -1,0 +1,165 @@
+#include "coppice/cuda/batch/quad_piece.h"
+
+#include <algorithm>
+
+namespace coppice::cuda {
+namespace {
+
+constexpr std::uint32_t kNone = CageView::kNone;
+
+// Copies values to where a row of as many begins.
+void put_row(std::span<const Vec3> row, std::span<Vec3> to) { std::copy(row.begin(), row.end(), to.begin()); }
+
+}  // namespace
+
+QuadPiece::QuadPiece(const QuadJob& whole, IndexRange own)
+    : whole_(whole),
+      own_(own),
+      faces_(faces_around()),
+      vertices_(vertices_of_faces()),
+      edges_(edges_of_faces()),
+      job_(whole) {
+    take_faces();
+    take_vertices();
+    take_edges();
+    for (ClipPlane clip : whole.clips) {
+        if (!faces_.has(clip.first_quad)) continue;
+        clip.first_quad = faces_.place(clip.first_quad);
+        clips_.push_back(clip);
+    }
+    refer();
+}
+
+QuadPiece::Chosen QuadPiece::faces_around() const {
+    NumberSet chosen(whole_.cage.face_count());
+    std::vector<std::uint32_t> faces;
+    const auto add = [&](std::uint32_t f) {
+        if (chosen.add(f)) faces.push_back(f);
+    };
+    for (auto f = static_cast<std::uint32_t>(own_.begin); f < own_.end; ++f) add(f);
+    std::size_t begin = 0;
+    for (int ring = 0; ring <= whole_.project.relax_passes; ++ring) {
+        for (const std::size_t end = faces.size(); begin < end; ++begin) {
+            const Quad quad = whole_.cage.quads[faces[begin]];
+            for (const std::uint32_t v : quad) {
+                for (const std::uint32_t half : whole_.cage.fan(v)) add(half >> 2);
+            }
+        }
+        for (const ClipPlane& clip : whole_.clips) {
+            bool is_touched = false;
+            for (std::uint32_t k = 0; k < clip.quad_count; ++k)
+                is_touched = is_touched || chosen.contains(clip.first_quad + k);
+            for (std::uint32_t k = 0; is_touched && k < clip.quad_count; ++k) add(clip.first_quad + k);
+        }
+    }
+    return Chosen(std::move(chosen));
+}
+
+QuadPiece::Chosen QuadPiece::vertices_of_faces() const {
+    NumberSet chosen(whole_.cage.vertex_count());
+    for (const std::uint32_t f : faces_) {
+        for (const std::uint32_t v : whole_.cage.quads[f]) chosen.add(v);
+    }
+    // Those without quads go with the first piece.
+    for (std::uint32_t v = 0; own_.begin == 0 && v < whole_.cage.vertex_count(); ++v) {
+        if (whole_.cage.fan(v).empty()) chosen.add(v);
+    }
+    return Chosen(std::move(chosen));
+}
+
+QuadPiece::Chosen QuadPiece::edges_of_faces() const {
+    NumberSet chosen(whole_.cage.edge_count());
+    for (const std::uint32_t f : faces_) {
+        for (const std::uint32_t side : whole_.cage.side[f]) chosen.add(side >> 1);
+    }
+    return Chosen(std::move(chosen));
+}
+
+void QuadPiece::take_faces() {
+    const auto vertex = [&](std::uint32_t v) { return vertices_.place(v); };
+    const auto side = [&](std::uint32_t s) { return 2 * edges_.place(s >> 1) + (s & 1); };
+    for (const std::uint32_t f : faces_) {
+        const Quad& q = whole_.cage.quads[f];
+        const auto& s = whole_.cage.side[f];
+        quads_.push_back({vertex(q[0]), vertex(q[1]), vertex(q[2]), vertex(q[3])});
+        side_.push_back({side(s[0]), side(s[1]), side(s[2]), side(s[3])});
+        region_.push_back(whole_.region[f]);
+        part_.push_back(owns(4 * f) ? 0 : 1);
+    }
+}
+
+std::uint32_t QuadPiece::local_half(std::uint32_t half) const {
+    return half == kNone || !faces_.has(half >> 2) ? kNone : 4 * faces_.place(half >> 2) + (half & 3);
+}
+
+void QuadPiece::take_vertices() {
+    for (const std::uint32_t v : vertices_) {
+        positions_.push_back(whole_.positions[v]);
+        anchors_.push_back(whole_.anchors[v]);
+        fan_first_.push_back(static_cast<std::uint32_t>(fan_half_.size()));
+        for (const std::uint32_t half : whole_.cage.fan(v)) {
+            if (const std::uint32_t here = local_half(half); here != kNone) fan_half_.push_back(here);
+        }
+    }
+    fan_first_.push_back(static_cast<std::uint32_t>(fan_half_.size()));
+}
+
+// Where quads are missing there is a boundary.
+void QuadPiece::take_edges() {
+    on_boundary_.resize(vertices_.size(), 0);
+    for (const std::uint32_t e : edges_) {
+        const std::uint32_t forward = local_half(whole_.cage.edge_half[e][0]);
+        const std::uint32_t backward = local_half(whole_.cage.edge_half[e][1]);
+        edge_half_.push_back({forward, backward});
+        if (forward != kNone && backward != kNone) continue;
+        const std::uint32_t half = forward != kNone ? forward : backward;
+        const Quad& quad = quads_[half >> 2];
+        on_boundary_[quad[half & 3]] = on_boundary_[quad[(half + 1) & 3]] = 1;
+    }
+}
+
+void QuadPiece::refer() {
+    job_.cage.quads = quads_;
+    job_.cage.side = side_;
+    job_.cage.edge_half = edge_half_;
+    job_.cage.fan_first = fan_first_;
+    job_.cage.fan_half = fan_half_;
+    job_.cage.on_boundary = on_boundary_;
+    job_.positions = positions_;
+    job_.anchors = anchors_;
+    job_.region = region_;
+    job_.clips = clips_;
+    job_.part = part_;
+}
+
+void QuadPiece::put(std::span<const Vec3> of_piece, std::span<Vec3> of_whole) const {
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+        const auto fan = whole_.cage.fan(vertices_[v]);
+        if (fan.empty() || owns(fan[0])) of_whole[vertices_[v]] = of_piece[v];
+    }
+    const std::size_t inside = (std::size_t{1} << whole_.levels) - 1;
+    of_piece = of_piece.subspan(vertices_.size());
+    of_whole = of_whole.subspan(whole_.cage.vertex_count());
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+        const auto [forward, backward] = whole_.cage.edge_half[edges_[e]];
+        if (!owns(std::min(forward, backward))) continue;
+        put_row(of_piece.subspan(inside * e, inside), of_whole.subspan(inside * edges_[e]));
+    }
+    of_piece = of_piece.subspan(inside * edges_.size());
+    of_whole = of_whole.subspan(inside * whole_.cage.edge_count());
+    const std::size_t of_quad = inside * inside;
+    const std::size_t first = faces_.place(static_cast<std::uint32_t>(own_.begin));
+    put_row(of_piece.subspan(of_quad * first, of_quad * own_.size()), of_whole.subspan(of_quad * own_.begin));
+}
+
+std::size_t QuadPiece::cut(std::span<const ClipPlane> clips, IndexRange quads, std::size_t wanted) {
+    wanted = std::clamp(wanted, quads.begin + 1, quads.end);
+    for (const ClipPlane& clip : clips) {
+        const std::size_t first = clip.first_quad, last = first + clip.quad_count;
+        if (wanted <= first || wanted >= last) continue;
+        return std::min(first > quads.begin ? first : last, quads.end);
+    }
+    return wanted;
+}
+
+}  // namespace coppice::cuda

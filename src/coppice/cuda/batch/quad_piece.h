@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "coppice/base/number_set.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/vec.h"
+#include "coppice/cuda/quads/quad_job.h"
+
+namespace coppice::cuda {
+
+/// A piece of a job that is too large for a card: some consecutive quads of its cage, and as many around them
+/// as it takes for every vertex of theirs to be subdivided and moved as in the whole, to the bit. What is
+/// around them comes out wrong, and is not looked at.
+///
+/// Subdivision of a quad looks at the quads about its corners; a relaxation at the quads around, and where
+/// one of these is of a flat end at all of that: so there are as many rings of quads around as there are
+/// relaxations, and one more, and no flat end is cut. Unfolding spreads as far as there are folds: it has to
+/// be done on the whole.
+class QuadPiece {
+  public:
+    /// Quads of a whole that outlives it, which cut no flat end: see cut(). O(whole), a bit for each quad and
+    /// two numbers for each vertex and edge; then O(piece).
+    QuadPiece(const QuadJob& whole, IndexRange own);
+    QuadPiece(const QuadPiece&) = delete;
+    QuadPiece& operator=(const QuadPiece&) = delete;
+
+    const QuadJob& job() const { return job_; }  ///< the piece; refers to this object
+    IndexRange own() const { return own_; }      ///< its quads
+    /// Copies what belongs to its quads from an array over the vertices of the refined piece to one over
+    /// those of the refined whole. All pieces together write each place once.
+    void put(std::span<const Vec3> of_piece, std::span<Vec3> of_whole) const;
+
+    /// A number of quads near `wanted` at which the quads of a job can be cut, in (begin, end) if there is
+    /// one; else `end`.
+    static std::size_t cut(std::span<const ClipPlane> clips, IndexRange quads, std::size_t wanted);
+
+  private:
+    /// Some of the whole's faces, vertices or edges, which the piece has by their order.
+    class Chosen {
+      public:
+        explicit Chosen(NumberSet set) : set_(std::move(set)), all_(set_.ascending()) { set_.count(); }
+        bool has(std::uint32_t i) const { return set_.contains(i); }
+        std::uint32_t place(std::uint32_t i) const { return set_.rank(i); }  ///< in the piece
+        std::uint32_t operator[](std::size_t place) const { return all_[place]; }
+        std::size_t size() const { return all_.size(); }
+        auto begin() const { return all_.begin(); }
+        auto end() const { return all_.end(); }
+
+      private:
+        NumberSet set_;
+        std::vector<std::uint32_t> all_;
+    };
+
+    bool owns(std::uint32_t half) const { return own_.begin <= half >> 2 && half >> 2 < own_.end; }
+    Chosen faces_around() const;
+    Chosen vertices_of_faces() const;
+    Chosen edges_of_faces() const;
+    void take_faces();
+    void take_vertices();
+    void take_edges();
+    std::uint32_t local_half(std::uint32_t half) const;
+    void refer();
+
+    const QuadJob& whole_;
+    IndexRange own_;
+    Chosen faces_, vertices_, edges_;
+    std::vector<Quad> quads_;
+    std::vector<std::array<std::uint32_t, 4>> side_;
+    std::vector<std::array<std::uint32_t, 2>> edge_half_;
+    std::vector<std::uint32_t> fan_first_, fan_half_;
+    std::vector<std::uint8_t> on_boundary_;
+    std::vector<Vec3> positions_, anchors_;
+    std::vector<std::uint32_t> region_, part_;
+    std::vector<ClipPlane> clips_;
+    QuadJob job_;
+};
+
+}  // namespace coppice::cuda

@@ -1,0 +1,155 @@
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "coppice/cuda/batch/quad_run.h"
+#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/skeleton/random_tree.h"
+#include "lists_scene.h"
+#include "on_executor.h"
+#include "zoo.h"
+
+namespace coppice::cuda {
+namespace {
+
+/// Trees that stand in one place, and so would all be in contact with each other.
+class ListBatch : public testing::Test {
+  protected:
+    struct Tree {
+        Scene scene;
+        ConvolutionField field;
+        PatchRefinement patches;
+
+        explicit Tree(const Skeleton& skeleton)
+            : scene(wrap(skeleton)),
+              field(scene.skeleton, {}),
+              patches(scene.control.cage.quads,
+                      static_cast<std::uint32_t>(scene.control.cage.positions.size()), 1) {}
+        Tree(const Tree&) = delete;
+    };
+
+    ListBatch() {
+        for (const Skeleton& s : {random_tree(120, 1, true), zoo_skeleton("random_1"), random_tree(1, 2),
+                                  random_tree(120, 1, true), random_tree(90, 4)})
+            trees.emplace_back(s);
+        for (const Tree& t : trees) {
+            contacts.push_back(input_of(t.scene, t.field));
+            jobs.push_back({t.patches.cage(),
+                            1,
+                            t.scene.control.cage.positions,
+                            t.scene.control.anchors,
+                            t.scene.control.region,
+                            t.scene.control.clip,
+                            {},
+                            {}});
+        }
+    }
+
+    std::deque<Tree> trees;
+    std::vector<ContactInput> contacts;
+    std::vector<QuadJob> jobs;
+};
+
+using Lists = std::vector<std::vector<std::uint32_t>>;
+
+/// The lists of some regions, whose segments are numbered from `base` on.
+Lists lists_of(HostExecutor& exec, const RegionLists& lists, std::size_t begin, std::size_t end,
+               std::uint32_t base) {
+    const auto first = downloaded(exec, lists.first);
+    const auto segments = downloaded(exec, lists.segments);
+    Lists out;
+    for (std::size_t r = begin; r < end; ++r) {
+        out.emplace_back(segments.begin() + first[r], segments.begin() + first[r + 1]);
+        for (std::uint32_t& s : out.back()) s -= base;
+    }
+    return out;
+}
+
+TEST_F(ListBatch, HasTheListsOfEachAlone) {
+    HostExecutor exec({.threads = 2});
+    const ContactTables tables = upload_contacts(exec, contact_topology(contacts));
+    const ContactGeometry geometry = upload_geometry(exec, contacts);
+    const ContactsFound all = find_contacts(exec, tables, geometry, rival_order(exec, tables, geometry), {});
+    ASSERT_FALSE(all.state.is_cut);
+    std::size_t region = 0, rivals = 0;
+    std::uint32_t segment = 0;
+    for (const ContactInput& input : contacts) {
+        HostExecutor other;
+        const ContactsFound alone = find_contacts(other, input);
+        const std::size_t end = region + input.control.region_node.size();
+        EXPECT_EQ(lists_of(exec, all.lists.own, region, end, segment),
+                  lists_of(other, alone.lists.own, 0, end - region, 0));
+        EXPECT_EQ(lists_of(exec, all.lists.rivals, region, end, segment),
+                  lists_of(other, alone.lists.rivals, 0, end - region, 0));
+        rivals += alone.state.entries.rivals;
+        region = end;
+        segment += input.skeleton.size();
+    }
+    EXPECT_EQ(all.lists.own.first.size(), region + 1);
+    EXPECT_GT(rivals, 100u);
+}
+
+struct Made {
+    Buffer<Vec3> positions;
+    QuadReport report;
+};
+
+std::vector<Made> made_of(std::span<const QuadJob> jobs, std::span<const ContactInput> contacts) {
+    HostExecutor exec({.threads = 2});
+    QuadRun<HostExecutor> run(exec);
+    EXPECT_TRUE(run.begin(jobs, contacts));
+    std::vector<Made> out(jobs.size());
+    std::vector<QuadPlaces> places;
+    for (Made& made : out) places.push_back({&made.positions});
+    const std::vector<QuadReport> reports = run.finish(places);
+    const Buffer<Vec3> first = downloaded(exec, run.stages().positions());
+    run.repeat();
+    EXPECT_EQ(downloaded(exec, run.stages().positions()), first);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].report = reports[i];
+    return out;
+}
+
+TEST_F(ListBatch, MakesEachSurfaceAsAlone) {
+    const std::vector<Made> together = made_of(jobs, contacts);
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        SCOPED_TRACE(i);
+        const Made alone = made_of({&jobs[i], 1}, {&contacts[i], 1}).front();
+        EXPECT_EQ(together[i].positions, alone.positions);
+        EXPECT_EQ(together[i].report.projected.evaluations, alone.report.projected.evaluations);
+        EXPECT_EQ(together[i].report.untangled, alone.report.untangled);
+    }
+    EXPECT_EQ(together[0].positions, together[3].positions);  // the same tree
+}
+
+TEST_F(ListBatch, SaysWhereNotAllHaveRoom) {
+    HostExecutor exec({}, kSlackBytes + 2 * bytes_of_job(jobs[0]));
+    QuadRun<HostExecutor> run(exec);
+    EXPECT_FALSE(run.begin(jobs, contacts));
+}
+
+TEST_F(ListBatch, CutsToPiecesOneThatDoesNotFit) {
+    const Tree large(random_tree(1500, 1));
+    const ContactInput input = input_of(large.scene, large.field);
+    const Scene& s = large.scene;
+    const QuadJob job{large.patches.cage(),
+                      1,
+                      s.control.cage.positions,
+                      s.control.anchors,
+                      s.control.region,
+                      s.control.clip,
+                      {},
+                      {.passes = 0}};
+    // What the field takes, and half of what the job takes besides.
+    const std::uint64_t field = bytes_of_field(4 * s.skeleton.size(), 100 * s.control.region_node.size());
+    HostExecutor exec({}, kSlackBytes + field + bytes_of_job(job) / 2);
+    QuadRun<HostExecutor> run(exec);
+    ASSERT_TRUE(run.begin({&job, 1}, {&input, 1}));
+    Made pieces;
+    const QuadPlaces places{&pieces.positions};
+    EXPECT_FALSE(run.finish({&places, 1}).front().is_whole);
+    EXPECT_GE(run.round_count(), 2u);
+    EXPECT_EQ(pieces.positions, made_of({&job, 1}, {&input, 1}).front().positions);
+}
+
+}  // namespace
+}  // namespace coppice::cuda

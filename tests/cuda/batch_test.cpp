@@ -1,0 +1,304 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <tuple>
+
+#include "coppice/cuda/batch/quad_run.h"
+#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/skeleton/random_tree.h"
+#include "on_executor.h"
+#include "quads_case.h"
+#include "zoo.h"
+
+namespace coppice::cuda {
+namespace {
+
+struct Made {
+    Buffer<Vec3> positions, anchors;
+    QuadReport report;
+};
+
+auto counts_of(const ProjectReport& r) {
+    return std::tuple(r.vertices, r.evaluations, r.max_evaluations, r.not_converged, r.anchors_outside,
+                      r.clipped);
+}
+
+void expect_same_bits(const Made& a, const Made& b) {
+    EXPECT_EQ(a.positions, b.positions);
+    EXPECT_EQ(a.anchors, b.anchors);
+    EXPECT_EQ(counts_of(a.report.projected), counts_of(b.report.projected));
+    EXPECT_EQ(a.report.untangled, b.report.untangled);
+}
+
+std::vector<Made> finish(QuadRun<HostExecutor>& run, std::size_t count) {
+    std::vector<Made> out(count);
+    std::vector<QuadPlaces> places;
+    for (Made& made : out) places.push_back({&made.positions, &made.anchors});
+    const std::vector<QuadReport> reports = run.finish(places);
+    for (std::size_t i = 0; i < count; ++i) out[i].report = reports[i];
+    return out;
+}
+
+std::vector<Made> made_of(std::span<const QuadTask> tasks, HostExecutor exec = HostExecutor({.threads = 2})) {
+    QuadRun<HostExecutor> run(exec);
+    run.begin(tasks);
+    return finish(run, tasks.size());
+}
+
+/// A case with two vertices behind the others that no quad has.
+struct LoneVertices {
+    const QuadCase& of;
+    Buffer<Vec3> positions, anchors;
+    PatchRefinement patches;
+
+    LoneVertices(const QuadCase& c)
+        : of(c),
+          positions(with_two(c.control.cage.positions)),
+          anchors(with_two(c.control.anchors)),
+          patches(c.control.cage.quads, static_cast<std::uint32_t>(positions.size()), c.patches.levels()) {}
+    QuadTask task(const QuadTask& with) const {
+        QuadTask out = with;
+        out.job.cage = patches.cage();
+        out.job.positions = positions;
+        out.job.anchors = anchors;
+        return out;
+    }
+
+  private:
+    static Buffer<Vec3> with_two(Buffer<Vec3> points) {
+        points.push_back({1, 2, 3});
+        points.push_back({4, 5, 6});
+        return points;
+    }
+};
+
+constexpr FieldOptions kOverTheEnds{.tip_extension = 1.5f};
+
+ControlOptions ends(TipShape tips, BaseShape base) {
+    ControlOptions out;
+    out.tips = tips;
+    out.base = base;
+    return out;
+}
+
+/// Cages of different sizes: round ends, flat ones, a hole at the base, a vertex without quads, a single
+/// ball.
+class Batch : public testing::Test {
+  protected:
+    static constexpr int kLevels = 2;
+    QuadCase round{zoo_skeleton("random_1"), kLevels, kOverTheEnds};
+    QuadCase flat{zoo_skeleton("random_1"), kLevels, kOverTheEnds, ends(TipShape::flat, BaseShape::flat)};
+    QuadCase open{random_tree(40, 3), kLevels, kOverTheEnds, ends(TipShape::round, BaseShape::open)};
+    QuadCase small{random_tree(1, 2), kLevels, kOverTheEnds};
+    LoneVertices lone{small};
+
+    static QuadTask task(const QuadCase& c, const ProjectOptions& project = {}) {
+        return {c.job(project), &c.field};
+    }
+    std::vector<QuadTask> tasks(const ProjectOptions& project = {}) const {
+        return {task(round, project), lone.task(task(small, project)), task(open, project),
+                task(flat, project), task(small, project)};
+    }
+};
+
+TEST_F(Batch, HasWhatItIsToBeTestedWith) {
+    EXPECT_FALSE(flat.control.clip.empty());
+    EXPECT_FALSE(open.patches.cage().closed());
+    EXPECT_TRUE(round.patches.cage().closed());
+    EXPECT_TRUE(lone.patches.cage().fans[lone.positions.size() - 1].empty());
+}
+
+TEST_F(Batch, GivesEachSurfaceAsItComesOutAlone) {
+    for (const ProjectOptions& project :
+         {ProjectOptions{}, ProjectOptions{.method = ProjectionMethod::gradient, .relax_passes = 2}}) {
+        const std::vector<QuadTask> all = tasks(project);
+        const std::vector<Made> together = made_of(all);
+        std::uint64_t unfolded = 0;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            SCOPED_TRACE(i);
+            expect_same_bits(together[i], made_of({&all[i], 1}).front());
+            unfolded += together[i].report.untangled.moved;
+        }
+        EXPECT_GT(unfolded, 0u);
+        EXPECT_EQ(together[1].positions[lone.positions.size() - 1], (Vec3{4, 5, 6}));
+    }
+}
+
+TEST_F(Batch, OfNothingIsNothing) { EXPECT_TRUE(made_of({}).empty()); }
+
+TEST_F(Batch, TakesSeveralRoundsWhereThereIsLittleRoom) {
+    const std::vector<QuadTask> all = tasks();
+    const std::vector<Made> together = made_of(all);
+    // The largest fits by itself, but not with another.
+    std::uint64_t most = 0;
+    for (const QuadTask& t : all) {
+        const auto entries = t.field->own_lists().segments.size() + t.field->rival_lists().segments.size();
+        most = std::max(most, bytes_of_job(t.job) + bytes_of_field(t.field->segments().size(), entries));
+    }
+    HostExecutor exec({}, kSlackBytes + most);
+    QuadRun<HostExecutor> run(exec);
+    run.begin(all);
+    const std::vector<Made> in_rounds = finish(run, all.size());
+    EXPECT_GT(run.round_count(), 1u);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        SCOPED_TRACE(i);
+        expect_same_bits(together[i], in_rounds[i]);
+        EXPECT_TRUE(in_rounds[i].report.is_whole);
+    }
+}
+
+TEST_F(Batch, RepeatsWhatItDid) {
+    HostExecutor exec;
+    QuadRun<HostExecutor> run(exec);
+    run.begin(tasks());
+    const std::vector<Made> made = finish(run, tasks().size());
+    const Buffer<Vec3> first = downloaded(exec, run.stages().positions());
+    const std::size_t used = exec.bytes_used();
+    run.repeat();
+    EXPECT_EQ(downloaded(exec, run.stages().positions()), first);
+    run.repeat();
+    EXPECT_EQ(downloaded(exec, run.stages().positions()), first);
+    EXPECT_EQ(downloaded(exec, run.stages().normals()).size(), first.size());
+    EXPECT_GE(exec.bytes_used(), used);
+}
+
+/// A whole put together of pieces of so many cage quads each.
+Made pieced_together(const QuadTask& task, std::size_t quads) {
+    const QuadJob& job = task.job;
+    Made out;
+    out.positions.resize(refined_counts(job.cage, job.levels).vertices);
+    std::fill(out.positions.begin(), out.positions.end(), Vec3{-1, -1, -1});
+    out.anchors = out.positions;
+    for (std::size_t begin = 0; begin < job.cage.face_count();) {
+        const std::size_t end = QuadPiece::cut(job.clips, {begin, job.cage.face_count()}, begin + quads);
+        const QuadPiece piece(job, {begin, end});
+        HostExecutor exec;
+        QuadStages<HostExecutor> stages(exec, piece.job());
+        stages.refine();
+        cuda::project(stages, task.field->kernel(), upload_field(exec, *task.field));
+        piece.put(stages.positions(), out.positions);
+        piece.put(stages.anchors(), out.anchors);
+        const ProjectReport report = stages.projected();
+        ProjectReport& sum = out.report.projected;
+        sum.vertices += report.vertices;
+        sum.evaluations += report.evaluations;
+        sum.max_evaluations = std::max(sum.max_evaluations, report.max_evaluations);
+        sum.not_converged += report.not_converged;
+        sum.anchors_outside += report.anchors_outside;
+        sum.clipped += report.clipped;
+        begin = end;
+    }
+    return out;
+}
+
+TEST_F(Batch, PiecesAreTheWholeToTheBit) {
+    for (const int relax_passes : {0, 1, 3}) {
+        for (QuadTask t : tasks({.relax_passes = relax_passes})) {
+            SCOPED_TRACE(std::to_string(relax_passes) + " " + std::to_string(t.job.cage.face_count()));
+            t.job.untangle = kNoUnfolding;
+            const Made whole = made_of({&t, 1}).front();
+            for (const std::size_t quads : {9, 40}) expect_same_bits(pieced_together(t, quads), whole);
+        }
+    }
+}
+
+TEST(QuadPiece, PiecesOfTheZooAreTheWholes) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        if (skeleton.size() > 300) continue;
+        for (const int levels : {0, 1, 3}) {
+            SCOPED_TRACE(name + ", level " + std::to_string(levels));
+            const QuadCase c(skeleton, levels, kOverTheEnds, ends(TipShape::flat, BaseShape::flat));
+            const QuadTask task{c.job({.relax_passes = 1}, {.passes = 0}), &c.field};
+            expect_same_bits(pieced_together(task, 16), made_of({&task, 1}).front());
+        }
+    }
+}
+
+TEST_F(Batch, CutsToPiecesWhatDoesNotFit) {
+    const QuadCase large(random_tree(3000, 1), kLevels, kOverTheEnds, ends(TipShape::flat, BaseShape::flat));
+    QuadTask task{large.job(), &large.field};
+    const auto entries = large.field.own_lists().segments.size() + large.field.rival_lists().segments.size();
+    const std::uint64_t field = bytes_of_field(large.field.segments().size(), entries);
+    // A third of what it takes: at least four pieces, as each has something around it.
+    HostExecutor exec({}, kSlackBytes + field + bytes_of_job(task.job) / 3);
+    QuadRun<HostExecutor> run(exec);
+    run.begin({&task, 1});
+    const Made pieces = finish(run, 1).front();
+    EXPECT_GE(run.round_count(), 4u);
+    EXPECT_LE(run.round_count(), 16u);
+    EXPECT_FALSE(pieces.report.is_whole);
+    EXPECT_EQ(pieces.report.untangled, UntangleReport{});
+    task.job.untangle.passes = 0;
+    expect_same_bits(made_of({&task, 1}).front(), pieces);
+}
+
+TEST_F(Batch, SaysHowMuchWouldBeNeeded) {
+    const QuadTask t = task(round);
+    HostExecutor exec({}, kSlackBytes);
+    QuadRun<HostExecutor> run(exec);
+    try {
+        run.begin({&t, 1});
+        FAIL() << "there was room for nothing";
+    } catch (const DeviceError& e) {
+        EXPECT_NE(std::string(e.what()).find("16 MiB of memory free"), std::string::npos) << e.what();
+    }
+}
+
+TEST_F(Batch, TakesNoMoreThanItSays) {
+    const QuadCase large(random_tree(3000, 1), kLevels);
+    for (const QuadTask& t : {task(large), task(large, {.relax_passes = 1}), task(flat)}) {
+        const auto entries = t.field->own_lists().segments.size() + t.field->rival_lists().segments.size();
+        HostExecutor exec;
+        QuadRun<HostExecutor> run(exec);
+        run.begin({&t, 1});
+        finish(run, 1);
+        run.repeat();
+        const std::uint64_t said = bytes_of_job(t.job) + bytes_of_field(t.field->segments().size(), entries);
+        // What arrays are rounded up by is in what is added to it.
+        EXPECT_LE(exec.bytes_used(), said + kSlackBytes / 64);
+        EXPECT_GE(exec.bytes_used(), said * 3 / 4);
+        RecordProperty("bytes_per_quad",
+                       std::to_string(exec.bytes_used() / refined_counts(t.job.cage, t.job.levels).quads));
+    }
+}
+
+TEST(QuadPiece, CutsNoFlatEnd) {
+    std::vector<ClipPlane> clips(2);
+    clips[0].first_quad = 3;
+    clips[0].quad_count = 4;  // [3, 7)
+    clips[1].first_quad = 8;
+    clips[1].quad_count = 4;  // [8, 12)
+    EXPECT_EQ(QuadPiece::cut(clips, {0, 20}, 2), 2u);
+    EXPECT_EQ(QuadPiece::cut(clips, {0, 20}, 5), 3u);
+    EXPECT_EQ(QuadPiece::cut(clips, {3, 20}, 5), 7u);
+    EXPECT_EQ(QuadPiece::cut(clips, {8, 12}, 10), 12u);
+    EXPECT_EQ(QuadPiece::cut(clips, {0, 20}, 30), 20u);
+    EXPECT_EQ(QuadPiece::cut(clips, {19, 20}, 19), 20u);
+}
+
+TEST_F(Batch, IsPlannedByWhatThereIsRoomFor) {
+    const QuadJob job = round.job();
+    const std::vector<QuadJob> jobs(5, job);
+    const std::vector<JobBytes> bytes{{600, 200}, {100, 100}, {50, 50}, {3000, 100}, {100, 0}};
+    const std::vector<BatchRound> rounds = plan_batch(jobs, bytes, kSlackBytes + 1000);
+    // 800 + 200 fit, and 100 more do not; then 3100, of which a quarter of the quads fits; then 100.
+    ASSERT_GE(rounds.size(), 5u);
+    const auto expect_range = [](IndexRange range, std::size_t begin, std::size_t end) {
+        EXPECT_EQ(range.begin, begin);
+        EXPECT_EQ(range.end, end);
+    };
+    expect_range(rounds[0].jobs, 0, 2);
+    expect_range(rounds[1].jobs, 2, 3);
+    expect_range(rounds[2].jobs, 3, 4);
+    expect_range(rounds.back().jobs, 4, 5);
+    for (const BatchRound& r : rounds) EXPECT_EQ(r.is_piece, r.jobs.begin == 3);
+    const std::size_t quads = job.cage.face_count();
+    expect_range(rounds[2].quads, 0, quads / 4);  // (1000 - 100) / (1.2 * 3000) = 1/4
+    const auto [half, other_half] = split(rounds[2], job, 2000, 1000);
+    expect_range(half.quads, 0, quads / 4 / 2);
+    expect_range(other_half.quads, quads / 4 / 2, quads / 4);
+    EXPECT_THROW(split({{3, 4}, true, {7, 8}}, job, 2000, 1000), DeviceError);
+}
+
+}  // namespace
+}  // namespace coppice::cuda
