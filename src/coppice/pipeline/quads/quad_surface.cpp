@@ -50,70 +50,112 @@ struct Refined {
     Buffer<Vec3> anchors;  // per refined vertex
 };
 
-// Refines positions and anchors, moves these onto the field, and unfolds them.
-void refine_on_cpu(QuadSurface& out, Refined& refined, const ConvolutionField& field,
-                   const MeshOptions& options, const Context& ctx, Stages& stages) {
-    const PatchRefinement& patches = refined.patches;
-    out.mesh.positions =
-        stages.run("refine", 0.45f, [&] { return patches.refine(out.cage.cage.positions, ctx); });
-    refined.anchors = stages.run("anchors", 0.55f, [&] { return patches.refine(out.cage.anchors, ctx); });
-    const ProjectionTarget target{FieldRef(field), out.cage.region, out.cage.clip};
-    out.projected = stages.run("project", 0.85f, [&] {
-        return project(out.mesh.positions, refined.anchors, patches, target, options.project, ctx);
-    });
-    if (options.project.method == ProjectionMethod::none || patches.levels() == 0) return;
-    out.untangled = stages.run("untangle", 1.0f, [&] {
-        return untangle({out.mesh.positions, refined.anchors, out.mesh.quads}, patches, target,
-                        options.untangle, ctx);
-    });
-}
+// What it takes to subdivide the cage of a surface, to move it onto the field, and to unfold it.
+class CageRefiner {
+  public:
+    CageRefiner(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
+                const MeshOptions& options, const Context& ctx, Stages& stages)
+        : out_(out),
+          levels_(levels),
+          field_(field),
+          wrapped_(wrapped),
+          options_(options),
+          ctx_(ctx),
+          stages_(stages) {}
 
-// Subdivides the cage of a surface, moves it onto the field, and unfolds it.
-Refined refine_cage(QuadSurface& out, int levels, ConvolutionField& field, const Wrapped& wrapped,
-                    const MeshOptions& options, const Context& ctx, Stages& stages) {
-    bool has_regions = false;
-    const auto set_regions = [&] {
-        if (has_regions) return;
-        field.set_regions(pipeline_internal::field_regions(out.cage, wrapped.skeleton()),
-                          {wrapped.tubes(), wrapped.tube}, ctx);
-        has_regions = true;
-    };
-    const QuadMesh& cage = out.cage.cage;
-    PatchRefinement patches = stages.run("topology", 0.3f, [&] {
-        return PatchRefinement(cage.quads, static_cast<std::uint32_t>(cage.positions.size()), levels, ctx);
-    });
-    out.mesh.origin = cage.origin;
-    const cuda::QuadJob job{patches.cage(),  levels,        cage.positions,  out.cage.anchors,
-                            out.cage.region, out.cage.clip, options.project, options.untangle};
-    std::optional<DeviceQuads> device;
-    if (goes_to_device(options.device, patches.quad_count(), out.device)) {
-        const cuda::ContactInput contacts{
-            wrapped.skeleton(), {wrapped.tubes(), wrapped.tube}, field, out.cage};
-        device = stages.run("send", 0.3f,
-                            [&] { return begin_on_device(job, contacts, set_regions, out.device, ctx); });
+    Refined run() {
+        const QuadMesh& cage = out_.cage.cage;
+        Refined refined{stages_.run("topology", 0.3f,
+                                    [&] {
+                                        const auto vertices =
+                                            static_cast<std::uint32_t>(cage.positions.size());
+                                        return PatchRefinement(cage.quads, vertices, levels_, ctx_);
+                                    }),
+                        {}};
+        out_.mesh.origin = cage.origin;
+        std::optional<DeviceQuads> device = begin_on_card(refined.patches);
+        // The card works meanwhile.
+        out_.mesh.quads = stages_.run("quads", 0.35f, [&] { return refined.patches.quads(ctx_); });
+        if (!device || !finish_on_card(*device, refined)) refine_here(refined);
+        return refined;
     }
-    // The card works meanwhile; what the job refers to stays where it is when the patches are moved.
-    out.mesh.quads = stages.run("quads", 0.35f, [&] { return patches.quads(ctx); });
-    Refined refined{std::move(patches), {}};
-    std::optional<cuda::QuadReport> done;
-    if (device) {
-        done = stages.run("device", 1.0f, [&] {
-            return on_device(out.device,
-                             [&] { return device->finish(out.mesh.positions, &refined.anchors); });
+
+  private:
+    // Where the field is asked, for what is not done on the card.
+    void set_regions() {
+        if (has_regions_) return;
+        field_.set_regions(pipeline_internal::field_regions(out_.cage, wrapped_.skeleton()),
+                           {wrapped_.tubes(), wrapped_.tube}, ctx_);
+        has_regions_ = true;
+    }
+
+    std::optional<DeviceQuads> begin_on_card(const PatchRefinement& patches) {
+        if (!goes_to_device(options_.device, patches.quad_count(), out_.device)) return {};
+        const ControlMesh& cage = out_.cage;
+        const cuda::QuadJob job{patches.cage(), levels_,   cage.cage.positions, cage.anchors,
+                                cage.region,    cage.clip, options_.project,    options_.untangle};
+        const cuda::ContactInput contacts{
+            wrapped_.skeleton(), {wrapped_.tubes(), wrapped_.tube}, field_, cage};
+        return stages_.run("send", 0.3f, [&] {
+            return begin_on_device(
+                job, contacts, [&] { set_regions(); }, out_.device, ctx_);
         });
     }
-    if (done) {
-        out.projected = done->projected;
-        out.untangled = done->untangled;
-    } else {
-        stages.run("field", 0.4f, [&] {
+
+    bool finish_on_card(DeviceQuads& device, Refined& refined) {
+        std::optional<cuda::QuadReport> done = stages_.run("device", 0.9f, [&] {
+            return on_device(out_.device,
+                             [&] { return device.finish(out_.mesh.positions, &refined.anchors); });
+        });
+        if (!done) return false;
+        out_.projected = done->projected;
+        out_.untangled = std::move(done->untangled);
+        if (!done->is_whole) {
+            find_regions(0.95f);
+            unfold(refined);
+        }
+        return true;
+    }
+
+    void refine_here(Refined& refined) {
+        find_regions(0.4f);
+        const PatchRefinement& patches = refined.patches;
+        out_.mesh.positions =
+            stages_.run("refine", 0.45f, [&] { return patches.refine(out_.cage.cage.positions, ctx_); });
+        refined.anchors =
+            stages_.run("anchors", 0.55f, [&] { return patches.refine(out_.cage.anchors, ctx_); });
+        out_.projected = stages_.run("project", 0.85f, [&] {
+            return project(out_.mesh.positions, refined.anchors, patches, target(), options_.project, ctx_);
+        });
+        unfold(refined);
+    }
+
+    void find_regions(float progress_after) {
+        stages_.run("field", progress_after, [&] {
             set_regions();
             return true;
         });
-        refine_on_cpu(out, refined, field, options, ctx, stages);
     }
-    return refined;
-}
+
+    void unfold(const Refined& refined) {
+        if (options_.project.method == ProjectionMethod::none || levels_ == 0) return;
+        out_.untangled = stages_.run("untangle", 1.0f, [&] {
+            return untangle({out_.mesh.positions, refined.anchors, out_.mesh.quads}, refined.patches,
+                            target(), options_.untangle, ctx_);
+        });
+    }
+
+    ProjectionTarget target() const { return {FieldRef(field_), out_.cage.region, out_.cage.clip}; }
+
+    QuadSurface& out_;
+    int levels_;
+    ConvolutionField& field_;
+    const Wrapped& wrapped_;
+    const MeshOptions& options_;
+    const Context& ctx_;
+    Stages& stages_;
+    bool has_regions_ = false;
+};
 
 BallReport balls_of(const ConvolutionField& field) {
     BallReport out{0, field.chain()};
@@ -148,7 +190,7 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
         return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
     });
     if (options.field.kernel == Kernel::balls) out.balls = balls_of(field);
-    Refined refined = refine_cage(out, options.levels, field, wrapped, options, ctx, stages);
+    Refined refined = CageRefiner(out, options.levels, field, wrapped, options, ctx, stages).run();
     if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
     if (extras.origin != nullptr) {
         *extras.origin = {{out.mesh, wrapped.tubes(), options.levels},
@@ -203,7 +245,7 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
         return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
     });
     const int levels = options.levels - 1;
-    refine_cage(out, levels, field, wrapped, options, ctx, stages);
+    CageRefiner(out, levels, field, wrapped, options, ctx, stages).run();
     out.cage.region = rows_of;
     out.cage.region_node = composed(source, wrapped.source);
     if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, made.tubes, levels};

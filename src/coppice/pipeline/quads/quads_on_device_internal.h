@@ -27,8 +27,8 @@ auto on_device(DeviceUse& use, const Work& work) -> std::optional<decltype(work(
 }
 
 /// Begins to subdivide a cage and to move it onto a field on a card, which also finds what counts in each
-/// region of the field; where it cannot do that, `set_regions` is called first. Nothing where the card is too
-/// small.
+/// region of the field; where it cannot do that, `set_regions` is called first. What the job refers to has
+/// to outlive DeviceQuads::finish(). Nothing where the card is too small.
 std::optional<DeviceQuads> begin_on_device(const cuda::QuadJob& job, const cuda::ContactInput& contacts,
                                            const std::function<void()>& set_regions, DeviceUse& use,
                                            const Context& ctx);
