@@ -55,43 +55,36 @@ void JoinedJobs::add(const QuadJob& job, const JobOffsets& at) {
     const CageView& cage = job.cage;
     const auto half = [&](std::uint32_t h) { return shifted(h, 4 * at.faces); };
     for (const Quad& q : cage.quads)
-        quads_.push_back({q[0] + at.vertices, q[1] + at.vertices, q[2] + at.vertices, q[3] + at.vertices});
+        arrays_.quads.push_back(
+            {q[0] + at.vertices, q[1] + at.vertices, q[2] + at.vertices, q[3] + at.vertices});
     for (const auto& s : cage.side) {
         const std::uint32_t by = 2 * at.edges;
-        side_.push_back({s[0] + by, s[1] + by, s[2] + by, s[3] + by});
+        arrays_.side.push_back({s[0] + by, s[1] + by, s[2] + by, s[3] + by});
     }
-    for (const auto& pair : cage.edge_half) edge_half_.push_back({half(pair[0]), half(pair[1])});
-    const auto halves = static_cast<std::uint32_t>(fan_half_.size());
-    for (std::uint32_t v = 0; v < cage.vertex_count(); ++v) fan_first_.push_back(halves + cage.fan_first[v]);
-    for (const std::uint32_t h : cage.fan_half) fan_half_.push_back(half(h));
+    for (const auto& pair : cage.edge_half) arrays_.edge_half.push_back({half(pair[0]), half(pair[1])});
+    const auto halves = static_cast<std::uint32_t>(arrays_.fan_half.size());
+    for (std::uint32_t v = 0; v < cage.vertex_count(); ++v)
+        arrays_.fan_first.push_back(halves + cage.fan_first[v]);
+    for (const std::uint32_t h : cage.fan_half) arrays_.fan_half.push_back(half(h));
     if (!cage.closed()) {
-        on_boundary_.resize(at.vertices, 0);
-        append(on_boundary_, cage.on_boundary);
+        arrays_.on_boundary.resize(at.vertices, 0);
+        append(arrays_.on_boundary, cage.on_boundary);
     }
-    append(positions_, job.positions);
-    append(anchors_, job.anchors);
-    for (const std::uint32_t r : job.region) region_.push_back(r + at.regions);
-    part_.insert(part_.end(), cage.face_count(), static_cast<std::uint32_t>(offsets_.size() - 1));
+    append(arrays_.positions, job.positions);
+    append(arrays_.anchors, job.anchors);
+    for (const std::uint32_t r : job.region) arrays_.region.push_back(r + at.regions);
+    arrays_.part.insert(arrays_.part.end(), cage.face_count(),
+                        static_cast<std::uint32_t>(offsets_.size() - 1));
     for (ClipPlane clip : job.clips) {
         clip.first_quad += at.faces;
-        clips_.push_back(clip);
+        arrays_.clips.push_back(clip);
     }
 }
 
 void JoinedJobs::refer() {
-    fan_first_.push_back(static_cast<std::uint32_t>(fan_half_.size()));
-    if (!on_boundary_.empty()) on_boundary_.resize(positions_.size(), 0);
-    job_.cage.quads = quads_;
-    job_.cage.side = side_;
-    job_.cage.edge_half = edge_half_;
-    job_.cage.fan_first = fan_first_;
-    job_.cage.fan_half = fan_half_;
-    job_.cage.on_boundary = on_boundary_;
-    job_.positions = positions_;
-    job_.anchors = anchors_;
-    job_.region = region_;
-    job_.clips = clips_;
-    job_.part = part_;
+    arrays_.fan_first.push_back(static_cast<std::uint32_t>(arrays_.fan_half.size()));
+    if (!arrays_.on_boundary.empty()) arrays_.on_boundary.resize(arrays_.positions.size(), 0);
+    arrays_.lend(job_);
     job_.parts = static_cast<std::uint32_t>(size());
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "coppice/base/vec.h"
+#include "coppice/cuda/batch/job_arrays.h"
 #include "coppice/cuda/quads/quad_job.h"
 
 namespace coppice::cuda {
@@ -41,14 +41,7 @@ class JoinedJobs {
     void refer();
 
     std::vector<JobOffsets> offsets_;
-    std::vector<Quad> quads_;
-    std::vector<std::array<std::uint32_t, 4>> side_;
-    std::vector<std::array<std::uint32_t, 2>> edge_half_;
-    std::vector<std::uint32_t> fan_first_, fan_half_;
-    std::vector<std::uint8_t> on_boundary_;  // empty while all are closed
-    std::vector<Vec3> positions_, anchors_;
-    std::vector<std::uint32_t> region_, part_;
-    std::vector<ClipPlane> clips_;
+    JobArrays arrays_;
     QuadJob job_;
 };
 

@@ -25,9 +25,9 @@ QuadPiece::QuadPiece(const QuadJob& whole, IndexRange own)
     for (ClipPlane clip : whole.clips) {
         if (!faces_.has(clip.first_quad)) continue;
         clip.first_quad = faces_.place(clip.first_quad);
-        clips_.push_back(clip);
+        arrays_.clips.push_back(clip);
     }
-    refer();
+    arrays_.lend(job_);
 }
 
 QuadPiece::Chosen QuadPiece::faces_around() const {
@@ -81,10 +81,10 @@ void QuadPiece::take_faces() {
     for (const std::uint32_t f : faces_) {
         const Quad& q = whole_.cage.quads[f];
         const auto& s = whole_.cage.side[f];
-        quads_.push_back({vertex(q[0]), vertex(q[1]), vertex(q[2]), vertex(q[3])});
-        side_.push_back({side(s[0]), side(s[1]), side(s[2]), side(s[3])});
-        region_.push_back(whole_.region[f]);
-        part_.push_back(owns(4 * f) ? 0 : 1);
+        arrays_.quads.push_back({vertex(q[0]), vertex(q[1]), vertex(q[2]), vertex(q[3])});
+        arrays_.side.push_back({side(s[0]), side(s[1]), side(s[2]), side(s[3])});
+        arrays_.region.push_back(whole_.region[f]);
+        arrays_.part.push_back(owns(4 * f) ? 0 : 1);
     }
 }
 
@@ -94,42 +94,28 @@ std::uint32_t QuadPiece::local_half(std::uint32_t half) const {
 
 void QuadPiece::take_vertices() {
     for (const std::uint32_t v : vertices_) {
-        positions_.push_back(whole_.positions[v]);
-        anchors_.push_back(whole_.anchors[v]);
-        fan_first_.push_back(static_cast<std::uint32_t>(fan_half_.size()));
+        arrays_.positions.push_back(whole_.positions[v]);
+        arrays_.anchors.push_back(whole_.anchors[v]);
+        arrays_.fan_first.push_back(static_cast<std::uint32_t>(arrays_.fan_half.size()));
         for (const std::uint32_t half : whole_.cage.fan(v)) {
-            if (const std::uint32_t here = local_half(half); here != kNone) fan_half_.push_back(here);
+            if (const std::uint32_t here = local_half(half); here != kNone) arrays_.fan_half.push_back(here);
         }
     }
-    fan_first_.push_back(static_cast<std::uint32_t>(fan_half_.size()));
+    arrays_.fan_first.push_back(static_cast<std::uint32_t>(arrays_.fan_half.size()));
 }
 
 // Where quads are missing there is a boundary.
 void QuadPiece::take_edges() {
-    on_boundary_.resize(vertices_.size(), 0);
+    arrays_.on_boundary.resize(vertices_.size(), 0);
     for (const std::uint32_t e : edges_) {
         const std::uint32_t forward = local_half(whole_.cage.edge_half[e][0]);
         const std::uint32_t backward = local_half(whole_.cage.edge_half[e][1]);
-        edge_half_.push_back({forward, backward});
+        arrays_.edge_half.push_back({forward, backward});
         if (forward != kNone && backward != kNone) continue;
         const std::uint32_t half = forward != kNone ? forward : backward;
-        const Quad& quad = quads_[half >> 2];
-        on_boundary_[quad[half & 3]] = on_boundary_[quad[(half + 1) & 3]] = 1;
+        const Quad& quad = arrays_.quads[half >> 2];
+        arrays_.on_boundary[quad[half & 3]] = arrays_.on_boundary[quad[(half + 1) & 3]] = 1;
     }
-}
-
-void QuadPiece::refer() {
-    job_.cage.quads = quads_;
-    job_.cage.side = side_;
-    job_.cage.edge_half = edge_half_;
-    job_.cage.fan_first = fan_first_;
-    job_.cage.fan_half = fan_half_;
-    job_.cage.on_boundary = on_boundary_;
-    job_.positions = positions_;
-    job_.anchors = anchors_;
-    job_.region = region_;
-    job_.clips = clips_;
-    job_.part = part_;
 }
 
 void QuadPiece::put(std::span<const Vec3> of_piece, std::span<Vec3> of_whole) const {

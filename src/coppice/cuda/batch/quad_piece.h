@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "coppice/base/number_set.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/vec.h"
+#include "coppice/cuda/batch/job_arrays.h"
 #include "coppice/cuda/quads/quad_job.h"
 
 namespace coppice::cuda {
@@ -64,19 +64,11 @@ class QuadPiece {
     void take_vertices();
     void take_edges();
     std::uint32_t local_half(std::uint32_t half) const;
-    void refer();
 
     const QuadJob& whole_;
     IndexRange own_;
     Chosen faces_, vertices_, edges_;
-    std::vector<Quad> quads_;
-    std::vector<std::array<std::uint32_t, 4>> side_;
-    std::vector<std::array<std::uint32_t, 2>> edge_half_;
-    std::vector<std::uint32_t> fan_first_, fan_half_;
-    std::vector<std::uint8_t> on_boundary_;
-    std::vector<Vec3> positions_, anchors_;
-    std::vector<std::uint32_t> region_, part_;
-    std::vector<ClipPlane> clips_;
+    JobArrays arrays_;
     QuadJob job_;
 };
 
