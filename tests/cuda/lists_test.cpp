@@ -347,7 +347,7 @@ TEST(FindContactsOnDevice, FollowsABranchThatMovesWithTheTablesOfBefore) {
     EXPECT_GT(compare(scene, now, of_before).own_differ, 0u) << "nothing has moved";
 }
 
-TEST(FindContactsOnDevice, ListsWithoutRoomAreNotWrittenAndThenMadeAgain) {
+TEST(FindContactsOnDevice, ListsWithoutRoomAreEmptyAndThenMadeAgain) {
     const Scene scene = wrap(zoo_skeleton("random_large_hard"));
     ConvolutionField field(scene.skeleton, {});
     field.set_regions(regions_of(scene), scene.tree());
@@ -359,6 +359,8 @@ TEST(FindContactsOnDevice, ListsWithoutRoomAreNotWrittenAndThenMadeAgain) {
     const DeviceLists little = begin_contacts(executor, tables, geometry, order, none);
     EXPECT_FALSE(state_of(executor, little).fits(none));
     EXPECT_EQ(little.own.segments.size(), 10u);
+    for (const RegionLists& lists : {little.own, little.rivals})
+        EXPECT_EQ(std::ranges::count(lists.first, 0u), static_cast<std::ptrdiff_t>(lists.first.size()));
     expect_same(compare(scene, field, find_contacts(executor, tables, geometry, order, none).lists));
 }
 
