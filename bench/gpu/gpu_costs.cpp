@@ -129,7 +129,7 @@ std::vector<KernelCost> printed_tetra_costs(TetraCounts counts, int levels, doub
 
 std::vector<KernelCost> march_costs(const MarchReport& march, const FieldWork& field) {
     const auto vertices = static_cast<double>(march.vertices);
-    constexpr double kWritten = sizeof(float) + sizeof(std::uint64_t);  // the height, and what is counted
+    constexpr double kWritten = sizeof(float) + 2.0 / 8;  // the height, and two bits
     return {
         {"field", kWritten * vertices + field.bytes, vertices * field.list * flops_per_pair(field.kernel)}};
 }

@@ -143,7 +143,7 @@ GpuResult measure_printed_tetra(const TetraCase& what, const GpuRun& run) {
         const auto costs = printed_tetra_costs(cpu.counts(), what.levels, static_cast<double>(made.triangles),
                                                work_of(given));
         time_on_card(
-            device, run, costs, [&] { device.repeat_as_printed(); }, out);
+            device, run, costs, [&] { device.repeat(); }, out);
     });
     return out;
 }
@@ -156,14 +156,11 @@ GpuResult measure_tetra(const TetraCase& what, const GpuRun& run) {
     out.faces = cpu.mesh.triangles.size();
     on_card(run, out, [&] {
         DeviceMarcher device(run.ctx);
-        MarchResult made;
-        const auto march = [&] {
-            made = device.march(given.mesh, given.cut(), given.inside(), given.how, run.ctx);
-        };
-        march();
+        const MarchResult made = device.march(given.mesh, given.cut(), given.inside(), given.how, run.ctx);
         const Buffer<Vec3>& found = made.mesh.positions;
         out.apart = strays(found, cpu.mesh.positions, tolerances(found, given.skeleton, run.ctx));
-        time_on_card(device, run, march_costs(cpu.report, work_of(given)), march, out);
+        time_on_card(
+            device, run, march_costs(cpu.report, work_of(given)), [&] { device.repeat(); }, out);
     });
     return out;
 }

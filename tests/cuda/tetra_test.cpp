@@ -11,21 +11,17 @@
 #include <utility>
 #include <vector>
 
-#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/cut_convolution.h"
 #include "coppice/cuda/tetra/device_marcher.h"
 #include "coppice/cuda/tetra/march_stages.h"
 #include "coppice/cuda/tetra/printed_stages.h"
 #include "coppice/mesh/topology.h"
-#include "coppice/skeleton/random_tree.h"
-#include "coppice/tetra/lattice/lattice.h"
 #include "coppice/tetra/march/snapping_internal.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
+#include "cuda/tetra_scene.h"
 #include "tetra/support.h"
 #include "tetra/surfaces.h"
-#include "zoo.h"
 
 // The kernels that march on a card, run on the CPU beside march().
 
@@ -35,23 +31,17 @@ namespace {
 using cuda::ExplicitTetra;
 using cuda::HostExecutor;
 
-/// Any field as a kernel samples it.
-template <class F>
-struct PointField {
-    const F* field;
-    FieldSample sample(std::uint32_t region, Vec3 p) const {
-        FieldSample out{};
-        field->sample(region, std::span(&p, 1), std::span(&out, 1));
-        return out;
-    }
-};
-
 template <class F>
 MarchResult march_by_kernels(const TetraMesh& mesh, const F& field, const InsideAxes& axes,
                              const MarchOptions& options, unsigned threads = 2) {
-    HostExecutor exec(Context{.threads = threads});
-    cuda::FieldStages stages(exec, PointField<F>{&field}, field.level());
-    return march(mesh, FieldRef(field), axes, options, stages, Context{.threads = threads});
+    const Context ctx{.threads = threads};
+    HostExecutor exec(ctx);
+    const cuda::DeviceRefinement refinement = cuda::refine(exec, mesh, options.levels);
+    return cuda::downloaded(exec,
+                            cuda::march(exec, refinement, cuda::upload_axes(exec, axes, refinement),
+                                        cuda::SnapField<PointField<F>>{
+                                            {&field}, tetra_kernel::Profile(field.level()), options.snap},
+                                        options.refinements, ctx));
 }
 
 void expect_same(const MarchResult& found, const MarchResult& expected) {
@@ -119,56 +109,6 @@ TEST(MarchKernels, NameOpenFaces) {
     expect_same(march_by_kernels(mesh, field, InsideAxes{{}, none}, {}), expected);
 }
 
-/// A tree in tetrahedra, with a field whose regions are theirs.
-struct Scene {
-    Scene(const Skeleton& tree, int levels, float edge, FieldOptions options = {}, float inner = 0.8f)
-        : skeleton(tree),
-          axes(segment_axes(skeleton)),
-          lattice(axes,
-                  {.cell = 2.8f * edge * static_cast<float>(1 << levels), .inside = inner, .outside = 1.25f}),
-          field(skeleton, options) {
-        set_regions();
-    }
-    void set_regions() {
-        const TetraMesh& mesh = lattice.mesh();
-        std::vector<Box3> boxes(mesh.region_count());
-        for (std::uint32_t r = 0; r < boxes.size(); ++r) {
-            for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-                for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
-            }
-        }
-        field.set_regions(boxes);
-    }
-    InsideAxes inside() const { return {axes, lattice.passing()}; }
-    float radius_near(Vec3 p) const {
-        double least = HUGE_VAL;
-        float radius = 0;
-        for (const Segment& s : axes) {
-            const Vec3d a(s.a), d = Vec3d(s.b) - a;
-            const double t = closest_parameter(Vec3d(p), a, d), away = distance(a + d * t, Vec3d(p));
-            if (away >= least) continue;
-            least = away;
-            radius = s.radius_a + static_cast<float>(t) * (s.radius_b - s.radius_a);
-        }
-        return radius;
-    }
-
-    Skeleton skeleton;
-    std::vector<Segment> axes;
-    Lattice lattice;
-    ConvolutionField field;
-};
-
-std::vector<std::pair<std::string, Skeleton>> small_trees() {
-    std::vector<std::pair<std::string, Skeleton>> out;
-    for (const auto& [name, skeleton] : skeleton_zoo()) {
-        if (skeleton.size() < 120) out.emplace_back(name, skeleton);
-    }
-    out.emplace_back("random_tree", random_tree(60, 3));
-    out.emplace_back("random_hard", random_tree(60, 4, true));
-    return out;
-}
-
 TEST(MarchKernels, MakeTheSameBitsOfTrees) {
     for (const auto& [name, skeleton] : small_trees()) {
         for (int levels = 0; levels <= 2; ++levels) {
@@ -201,7 +141,7 @@ struct Snapping {
     std::ptrdiff_t folds = 0, single = 0, unknown = 0;
 };
 
-/// march() looks again at what is unknown, so that it would hide fans that are not recognized.
+/// unsnap() looks again at what is unknown, so that it would hide fans that are not recognized.
 template <class F>
 void expect_same_snapping(const TetraMesh& mesh, int levels, const F& field, Snapping& found) {
     const Context one{.threads = 1};  // fans are listed in the same order
@@ -209,15 +149,21 @@ void expect_same_snapping(const TetraMesh& mesh, int levels, const F& field, Sna
     const tetra_internal::HeldVertices none{tetra_internal::RankedBits(refinement.vertex_count()), {}, {}};
     auto samples = tetra_internal::sample_vertices(refinement, FieldRef(field), 0.45f, none, {}, one);
     HostExecutor exec(one);
-    cuda::FieldStages stages(exec, PointField<F>{&field}, field.level());
-    stages.sample(refinement, 0.45f, {none.bits.words()});
-    const auto folds = stages.find_folds(samples.view());
-    EXPECT_EQ(folds, tetra_internal::find_folds(refinement, samples, one));
+    const cuda::DeviceRefinement refined = cuda::refine(exec, mesh, levels);
+    const cuda::DeviceHeld held = cuda::hold_axes(exec, {}, refined);
+    const cuda::SnapField<PointField<F>> at{{&field}, tetra_kernel::Profile(field.level()), 0.45f};
+    const cuda::DeviceSamples sampled = cuda::sample_vertices(exec, refined, at, held);
+    const auto marks = cuda::no_bits(exec, refined.vertex_count);
+    exec.each("folds", refined.tetra_count, cuda::FindFold{refined, sampled.view, marks});
+    const auto folds = cuda::list_bits(exec, marks);
+    EXPECT_TRUE(std::ranges::equal(folds, tetra_internal::find_folds(refinement, samples, one)));
     found.folds += std::ssize(folds);
     for (const std::uint32_t v : folds) samples.put_back(v);
+    cuda::put_back(exec, folds, sampled);
     const tetra_internal::CrossedTetra crossed(refinement, samples, one);
-    const auto fans = stages.find_fans(samples.view());
-    EXPECT_EQ(fans, tetra_internal::find_fans(refinement, samples, crossed, one));
+    const auto fans =
+        cuda::begin_fans(exec, {refined, sampled.view, tetra_kernel::kCuts}, sampled.placed_count).fans;
+    EXPECT_TRUE(std::ranges::equal(fans, tetra_internal::find_fans(refinement, samples, crossed, one)));
     found.single += std::ranges::count(fans, tetra_kernel::Fan::single);
     found.unknown += std::ranges::count(fans, tetra_kernel::Fan::unknown);
 }
@@ -245,18 +191,12 @@ TEST(MarchKernels, GiveTheSameBitsForAnyNumberOfThreads) {
                     one);
 }
 
-/// march() with the field, too, as a card samples it.
+/// march() with the field and its regions, too, as a card has them.
 MarchResult march_as_a_card(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                             const MarchOptions& options) {
     HostExecutor exec;
-    MarchResult out;
-    cuda::with_formula(field.field.kernel(), [&](const auto& formula) {
-        const cuda::FieldView view(formula, cuda::upload_field(exec, field.field));
-        cuda::FieldStages stages(exec, cuda::upload_cuts(exec, view, field.ends, field.level()),
-                                 field.level());
-        out = march(mesh, FieldRef(field), axes, options, stages, {});
-    });
-    return out;
+    const cuda::MarchJob job = cuda::upload_march(exec, mesh, field, axes, options);
+    return cuda::downloaded(exec, cuda::march(exec, job).value());
 }
 
 /// Where rounding decides otherwise whether a vertex is near enough, some triangles differ; nothing else.

@@ -95,19 +95,24 @@ class Marcher {
   public:
     explicit Marcher(const Task& task) : task_(task) {}
 
-    MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& inside,
-                      const MarchOptions& how, DeviceUse& use) {
-        const Context& ctx = task_.ctx;
-        if (task_.with_solid) return march_solid(mesh, FieldRef(field), inside, how, ctx);
+    /// Whether they go to one, which finds the regions of the field by itself.
+    bool is_on_device(const TetraMesh& mesh, const MarchOptions& how, DeviceUse& use) const {
         const std::uint64_t fine = std::uint64_t{mesh.tetra.size()} << (3 * how.levels);
-        if (goes_to_device(task_.options.device, fine / kPerFace, use)) {
-            const auto done = on_device(use, [&] {
-                if (!device_) device_.emplace(ctx);
-                return device_->march(mesh, field, inside, how, ctx);
-            });
-            if (done) return *done;
-        }
-        return coppice::march(mesh, FieldRef(field), inside, how, ctx);
+        return !task_.with_solid && goes_to_device(task_.options.device, fine / kPerFace, use);
+    }
+    /// Nothing where the card fails.
+    std::optional<MarchResult> on_device(const TetraMesh& mesh, const CutConvolution& field,
+                                         const InsideAxes& inside, const MarchOptions& how, DeviceUse& use) {
+        return coppice::on_device(use, [&] {
+            if (!device_) device_.emplace(task_.ctx);
+            return device_->march(mesh, field, inside, how, task_.ctx);
+        });
+    }
+    MarchResult here(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& inside,
+                     const MarchOptions& how) const {
+        const FieldRef sampled(field);
+        return task_.with_solid ? march_solid(mesh, sampled, inside, how, task_.ctx)
+                                : march(mesh, sampled, inside, how, task_.ctx);
     }
 
   private:
@@ -129,14 +134,22 @@ TetraSurface surface_in(Base& base, std::vector<Segment> axes, const MarchOption
     Marcher marcher(task);
     for (bool again = true; again;) {
         const TetraMesh& mesh = base.mesh();
+        const bool on_device = marcher.is_on_device(mesh, how, out.device);
         const std::vector<Box3> boxes = task.stages.run("regions", 0.4f, [&] {
             auto found = region_boxes(mesh, ctx);
-            field.set_regions(found, ctx);
+            if (!on_device) field.set_regions(found, ctx);
             return found;
         });
         const EndCuts ends = end_cuts(task.prepared, task.options.control, boxes, ctx);
         MarchResult marched = task.stages.run("march", 0.95f, [&] {
-            return marcher.march(mesh, {field, ends}, {axes, base.passing()}, how, out.device);
+            const CutConvolution cut{field, ends};
+            const InsideAxes inside{axes, base.passing()};
+            if (on_device) {
+                auto done = marcher.on_device(mesh, cut, inside, how, out.device);
+                if (done) return std::move(*done);
+                field.set_regions(boxes, ctx);
+            }
+            return marcher.here(mesh, cut, inside, how);
         });
         out.march = marched.report;
         out.coarse = static_cast<std::uint32_t>(mesh.tetra.size());

@@ -31,6 +31,44 @@ COPPICE_HOST_DEVICE void raise_to(T& greatest, T value) {
 #endif
 }
 
+/// Makes a number that others lower as well at most `value`.
+template <class T>
+COPPICE_HOST_DEVICE void lower_to(T& least, T value) {
+#ifdef __CUDA_ARCH__
+    static_assert(sizeof(T) == 4 || sizeof(T) == sizeof(unsigned long long));
+    if constexpr (sizeof(T) == 4) {
+        atomicMin(&least, value);
+    } else {
+        atomicMin(reinterpret_cast<unsigned long long*>(&least), static_cast<unsigned long long>(value));
+    }
+#else
+    const std::atomic_ref shared(least);
+    T seen = shared.load(std::memory_order_relaxed);
+    while (seen > value && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+    }
+#endif
+}
+
+/// Replaces a number where it is as expected; returns what it was.
+COPPICE_HOST_DEVICE inline std::uint32_t replace(std::uint32_t& number, std::uint32_t expected,
+                                                 std::uint32_t value) {
+#ifdef __CUDA_ARCH__
+    return atomicCAS(&number, expected, value);
+#else
+    std::atomic_ref(number).compare_exchange_strong(expected, value, std::memory_order_relaxed);
+    return expected;
+#endif
+}
+
+/// A number that others change meanwhile, as it is or was.
+COPPICE_HOST_DEVICE inline std::uint32_t peek(const std::uint32_t& number) {
+#ifdef __CUDA_ARCH__
+    return *static_cast<const volatile std::uint32_t*>(&number);
+#else
+    return std::atomic_ref(const_cast<std::uint32_t&>(number)).load(std::memory_order_relaxed);
+#endif
+}
+
 /// Sets bits of a word in which others set some as well.
 COPPICE_HOST_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits) {
 #ifdef __CUDA_ARCH__
@@ -38,6 +76,15 @@ COPPICE_HOST_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits
     atomicOr(reinterpret_cast<unsigned long long*>(&word), bits);
 #else
     std::atomic_ref(word).fetch_or(bits, std::memory_order_relaxed);
+#endif
+}
+
+/// Takes bits away from a word from which others take some as well.
+COPPICE_HOST_DEVICE inline void reset_bits(std::uint64_t& word, std::uint64_t bits) {
+#ifdef __CUDA_ARCH__
+    atomicAnd(reinterpret_cast<unsigned long long*>(&word), static_cast<unsigned long long>(~bits));
+#else
+    std::atomic_ref(word).fetch_and(~bits, std::memory_order_relaxed);
 #endif
 }
 

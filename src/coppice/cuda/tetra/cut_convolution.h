@@ -8,7 +8,7 @@
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
-#include "coppice/tetra/march/end_cut_kernel.h"
+#include "coppice/tetra/march/kernel/end_cut_kernel.h"
 
 namespace coppice {
 

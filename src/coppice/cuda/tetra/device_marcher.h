@@ -29,10 +29,12 @@ class DeviceMarcher {
     DeviceMarcher(DeviceMarcher&&) noexcept;             ///< leaves the other one empty
     DeviceMarcher& operator=(DeviceMarcher&&) noexcept;  ///< leaves the other one empty
 
-    /// See march() of coppice/tetra: the field is sampled and the surface placed on the card, what lies
-    /// between is done here. Positions agree to 1e-4 of the local radius; where a vertex is as near to the
-    /// surface as it may be to be moved, rounding may decide otherwise. Throws DeviceError when the card has
-    /// too little memory (see FieldStages) or fails, and what march() throws.
+    /// See march() of coppice/tetra. The coarse mesh and the segments go to the card, and triangles come
+    /// back; what counts in each region of the field is found there as well, whatever regions were set.
+    /// Positions agree to 1e-4 of the local radius; where a vertex is as near to the surface as it may be to
+    /// be moved, rounding may decide otherwise. Throws DeviceError when the card has too little memory (see
+    /// cuda/tetra/march_stages.h), fails, or where more segments meet than longest_list(), and what march()
+    /// throws.
     MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                       const MarchOptions& options, const Context& ctx = {});
 
@@ -41,9 +43,9 @@ class DeviceMarcher {
     /// per tetrahedron of the last level. Throws as march().
     PrintedMarch march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field, bool weld,
                                   const Context& ctx = {});
-    /// The same once more from the coarse tetrahedra of that call, which lie on the card, for measuring: up
-    /// to the triangles with corners of their own, which stay there. Waits. No other call may lie between.
-    void repeat_as_printed();
+    /// The last one of both once more, from the coarse tetrahedra and the segments, which lie on the card, to
+    /// the triangles, which stay there (of the second, with corners of their own), for measuring. Waits.
+    void repeat();
 
     /// From now on the time of every kernel is noted.
     void measure();

@@ -10,7 +10,7 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/tetra/lattice/pattern.h"
 #include "coppice/tetra/lattice/tetra_mesh.h"
-#include "coppice/tetra/march/cut_kernel.h"
+#include "coppice/tetra/march/kernel/cut_kernel.h"
 #include "coppice/tetra/march/samples_view.h"
 
 // The kernels of [Zhu2013], by the names they have there: tetrahedra that are written down level by level,

@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/tetra/extract_stages.h"
 #include "coppice/cuda/tetra/printed_kernel.h"
 
 // Marching tetrahedra as [Zhu2013] prints it, on an executor, for any field that kernels can sample.
@@ -48,10 +48,9 @@ ExplicitTetra subdivide(Exec& exec, const ExplicitTetra& coarse, bool last = fal
 /// The coarse mesh, its edges and its faces. Throws what TetraRefinement throws.
 template <class Exec>
 ExplicitTetra upload_explicit(Exec& exec, const TetraMesh& mesh, const Context& ctx = {}) {
-    const TetraRefinement parts(mesh, 0, ctx);
+    const DeviceRefinement from = refine(exec, mesh, 0, ctx);
     const ExplicitTetra out =
-        make_explicit(exec, mesh.positions.size(), parts.edge_count(), parts.face_count(), mesh.tetra.size());
-    const DeviceRefinement from = upload_refinement(exec, parts);
+        make_explicit(exec, mesh.positions.size(), from.of[1].size(), from.of[2].size(), mesh.tetra.size());
     exec.each("coarse", mesh.positions.size(), WriteVertices{from.view.positions, out});
     exec.each("coarse", mesh.tetra.size(), WriteCoarse{from, out});
     return out;

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
+#include "coppice/base/box.h"
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/device.h"
+#include "coppice/cuda/tetra/bits_stages.h"
+#include "coppice/cuda/tetra/refine_kernel.h"
 #include "coppice/tetra/lattice/refinement.h"
 
 namespace coppice::cuda {
@@ -23,7 +29,10 @@ using OwnedParts = std::array<std::span<const OwnedPart>, 3>;
 /// A refinement on a device, with what a thread per fine vertex or per fine edge needs besides.
 struct DeviceRefinement {
     RefinementView view;                    ///< its arrays
+    VertexStars stars;                      ///< of the coarse vertices
+    std::span<const Tetra> tetra;           ///< coarse ones, as the mesh has them
     std::span<const std::uint32_t> region;  ///< of every coarse tetrahedron
+    std::span<const std::uint32_t> first;   ///< tetrahedron of every region, and one more
     OwnedParts of;                          ///< by number; nothing for vertices of no tetrahedron
     /// In the order of their tetrahedra. Threads that follow each other should take fine vertices by this
     /// order: by number, some 32 of them lie in 13 regions of the field, by this order in 3.
@@ -40,6 +49,9 @@ struct DeviceRefinement {
     COPPICE_HOST_DEVICE std::uint32_t tetra_of(std::uint32_t i) const { return i >> (3 * view.levels); }
     COPPICE_HOST_DEVICE std::uint32_t fine_of(std::uint32_t i) const {
         return i & ((1u << (3 * view.levels)) - 1);
+    }
+    COPPICE_HOST_DEVICE std::uint32_t fine_tetra(std::uint32_t tetra, std::uint32_t fine) const {
+        return tetra << (3 * view.levels) | fine;
     }
     /// @}
 
@@ -78,24 +90,14 @@ struct NoteOwners {
     }
 };
 
-/// Each region names itself to its coarse tetrahedra.
-struct NoteRegions {
-    std::span<const std::uint32_t> first;  ///< see TetraMesh
-    std::span<std::uint32_t> region;       ///< of every coarse tetrahedron
+/// Each row names itself to its items.
+struct NoteRows {
+    std::span<const std::uint32_t> first;  ///< of every row, and one more
+    std::span<std::uint32_t> row;          ///< of every item
     COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
-        for (std::uint32_t t = first[r]; t < first[r + 1]; ++t) region[t] = r;
+        for (std::uint32_t i = first[r]; i < first[r + 1]; ++i) row[i] = r;
     }
 };
-
-/// Replaces all counts but the last by the sum of those before, and the last by the sum of all; returns it.
-template <class Exec, class T>
-T place_counts(Exec& exec, std::span<T> counts) {
-    exec.clear(counts.last(1));
-    exec.exclusive_scan(std::span<const T>(counts), counts);
-    T total{};
-    exec.download(std::span<const T>(counts.last(1)), std::span(&total, 1));
-    return total;
-}
 
 /// Finds the owners of all parts of a refinement, whose other arrays are there.
 template <class Exec>
@@ -132,37 +134,155 @@ PatternView upload_pattern(Exec& exec, const PatternView& p) {
     out.edges = exec.upload(p.edges);
     out.edge_group = exec.upload(p.edge_group);
     out.tetra_edges = exec.upload(p.tetra_edges);
+    out.first_around = exec.upload(p.first_around);
+    out.around = exec.upload(p.around);
     return out;
 }
 
-/// Copies a refinement to a device, some 160 bytes per coarse tetrahedron. Throws DeviceError when it has
-/// more than 2^31 fine edges or tetrahedra.
+/// Leaves it to the CPU to say what is wrong with a mesh that was found faulty here.
+[[noreturn]] inline void refuse_mesh(const TetraMesh& mesh, int levels, const Context& ctx) {
+    TetraRefinement(mesh, levels, ctx);
+    throw DeviceError("the tetrahedra are too flat for a device");
+}
+
+/// Describes the coarse tetrahedra, and finds those around each vertex. False where some are faulty.
 template <class Exec>
-DeviceRefinement upload_refinement(Exec& exec, const TetraRefinement& refinement) {
-    const RefinementView host = refinement.view();
-    const TetraMesh& mesh = refinement.coarse();
+bool describe_coarse(Exec& exec, std::span<TetraParts> parts, std::span<TetraTraits> traits,
+                     DeviceRefinement& out) {
+    const std::size_t vertices = out.view.positions.size(), corners = 4 * out.tetra.size();
+    const auto faulty = exec.template array<std::uint32_t>(1);
+    const auto vertex = exec.template array<std::uint32_t>(corners);
+    const auto corner = exec.template array<std::uint32_t>(corners);
+    exec.clear(faulty);
+    exec.each(
+        "describe tetrahedra", out.tetra.size(),
+        DescribeTetra{out.view.positions, out.tetra, out.view.levels, parts, traits, vertex, corner, faulty});
+    exec.sort_pairs(vertex, corner, static_cast<int>(std::bit_width(vertices)));
+    const auto first = exec.template array<std::uint32_t>(vertices + 1);
+    exec.each("vertex stars", vertices + 1, FindRows{vertex, first});
+    out.stars = {first, corner, vertex};
+    std::uint32_t found = 0;
+    exec.download(std::span<const std::uint32_t>(faulty), std::span(&found, 1));
+    return found == 0;
+}
+
+/// Finds and numbers the edges and faces of the coarse mesh; returns how many edges, and 2^32 times how many
+/// faces there are, or nothing where some face has more than two tetrahedra.
+template <class Exec>
+std::optional<std::uint64_t> find_parts(Exec& exec, std::span<TetraParts> parts,
+                                        std::span<TetraTraits> traits, DeviceRefinement& out) {
+    const std::size_t corners = out.stars.corners.size(), vertices = out.view.positions.size();
+    const OwnedByCorner owned{exec.template array<std::uint32_t>(corners)};
+    const auto faulty = exec.template array<std::uint32_t>(1);
+    const auto first = exec.template array<std::uint64_t>(corners + 1);
+    exec.clear(faulty);
+    exec.each("find parts", corners, FindOwned{out.stars, parts, owned, first, faulty});
+    const std::uint64_t counts = place_counts(exec, first);
+    std::uint32_t found = 0;
+    exec.download(std::span<const std::uint32_t>(faulty), std::span(&found, 1));
+    if (found != 0) return {};
+    exec.each("number parts", corners, NumberParts{out.stars, owned, first, parts});
+    exec.each("owners", out.tetra.size(), NoteOwned{owned, traits});
+    const auto edges = static_cast<std::uint32_t>(counts), faces = static_cast<std::uint32_t>(counts >> 32);
+    const auto shortest = exec.template array<float>(vertices + edges + faces);
+    const auto first_face = static_cast<std::uint32_t>(vertices) + edges;
+    out.view.first_part = {0, static_cast<std::uint32_t>(vertices), first_face, first_face + faces};
+    exec.each("shortest edges", vertices, BeginShortest{shortest});
+    exec.each("shortest edges", corners,
+              FindShortest{out.stars, owned, parts, traits, out.view.first_part, shortest});
+    out.view.shortest_at = shortest;
+    return counts;
+}
+
+/// Copies a coarse mesh to an executor, and how its tetrahedra are cut. Throws what TetraRefinement throws of
+/// what is seen at once.
+template <class Exec>
+DeviceRefinement upload_coarse(Exec& exec, const TetraMesh& mesh, int levels, const Context& ctx = {}) {
+    if (levels < 0 || levels > TetraPattern::kMostLevels || mesh.tetra.size() >= (1u << 29) ||
+        mesh.positions.size() >= (1u << 30) || mesh.first.empty() || mesh.first.front() != 0 ||
+        mesh.first.back() != mesh.tetra.size() || !std::ranges::is_sorted(mesh.first))
+        refuse_mesh(mesh, levels, ctx);
+    DeviceRefinement out;
+    out.clearance = mesh.clearance;
+    out.view.levels = levels;
+    out.view.positions = exec.upload(std::span<const Vec3>(mesh.positions));
+    out.tetra = exec.upload(std::span<const Tetra>(mesh.tetra));
+    out.first = exec.upload(std::span<const std::uint32_t>(mesh.first));
+    for (std::uint32_t d = 0; d < 3; ++d) {
+        const TetraPattern pattern = tetra_pattern(levels, d);
+        out.view.patterns[d] = upload_pattern(exec, view_of(pattern));
+        out.view.edges.per_kind = fine_edges_per_part(pattern);
+    }
+    out.view.vertices.per_kind = fine_vertices_per_part(levels);
+    return out;
+}
+
+/// Numbers all that is fine, where the coarse mesh has so many vertices, edges, faces and tetrahedra. False
+/// where that is too much for TetraRefinement; throws DeviceError where it is too much for a device.
+inline bool number_fine(const std::array<std::uint64_t, 4>& parts, DeviceRefinement& out) {
+    const std::uint64_t vertices = out.view.vertices.begin_kinds(parts);
+    const std::uint64_t tetra = parts[3] << 3 * out.view.levels;
+    out.view.edge_count = out.view.edges.begin_kinds(parts);
+    if (vertices > TetraRefinement::kMostVertices) return false;
     // A scan counts in 31 bits.
     constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
-    if (host.edge_count > kMost || refinement.tetra_count() > kMost)
+    if (out.view.edge_count > kMost || tetra > kMost)
         throw DeviceError("there are too many tetrahedra for a device");
-    DeviceRefinement out;
-    out.vertex_count = refinement.vertex_count();
-    out.edge_count = static_cast<std::uint32_t>(host.edge_count);
-    out.tetra_count = static_cast<std::uint32_t>(refinement.tetra_count());
-    out.clearance = mesh.clearance;
-    out.view = host;
-    out.view.positions = exec.upload(host.positions);
-    out.view.parts = exec.upload(host.parts);
-    out.view.traits = exec.upload(host.traits);
-    out.view.shortest_at = exec.upload(host.shortest_at);
-    for (std::size_t d = 0; d < 3; ++d) out.view.patterns[d] = upload_pattern(exec, host.patterns[d]);
+    out.vertex_count = static_cast<std::uint32_t>(vertices);
+    out.edge_count = static_cast<std::uint32_t>(out.view.edge_count);
+    out.tetra_count = static_cast<std::uint32_t>(tetra);
+    return true;
+}
 
-    const auto region = exec.template array<std::uint32_t>(mesh.tetra.size());
-    exec.each("regions", mesh.region_count(),
-              NoteRegions{exec.upload(std::span<const std::uint32_t>(mesh.first)), region});
+/// Refines a coarse mesh that was uploaded: the same numbers as TetraRefinement has. Some 250 bytes per
+/// coarse tetrahedron. False where that would refuse it. Waits.
+template <class Exec>
+bool refine(Exec& exec, DeviceRefinement& out) {
+    const std::size_t tetra = out.tetra.size(), vertices = out.view.positions.size();
+    const auto parts = exec.template array<TetraParts>(tetra);
+    const auto traits = exec.template array<TetraTraits>(tetra);
+    out.view.parts = parts;
+    out.view.traits = traits;
+    if (!describe_coarse(exec, parts, traits, out)) return false;
+    const auto counts = find_parts(exec, parts, traits, out);
+    if (!counts) return false;
+    const std::uint64_t edges = *counts & 0xffffffffu, faces = *counts >> 32;
+    if (!number_fine({vertices, edges, faces, tetra}, out)) return false;
+    const auto region = exec.template array<std::uint32_t>(tetra);
+    exec.each("regions", out.first.size() - 1, NoteRows{out.first, region});
     out.region = region;
-    find_owners(exec, {mesh.positions.size(), refinement.edge_count(), refinement.face_count()}, out);
+    find_owners(exec, {vertices, edges, faces}, out);
+    return true;
+}
+
+/// The same of a mesh of the CPU. Throws what TetraRefinement throws, and DeviceError when it has more than
+/// 2^31 fine edges or tetrahedra.
+template <class Exec>
+DeviceRefinement refine(Exec& exec, const TetraMesh& mesh, int levels, const Context& ctx = {}) {
+    DeviceRefinement out = upload_coarse(exec, mesh, levels, ctx);
+    if (!refine(exec, out)) refuse_mesh(mesh, levels, ctx);
     return out;
+}
+
+/// The box about the tetrahedra of every region.
+struct BoundTetra {
+    DeviceRefinement refinement;
+    std::span<Box3> out;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
+        Box3 box;
+        for (std::uint32_t t = refinement.first[r]; t < refinement.first[r + 1]; ++t) {
+            for (const std::uint32_t v : refinement.tetra[t]) box.extend(refinement.view.positions[v]);
+        }
+        out[r] = box;
+    }
+};
+
+/// The boxes of the regions.
+template <class Exec>
+std::span<const Box3> region_boxes(Exec& exec, const DeviceRefinement& refinement) {
+    const auto boxes = exec.template array<Box3>(refinement.first.size() - 1);
+    exec.each("bound regions", boxes.size(), BoundTetra{refinement, boxes});
+    return boxes;
 }
 
 }  // namespace coppice::cuda

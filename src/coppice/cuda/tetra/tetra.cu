@@ -26,7 +26,7 @@ struct DeviceMarcher::Impl {
     }
 
     CudaExecutor exec;
-    std::function<void()> again;  ///< see repeat_as_printed(); refers to what lies in the memory of `exec`
+    std::function<void()> again;  ///< see repeat(); refers to what lies in the memory of `exec`
 };
 
 DeviceMarcher::DeviceMarcher(const Context& ctx) {
@@ -39,12 +39,18 @@ DeviceMarcher& DeviceMarcher::operator=(DeviceMarcher&&) noexcept = default;
 
 MarchResult DeviceMarcher::march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                                  const MarchOptions& options, const Context& ctx) {
-    MarchResult out;
-    impl_->with_field(field, [&](const auto& view) {
-        cuda::FieldStages stages(impl_->exec, view, field.level());
-        out = coppice::march(mesh, FieldRef(field), axes, options, stages, ctx);
-    });
-    return out;
+    CudaExecutor& exec = impl_->exec;
+    impl_->again = {};
+    exec.reset();
+    const cuda::MarchJob job = cuda::upload_march(exec, mesh, field, axes, options, ctx);
+    const auto uploaded = exec.mark();
+    const auto made = cuda::march(exec, job, ctx);
+    if (!made) cuda::refuse_mesh(mesh, options.levels, ctx);
+    impl_->again = [&exec, job, uploaded] {
+        exec.rewind(uploaded);
+        cuda::march(exec, job);
+    };
+    return cuda::downloaded(exec, *made);
 }
 
 PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field,
@@ -71,7 +77,7 @@ PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, 
     return out;
 }
 
-void DeviceMarcher::repeat_as_printed() {
+void DeviceMarcher::repeat() {
     if (impl_->again) impl_->again();
 }
 

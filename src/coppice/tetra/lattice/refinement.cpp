@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "coppice/base/parallel.h"
+#include "coppice/tetra/lattice/shape_kernel.h"
 #include "coppice/tetra/none_internal.h"
 
 namespace coppice {
@@ -29,56 +29,6 @@ bool lies_in_face(std::uint32_t group, std::uint32_t opposite) {
     if (group >= kFirstFace) return group == kFirstFace + opposite;
     const auto [a, b] = kTetraEdges[group - kFirstEdge];
     return a != opposite && b != opposite;
-}
-
-std::array<Vec3d, 4> corners_of(const TetraMesh& mesh, std::span<const std::uint32_t> vertices) {
-    std::array<Vec3d, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = Vec3d(mesh.positions[vertices[i]]);
-    return p;
-}
-
-double determinant(const std::array<Vec3d, 4>& p) {
-    return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
-}
-
-std::uint8_t shortest_diagonal(const std::array<Vec3d, 4>& p) {
-    std::uint8_t best = 0;
-    double best_length = std::numeric_limits<double>::infinity();
-    for (std::uint8_t d = 0; d < std::uint8_t{kTetraDiagonals.size()}; ++d) {
-        const auto& c = kTetraDiagonals[d];
-        const double squared = length_squared((p[c[0]] + p[c[1]]) - (p[c[2]] + p[c[3]]));
-        if (squared >= best_length) continue;
-        best = d;
-        best_length = squared;
-    }
-    return best;
-}
-
-struct Extent {
-    double shortest_edge, width;
-};
-
-/// The least width of a tetrahedron is between two planes that hold a face and a vertex, or two opposite
-/// edges: six times the volume over the length of a cross product of edges. With a path of edges x, y, z
-/// through the corners, all these are sums of the products of two of x, y, z; and the descendants have the
-/// same three edges in another order.
-Extent extent(const std::array<Vec3d, 4>& p, std::uint8_t diagonal) {
-    const auto& c = kTetraDiagonals[diagonal];
-    const Vec3d x = p[c[2]] - p[c[0]], y = p[c[1]] - p[c[2]], z = p[c[3]] - p[c[1]];
-    double shortest = std::numeric_limits<double>::infinity();
-    for (const Vec3d e : {x, y, z, x + y, y + z, x + z, x + y + z})
-        shortest = std::min(shortest, length_squared(e));
-    const Vec3d xy = cross(x, y), yz = cross(y, z), xz = cross(x, z);
-    double widest = 0;
-    const auto add = [&](Vec3d first, Vec3d second, Vec3d ends) {
-        for (const Vec3d n :
-             {first, second, ends, first + ends, second + ends, second - first, first + ends + second})
-            widest = std::max(widest, length_squared(n));
-    };
-    add(xy, yz, xz);   // path x, y, z
-    add(xz, -yz, xy);  // x, z, y
-    add(-xy, xz, yz);  // y, x, z
-    return {std::sqrt(shortest), std::abs(dot(xy, z)) / std::sqrt(widest)};
 }
 
 /// The edges, or the faces, of which one vertex is the least: few, so that the place of one is found by
@@ -134,20 +84,14 @@ TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Cont
     ctx.throw_if_cancelled();
     find_parts(ctx);
 
-    const std::uint32_t n = 1u << levels;
-    vertices_.per_kind = {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
-    const std::array<std::uint64_t, 4> parts{coarse.positions.size(), edge_count(), face_count(),
-                                             coarse.tetra.size()};
-    std::uint64_t total = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-        vertices_.first_of_kind[k] = static_cast<std::uint32_t>(total);
-        total += parts[k] * vertices_.per_kind[k];
-        if (total > kMostVertices) {
-            throw InvalidInput(
-                fmt::format("tetra refinement: levels = {} makes more than {} vertices of {} tetrahedra; "
-                            "take fewer levels",
-                            levels, kMostVertices, coarse.tetra.size()));
-        }
+    vertices_.per_kind = fine_vertices_per_part(levels);
+    const std::uint64_t total =
+        vertices_.begin_kinds({coarse.positions.size(), edge_count(), face_count(), coarse.tetra.size()});
+    if (total > kMostVertices) {
+        throw InvalidInput(
+            fmt::format("tetra refinement: levels = {} makes more than {} vertices of {} tetrahedra; "
+                        "take fewer levels",
+                        levels, kMostVertices, coarse.tetra.size()));
     }
     vertex_count_ = static_cast<std::uint32_t>(total);
     for (std::uint32_t d = 0; d < 3; ++d) patterns_[d] = tetra_pattern(levels, d);
@@ -163,8 +107,7 @@ void TetraRefinement::check(const Context& ctx) const {
     const auto bad = [&](const Tetra& t) {
         if (std::ranges::any_of(t, [&](std::uint32_t v) { return v >= coarse_.positions.size(); }))
             return true;
-        const double d = determinant(corners_of(coarse_, t));
-        return !(d > 0 && std::isfinite(d));
+        return !tetra_kernel::is_sound(tetra_kernel::corners_of(coarse_.positions.data(), t));
     };
     const auto first_bad = parallel_reduce(
         ctx, tetra.size(), kRefinementGrain, tetra.size(),
@@ -187,19 +130,8 @@ void TetraRefinement::describe(const Context& ctx) {
     parts_.resize(count);
     traits_.resize(count);
     parallel_for(ctx, count, kRefinementGrain, [&](std::size_t t) {
-        Tetra sorted = coarse_.tetra[t];
-        bool odd = false;
-        for (std::size_t i = 0; i < 4; ++i) {
-            for (std::size_t j = i + 1; j < 4; ++j) odd ^= sorted[i] > sorted[j];
-        }
-        std::ranges::sort(sorted);
-        std::ranges::copy(sorted, parts_[t].begin());
-        const auto corners = corners_of(coarse_, sorted);
-        const std::uint8_t diagonal = shortest_diagonal(corners);
-        const Extent e = extent(corners, diagonal);
-        const double fine = 1.0 / (1 << levels_);
-        traits_[t] = {static_cast<float>(e.shortest_edge * fine), static_cast<float>(e.width * fine),
-                      1u << TetraPattern::kInside, diagonal, odd};
+        tetra_kernel::describe_tetra(coarse_.positions.data(), coarse_.tetra[t], levels_, parts_[t],
+                                     traits_[t]);
     });
 }
 
@@ -344,20 +276,11 @@ RefinementView TetraRefinement::view() const {
     out.shortest_at = shortest_at_;
     const auto vertices = static_cast<std::uint32_t>(coarse_.positions.size());
     out.first_part = {0, vertices, vertices + edge_count(), vertices + edge_count() + face_count()};
-    for (std::size_t d = 0; d < 3; ++d) {
-        const TetraPattern& p = patterns_[d];
-        out.patterns[d] = {p.shares,     p.group,       p.tetra,        p.edges,
-                           p.edge_group, p.tetra_edges, p.first_vertex, p.first_edge};
-    }
+    for (std::size_t d = 0; d < 3; ++d) out.patterns[d] = view_of(patterns_[d]);
     out.vertices = vertices_;
-    // As many fine edges in one edge, one face, one tetrahedron, whatever the diagonal.
-    const auto& first = patterns_[0].first_edge;
-    out.edges.per_kind = {0, first[5] - first[4], first[11] - first[10], first[15] - first[14]};
-    const std::array<std::uint64_t, 4> parts{0, edge_count(), face_count(), coarse_.tetra.size()};
-    for (std::size_t k = 0; k < 4; ++k) {
-        out.edges.first_of_kind[k] = static_cast<std::uint32_t>(out.edge_count);
-        out.edge_count += parts[k] * out.edges.per_kind[k];
-    }
+    out.edges.per_kind = fine_edges_per_part(patterns_[0]);
+    out.edge_count =
+        out.edges.begin_kinds({coarse_.positions.size(), edge_count(), face_count(), coarse_.tetra.size()});
     out.levels = levels_;
     return out;
 }

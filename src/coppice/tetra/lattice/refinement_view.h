@@ -57,7 +57,28 @@ struct FineNumbers {
         const std::uint32_t offset = number - first_of_kind[kind];
         return {static_cast<TetraPartKind>(kind), offset / per_kind[kind], offset % per_kind[kind]};
     }
+    /// Sets the first number of every kind, for so many parts of each; returns how many numbers there are.
+    std::uint64_t begin_kinds(const std::array<std::uint64_t, 4>& parts) {
+        std::uint64_t total = 0;
+        for (std::size_t k = 0; k < 4; ++k) {
+            first_of_kind[k] = static_cast<std::uint32_t>(total);
+            total += parts[k] * per_kind[k];
+        }
+        return total;
+    }
 };
+
+/// How many fine vertices lie inside one coarse vertex, edge, face and tetrahedron.
+inline std::array<std::uint32_t, 4> fine_vertices_per_part(int levels) {
+    const std::uint32_t n = 1u << levels;
+    return {1, n - 1, (n - 1) * (n - 2) / 2, n < 4 ? 0 : (n - 1) * (n - 2) * (n - 3) / 6};
+}
+
+/// How many fine edges do: as many whatever the diagonal is.
+inline std::array<std::uint32_t, 4> fine_edges_per_part(const TetraPattern& pattern) {
+    const auto& first = pattern.first_edge;
+    return {0, first[5] - first[4], first[11] - first[10], first[15] - first[14]};
+}
 
 /// [m] A fine vertex by its shares of the corners, which are summed in ascending order; those without a share
 /// add nothing, not even an error. So it has the same bits from every coarse tetrahedron.
@@ -77,9 +98,17 @@ struct PatternView {
     std::span<const std::array<Local, 2>> edges;                          ///< see TetraPattern
     std::span<const std::uint8_t> edge_group;                             ///< see TetraPattern
     std::span<const std::array<Local, 6>> tetra_edges;                    ///< see TetraPattern
+    std::span<const std::uint32_t> first_around;                          ///< see TetraPattern
+    std::span<const Local> around;                                        ///< see TetraPattern
     std::array<std::uint32_t, TetraPattern::kGroups + 1> first_vertex{};  ///< see TetraPattern
     std::array<std::uint32_t, TetraPattern::kGroups + 1> first_edge{};    ///< see TetraPattern
 };
+
+/// The arrays of a pattern, which must outlive it.
+inline PatternView view_of(const TetraPattern& p) {
+    return {p.shares,      p.group,        p.tetra,  p.edges,        p.edge_group,
+            p.tetra_edges, p.first_around, p.around, p.first_vertex, p.first_edge};
+}
 
 /// A TetraRefinement whose arrays lie anywhere, such as on a device.
 struct RefinementView {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "coppice/tetra/march/cut_kernel.h"
+#include "coppice/tetra/march/kernel/cut_kernel.h"
 #include "coppice/tetra/march/samples_internal.h"
 
 namespace coppice::tetra_internal {

@@ -20,6 +20,20 @@ struct NumberedCut {
     CutEdge edge;
 };
 
+/// The numbers that vertices moved onto the surface have there.
+struct PlacedNumbers {
+    std::vector<std::uint32_t> number;  ///< by rank in Samples::placed; 2^32 - 1 for those not in use
+    std::uint32_t count = 0;            ///< of those in use
+};
+
+/// Numbers them in ascending order; see SnappedVertices::used.
+PlacedNumbers number_placed(std::span<const std::uint8_t> used) {
+    PlacedNumbers out;
+    out.number.resize(used.size());
+    for (std::size_t i = 0; i < used.size(); ++i) out.number[i] = used[i] != 0 ? out.count++ : kNone;
+    return out;
+}
+
 class Extractor {
   public:
     Extractor(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
@@ -155,13 +169,6 @@ class Extractor {
 };
 
 }  // namespace
-
-PlacedNumbers number_placed(std::span<const std::uint8_t> used) {
-    PlacedNumbers out;
-    out.number.resize(used.size());
-    for (std::size_t i = 0; i < used.size(); ++i) out.number[i] = used[i] != 0 ? out.count++ : kNone;
-    return out;
-}
 
 ExtractedSurface extract(const TetraRefinement& refinement, FieldRef field, const Samples& samples,
                          const SnappedVertices& snapped, int refinements, bool with_solid,

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "coppice/tetra/march/fold_kernel.h"
+#include "coppice/tetra/march/kernel/fold_kernel.h"
 #include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice::tetra_internal {
@@ -68,10 +68,8 @@ class FoldFinder {
                                      ? samples_.place[samples_.placed.rank(refinement_.vertex(t, local))]
                                      : refinement_.position(t, local));
         }
-        std::array<Vec3d, 4> corner;
-        for (std::size_t i = 0; i < 4; ++i)
-            corner[i] = Vec3d(refinement_.coarse().positions[refinement_.parts(t)[i]]);
-        volume_ = tetra_kernel::tetra_volume(corner[0], corner[1], corner[2], corner[3]) /
+        volume_ = tetra_kernel::tetra_volume(
+                      tetra_kernel::corners_of(refinement_.coarse().positions.data(), refinement_.parts(t))) /
                   static_cast<double>(refinement_.pattern(t).tetra.size());
         placed_ = true;
     }

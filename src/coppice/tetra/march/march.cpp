@@ -4,7 +4,6 @@
 
 #include "coppice/base/check_fields.h"
 #include "coppice/tetra/lattice/refinement.h"
-#include "coppice/tetra/march/march_stages.h"
 #include "coppice/tetra/march/parts_internal.h"
 #include "coppice/tetra/march/snapping_internal.h"
 
@@ -12,37 +11,18 @@ namespace coppice {
 namespace tetra_internal {
 namespace {
 
-/// What is to be done by whom.
+/// What is to be done.
 struct Task {
     const TetraMesh& mesh;
     FieldRef field;
     const InsideAxes& axes;
     const MarchOptions& options;
     bool with_solid;
-    MarchStages* stages;  ///< null: all is done here
 };
-
-Samples sample(const Task& task, const TetraRefinement& refinement, const HeldVertices& held,
-               const Context& ctx) {
-    const tetra_kernel::BitsView bits{held.bits.words()};
-    return settle_samples(refinement, task.field,
-                          task.stages != nullptr
-                              ? task.stages->sample(refinement, task.options.snap, bits)
-                              : sample_fine(refinement, task.field, task.options.snap, bits, ctx),
-                          held, task.axes.segments, ctx);
-}
 
 /// Puts vertices back, and makes the surface.
 void extract(const Task& task, const TetraRefinement& refinement, Samples& samples, MarchResult& out,
              const Context& ctx) {
-    if (task.stages != nullptr) {
-        const PlacedNumbers placed = number_placed(unsnap_vertices(refinement, samples, *task.stages, ctx));
-        StagedSurface surface =
-            task.stages->extract(samples.view(), placed.number, placed.count, task.options.refinements);
-        out.report.crossed = surface.crossed;
-        out.mesh = std::move(surface.mesh);
-        return;
-    }
     const SnappedVertices kept = unsnap_vertices(refinement, samples, ctx);
     ctx.throw_if_cancelled();
     ExtractedSurface surface =
@@ -61,14 +41,15 @@ void drop_unheld(const Task& task, const TetraRefinement& refinement, const Samp
 }
 
 MarchResult march(const Task& task, const Context& ctx) {
-    check_fields(task.options, "march");
+    check(task.options);
     const TetraRefinement refinement(task.mesh, task.options.levels, ctx);
     ctx.throw_if_cancelled();
     MarchResult out;
     out.report.tetra = refinement.tetra_count();
     out.report.vertices = refinement.vertex_count();
     const HeldVertices held = hold_axes(refinement, task.axes, ctx);
-    Samples samples = sample(task, refinement, held, ctx);
+    Samples samples =
+        sample_vertices(refinement, task.field, task.options.snap, held, task.axes.segments, ctx);
     ctx.throw_if_cancelled();
     out.report.inside = samples.above.count();
     out.open = open_faces(refinement, samples.inside, task.with_solid, ctx);
@@ -85,23 +66,20 @@ MarchResult march(const Task& task, const Context& ctx) {
 }  // namespace
 }  // namespace tetra_internal
 
+void check(const MarchOptions& options) { check_fields(options, "march"); }
+
 MarchResult march(const TetraMesh& mesh, FieldRef field, const MarchOptions& options, const Context& ctx) {
-    return tetra_internal::march({mesh, field, InsideAxes{{}, {}}, options, false, nullptr}, ctx);
+    return tetra_internal::march({mesh, field, InsideAxes{{}, {}}, options, false}, ctx);
 }
 
 MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes, const MarchOptions& options,
                   const Context& ctx) {
-    return tetra_internal::march({mesh, field, axes, options, false, nullptr}, ctx);
-}
-
-MarchResult march(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes, const MarchOptions& options,
-                  MarchStages& stages, const Context& ctx) {
-    return tetra_internal::march({mesh, field, axes, options, false, &stages}, ctx);
+    return tetra_internal::march({mesh, field, axes, options, false}, ctx);
 }
 
 MarchResult march_solid(const TetraMesh& mesh, FieldRef field, const InsideAxes& axes,
                         const MarchOptions& options, const Context& ctx) {
-    return tetra_internal::march({mesh, field, axes, options, true, nullptr}, ctx);
+    return tetra_internal::march({mesh, field, axes, options, true}, ctx);
 }
 
 }  // namespace coppice

@@ -42,6 +42,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit_accuracy_fields(o, visit);
 }
 
+/// Throws InvalidInput naming a field that is out of range.
+void check(const MarchOptions& options);
+
 /// How marching went, counted.
 struct MarchReport {
     std::uint64_t tetra = 0;     ///< of the finest level

@@ -1,11 +1,13 @@
 #include "coppice/tetra/march/parts_internal.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "coppice/base/box.h"
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/parallel.h"
+#include "coppice/tetra/march/closed_parts.h"
 
 namespace coppice::tetra_internal {
 namespace {
@@ -15,7 +17,6 @@ struct Part {
     std::vector<std::uint32_t> triangles;
     Box3 box;
     double volume6 = 0;
-    bool kept = false;
 };
 
 /// The solid angle of a triangle seen from a point, by its sign from within or from without
@@ -55,12 +56,12 @@ std::vector<Part> parts_of(const TriMesh& mesh, std::span<const std::uint32_t> p
 
 /// Returns the new number of every vertex, and of one beyond; those that went have that of the next.
 std::vector<std::uint32_t> keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of,
-                                          std::span<const Part> parts) {
+                                          std::span<const std::uint8_t> kept) {
     std::vector<std::uint32_t> number(mesh.positions.size() + 1);
     TriMesh out;
     out.origin = mesh.origin;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (!parts[part_of[t]].kept) continue;
+        if (kept[part_of[t]] == 0) continue;
         out.triangles.push_back(mesh.triangles[t]);
         for (const std::uint32_t v : mesh.triangles[t]) number[v] = 1;
     }
@@ -105,17 +106,10 @@ DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_h
         if (part == kUnseen) part = next++;
         part_of[t] = part;
     }
-    std::vector<Part> parts = parts_of(mesh, part_of, count);
-    parallel_for(ctx, count, 1, [&](std::size_t p) {
-        if (parts[p].volume6 <= 0) {
-            parts[p].kept = !with_hollows;
-            return;
-        }
-        for (const Vec3 place : places) parts[p].kept = parts[p].kept || encloses(mesh, parts[p], place);
-    });
+    const std::vector<std::uint8_t> kept = enclosing_parts(mesh, part_of, count, places, with_hollows, ctx);
     DroppedParts dropped;
-    for (const Part& part : parts) dropped.count += part.kept ? 0 : 1;
-    if (dropped.count > 0) dropped.number = keep_triangles(mesh, part_of, parts);
+    dropped.count = static_cast<std::uint64_t>(std::ranges::count(kept, 0));
+    if (dropped.count > 0) dropped.number = keep_triangles(mesh, part_of, kept);
     return dropped;
 }
 
@@ -149,3 +143,20 @@ void compact(SolidMesh& solid) {
 }
 
 }  // namespace coppice::tetra_internal
+
+namespace coppice {
+
+std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const std::uint32_t> part_of,
+                                          std::size_t count, std::span<const Vec3> places, bool with_hollows,
+                                          const Context& ctx) {
+    const std::vector<tetra_internal::Part> parts = tetra_internal::parts_of(mesh, part_of, count);
+    std::vector<std::uint8_t> kept(count);
+    parallel_for(ctx, count, 1, [&](std::size_t p) {
+        const bool is_hollow = parts[p].volume6 <= 0;
+        const auto is_inside = [&](Vec3 place) { return tetra_internal::encloses(mesh, parts[p], place); };
+        kept[p] = is_hollow ? !with_hollows : std::ranges::any_of(places, is_inside);
+    });
+    return kept;
+}
+
+}  // namespace coppice

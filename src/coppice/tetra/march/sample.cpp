@@ -2,16 +2,43 @@
 #include <atomic>
 #include <utility>
 
-#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/parallel.h"
 #include "coppice/tetra/march/cuts_internal.h"
-#include "coppice/tetra/march/snap_kernel.h"
+#include "coppice/tetra/march/kernel/snap_kernel.h"
 
 namespace coppice::tetra_internal {
 namespace {
 
 using Local = TetraPattern::Local;
 
+/// A fine vertex that would be moved.
+struct MovedVertex {
+    std::uint32_t vertex;  ///< fine
+    Vec3 position;         ///< [m] where to
+    float way;             ///< [m] how far
+};
+
+/// A held vertex that the field puts outside or near to the surface.
+struct ShallowVertex {
+    std::uint32_t vertex;  ///< fine
+    std::uint32_t region;  ///< of a tetrahedron that has it
+    Vec3 position;         ///< [m]
+    float reach;           ///< [m] how far it may be moved
+    float height;          ///< of the profile
+};
+
+/// What sampling finds.
+struct SampledVertices {
+    /// Vertices that are not as most are.
+    struct Found {
+        std::vector<MovedVertex> near;       ///< not held, where they would come to lie on the surface
+        std::vector<ShallowVertex> shallow;  ///< held; those of a region one after the other
+    };
+    /// Of the profile, of every fine vertex, -1 for those of no tetrahedron.
+    Buffer<float> height;
+    std::vector<std::uint64_t> above;  ///< a bit for each that is above 0
+    std::vector<Found> found;          ///< in pieces, in any order
+};
 using Found = SampledVertices::Found;
 
 /// A shallow vertex, and the axis that it holds.
@@ -117,14 +144,10 @@ class RegionSampler {
 Vec3 towards_axis(const ShallowVertex& vertex, const HeldVertices& held, std::span<const Segment> axes,
                   Weak& weak) {
     const auto named = std::ranges::lower_bound(held.list, vertex.vertex, {}, &HeldVertex::vertex);
-    const Segment& s = axes[named->segment];
-    const Vec3d a(s.a), along = Vec3d(s.b) - a, from(vertex.position);
-    const double t = closest_parameter(from, a, along);
-    weak.radius = s.radius_a + static_cast<float>(t) * (s.radius_b - s.radius_a);
-    const Vec3d way = a + along * t - from;
-    const double whole = length(way);
-    weak.away = static_cast<float>(whole);
-    return Vec3(from + way * (whole > vertex.reach ? vertex.reach / whole : 1));
+    const auto step = tetra_kernel::step_to_axis(axes[named->segment], vertex.position, vertex.reach);
+    weak.radius = step.radius;
+    weak.away = step.away;
+    return step.position;
 }
 
 /// Moves shallow vertices, each on the way to the nearest point of the axis it holds, unless the field is
@@ -165,8 +188,7 @@ void for_each_moved(std::span<const Found> found, const Context& ctx, const Use&
     parallel_for(ctx, pieces.size(), 16, [&](std::size_t i) { std::ranges::for_each(pieces[i], use); });
 }
 
-}  // namespace
-
+/// Samples all.
 SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, float snap,
                             tetra_kernel::BitsView held, const Context& ctx) {
     constexpr std::size_t kRegions = 16;
@@ -193,6 +215,7 @@ SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, f
     return out;
 }
 
+/// Moves held vertices, and notes the sides of all.
 Samples settle_samples(const TetraRefinement& refinement, FieldRef field, SampledVertices sampled,
                        const HeldVertices& held, std::span<const Segment> axes, const Context& ctx) {
     const std::size_t count = refinement.vertex_count();
@@ -238,6 +261,8 @@ Samples settle_samples(const TetraRefinement& refinement, FieldRef field, Sample
     });
     return out;
 }
+
+}  // namespace
 
 Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
                         const HeldVertices& held, std::span<const Segment> axes, const Context& ctx) {

@@ -8,8 +8,7 @@
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/tetra/lattice/refinement.h"
 #include "coppice/tetra/march/held_internal.h"
-#include "coppice/tetra/march/march_stages.h"
-#include "coppice/tetra/march/profile_kernel.h"
+#include "coppice/tetra/march/kernel/profile_kernel.h"
 #include "coppice/tetra/march/ranked_bits_internal.h"
 #include "coppice/tetra/march/samples_view.h"
 
@@ -23,7 +22,7 @@ using tetra_kernel::WeakVertex;
 
 /// What is known of every fine vertex. A vertex that lies on the surface counts as outside.
 struct Samples {
-    Buffer<float> height;  ///< see SampledVertices
+    Buffer<float> height;  ///< of the profile; -1 for vertices of no tetrahedron
     RankedBits above;      ///< those whose height is above 0
     RankedBits inside;
     RankedBits held;               ///< inside whatever the field says, and never on the surface
@@ -55,16 +54,8 @@ struct Samples {
     }
 };
 
-/// Samples the fine vertices, and finds where those near the surface would come to lie on it.
-SampledVertices sample_fine(const TetraRefinement& refinement, FieldRef field, float snap,
-                            tetra_kernel::BitsView held, const Context& ctx);
-
-/// Moves held vertices towards their axis where they are near the surface or outside, and notes the sides of
-/// all. `on` is that of all that were near enough.
-Samples settle_samples(const TetraRefinement& refinement, FieldRef field, SampledVertices sampled,
-                       const HeldVertices& held, std::span<const Segment> axes, const Context& ctx);
-
-/// One after the other.
+/// Samples the fine vertices, and finds where those near the surface would come to lie on it. Moves held ones
+/// towards their axis where they are near the surface or outside. `on` is that of all that were near enough.
 Samples sample_vertices(const TetraRefinement& refinement, FieldRef field, float snap,
                         const HeldVertices& held, std::span<const Segment> axes, const Context& ctx);
 

@@ -8,7 +8,7 @@
 
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
-#include "coppice/tetra/march/cut_edge_kernel.h"
+#include "coppice/tetra/march/kernel/cut_edge_kernel.h"
 
 namespace coppice::tetra_kernel {
 
@@ -53,13 +53,8 @@ struct SamplesView {
     std::span<const float> way;        ///< [m] by rank in `placed`: how far they were moved
     std::span<const WeakVertex> weak;  ///< ascending
 
-    /// Whether the surface has a vertex inside the fine edge between two.
-    COPPICE_HOST_DEVICE bool cuts(std::uint32_t a, std::uint32_t b) const {
-        const bool in = inside.test(a);
-        return in != inside.test(b) && !on.test(in ? b : a);
-    }
-
-    /// The edge between two such vertices, which were at `a` and `b` before they were moved.
+    /// The edge between two vertices that the surface passes between, which were at `a` and `b` before they
+    /// were moved.
     COPPICE_HOST_DEVICE CutEdge cut_edge(std::uint32_t from, std::uint32_t to, Vec3 a, Vec3 b,
                                          float clearance) const {
         CutEdge edge = CutEdge::between(a, b, height[from], height[to], clearance);

@@ -8,7 +8,7 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/solid_mesh.h"
 #include "coppice/tetra/march/crossed_internal.h"
-#include "coppice/tetra/march/fan_kernel.h"
+#include "coppice/tetra/march/kernel/fan_kernel.h"
 
 namespace coppice::tetra_internal {
 
@@ -53,20 +53,6 @@ struct SnappedVertices {
 /// Puts vertices back until no fine tetrahedron is turned over or flat, and the triangles around each vertex
 /// on the surface are one closed fan, or none. What is returned refers to the other two.
 SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samples, const Context& ctx);
-
-/// The same, where `stages` looks at all tetrahedra, and what is put back is looked after here. Returns
-/// SnappedVertices::used.
-std::vector<std::uint8_t> unsnap_vertices(const TetraRefinement& refinement, Samples& samples,
-                                          MarchStages& stages, const Context& ctx);
-
-/// The numbers that vertices moved onto the surface have there.
-struct PlacedNumbers {
-    std::vector<std::uint32_t> number;  ///< by rank in Samples::placed; 2^32 - 1 for those not in use
-    std::uint32_t count = 0;            ///< of those in use
-};
-
-/// Numbers them in ascending order; see SnappedVertices::used.
-PlacedNumbers number_placed(std::span<const std::uint8_t> used);
 
 /// The surface, and how many fine tetrahedra it crosses.
 struct ExtractedSurface {

@@ -181,11 +181,4 @@ SnappedVertices unsnap_vertices(const TetraRefinement& refinement, Samples& samp
     return out;
 }
 
-std::vector<std::uint8_t> unsnap_vertices(const TetraRefinement& refinement, Samples& samples,
-                                          MarchStages& stages, const Context& ctx) {
-    unfold(refinement, samples, stages.find_folds(samples.view()), ctx);
-    ctx.throw_if_cancelled();
-    return settle_fans(refinement, samples, stages.find_fans(samples.view()), ctx).used;
-}
-
 }  // namespace coppice::tetra_internal

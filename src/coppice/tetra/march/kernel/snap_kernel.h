@@ -4,9 +4,11 @@
 #include <cstdint>
 
 #include "coppice/base/kernel/host_device.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/base/vec.h"
 #include "coppice/implicit/field_ref.h"
-#include "coppice/tetra/march/profile_kernel.h"
+#include "coppice/skeleton/skeleton.h"
+#include "coppice/tetra/march/kernel/profile_kernel.h"
 
 namespace coppice::tetra_kernel {
 
@@ -41,6 +43,24 @@ COPPICE_HOST_DEVICE inline bool second_step(const Profile& profile, const FieldS
     out.position = first_end + step;
     out.way = distance(out.position, from);
     return out.way <= reach;
+}
+
+/// Where a vertex that holds an axis would be moved.
+struct AxisStep {
+    Vec3 position;  ///< [m]
+    float radius;   ///< [m] of the axis there
+    float away;     ///< [m] from the axis, before
+};
+
+/// On the way to the nearest point of the axis, and no farther than `reach`.
+COPPICE_HOST_DEVICE inline AxisStep step_to_axis(const Segment& axis, Vec3 position, float reach) {
+    const Vec3d a(axis.a), along = Vec3d(axis.b) - a, from(position);
+    const double t = closest_parameter(from, a, along);
+    const Vec3d way = a + along * t - from;
+    const double whole = length(way);
+    return {Vec3(from + way * (whole > reach ? reach / whole : 1)),
+            axis.radius_a + static_cast<float>(t) * (axis.radius_b - axis.radius_a),
+            static_cast<float>(whole)};
 }
 
 }  // namespace coppice::tetra_kernel

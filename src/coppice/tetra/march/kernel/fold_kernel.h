@@ -6,13 +6,9 @@
 
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/base/vec.h"
+#include "coppice/tetra/lattice/shape_kernel.h"
 
 namespace coppice::tetra_kernel {
-
-/// Six times the volume of a tetrahedron, negative when it is turned over.
-COPPICE_HOST_DEVICE inline double tetra_volume(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
-    return dot(cross(b - a, c - a), d - a);
-}
 
 /// [m] How far the vertices of a fine tetrahedron of this width may move, two of them together, before it can
 /// have turned over.
@@ -28,7 +24,7 @@ COPPICE_HOST_DEVICE inline float two_longest(const std::array<float, 4>& way) {
 /// negative: the order of the vertices is the pattern's.
 COPPICE_HOST_DEVICE inline bool is_flat(const std::array<Vec3d, 4>& p, double before) {
     constexpr double kLeast = 0.15;  // of what it was
-    return !(tetra_volume(p[0], p[1], p[2], p[3]) / before > kLeast);
+    return !(tetra_volume(p) / before > kLeast);
 }
 
 /// Of the vertices of a tetrahedron the one that moved farthest; of several the one of the least number.

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/kernel/host_device.h"
+#include "coppice/cuda/tetra/samples_kernel.h"
+#include "coppice/cuda/tetra/unsnap_kernel.h"
+#include "coppice/mesh/mesh.h"
+#include "coppice/tetra/march/kernel/cut_kernel.h"
+
+// The kernels of extract_stages.h.
+
+namespace coppice::cuda {
+
+/// A fine edge as a coarse tetrahedron sees it.
+struct FineEdge {
+    std::uint32_t tetra;
+    std::array<std::uint16_t, 2> local;
+    std::uint32_t a, b;  ///< its fine vertices
+};
+
+COPPICE_HOST_DEVICE inline FineEdge fine_edge(const DeviceRefinement& r, std::uint32_t e) {
+    const FinePlace place = r.view.edges.place(e);
+    const OwnedPart owner = r.owner(place);
+    const PatternView& pattern = r.view.pattern(owner.tetra);
+    const auto ends = pattern.edges[pattern.first_edge[owner.group] + place.index];
+    return {owner.tetra, ends, r.view.vertex(owner.tetra, ends[0]), r.view.vertex(owner.tetra, ends[1])};
+}
+
+/// Marks the fine edges that have a vertex of the surface inside: those that its polygons name.
+struct MarkCuts {
+    FineCrossings crossings;
+    std::span<const std::uint32_t> crossed;  ///< fine tetrahedra
+    std::span<std::uint64_t> marks;          ///< a bit for each fine edge
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const RefinementView& view = crossings.refinement.view;
+        const std::uint32_t t = crossings.tetra(crossed[i]), fine = crossings.fine(crossed[i]);
+        const tetra_kernel::Cut& cut = crossings.cut(crossed[i]);
+        for (std::uint32_t k = 0; k < cut.size; ++k) {
+            const std::uint8_t c = cut.corners[k];
+            if (c < tetra_kernel::kCutVertex)
+                set_bit(marks, view.edge(t, view.pattern(t).tetra_edges[fine][c]));
+        }
+    }
+};
+
+/// Puts the vertex of a cut edge onto the surface.
+template <class Field>
+struct PlaceCut {
+    DeviceRefinement refinement;
+    Field field;
+    tetra_kernel::Profile profile;
+    tetra_kernel::SamplesView samples;
+    int refinements;
+    std::span<const std::uint32_t> cuts;  ///< fine edges
+    std::span<Vec3> position;             ///< of each
+
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const FineEdge at = fine_edge(refinement, cuts[i]);
+        tetra_kernel::CutEdge edge =
+            samples.cut_edge(at.a, at.b, refinement.view.position(at.tetra, at.local[0]),
+                             refinement.view.position(at.tetra, at.local[1]), refinement.clearance);
+        Vec3 p = edge.point();
+        for (int round = 0; round < refinements; ++round) {
+            edge.narrow(profile.height(field.sample(refinement.region[at.tetra], p).value));
+            p = edge.point();
+        }
+        position[i] = p;
+    }
+};
+
+/// Marks vertices moved onto the surface that have triangles.
+struct MarkUsed {
+    std::span<const tetra_kernel::Fan> fans;  ///< by rank
+    std::span<std::uint32_t> count;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        count[i] = fans[i] == tetra_kernel::Fan::single ? 1 : 0;
+    }
+};
+
+/// Writes the vertices that were moved onto the surface and have triangles.
+struct PlaceMoved {
+    std::span<const std::uint32_t> number;  ///< by rank, and one more
+    std::span<const Vec3> place;            ///< by rank
+    std::span<Vec3> position;               ///< of the surface
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        if (number[i] != number[i + 1]) position[number[i]] = place[i];
+    }
+};
+
+/// Counts the triangles in those that it crosses.
+struct CountTriangles {
+    FineCrossings crossings;
+    std::span<const std::uint32_t> crossed;
+    std::span<std::uint32_t> count;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        count[i] = crossings.cut(crossed[i]).size - 2u;
+    }
+};
+
+struct WriteTriangles {
+    FineCrossings crossings;
+    std::span<const std::uint32_t> crossed;  ///< fine tetrahedra
+    std::span<const std::uint32_t> first;    ///< of each its first triangle
+    tetra_kernel::RankedView cuts;           ///< fine edges that have a vertex inside
+    std::span<const std::uint32_t> placed;   ///< see PlaceMoved
+    std::uint32_t placed_count;
+    std::span<const Vec3> position;
+    std::span<Triangle> out;
+
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const RefinementView& view = crossings.refinement.view;
+        const std::uint32_t t = crossings.tetra(crossed[i]), fine = crossings.fine(crossed[i]);
+        const PatternView& pattern = view.pattern(t);
+        const tetra_kernel::Cut& cut = crossings.cut(crossed[i]);
+        std::array<std::uint32_t, 4> corners{};
+        for (std::uint32_t k = 0; k < cut.size; ++k) {
+            const std::uint8_t c = cut.corners[k];
+            if (c < tetra_kernel::kCutVertex) {
+                corners[k] = placed_count + cuts.rank(view.edge(t, pattern.tetra_edges[fine][c]));
+            } else {
+                const std::uint32_t v = view.vertex(t, pattern.tetra[fine][c - tetra_kernel::kCutVertex]);
+                corners[k] = placed[crossings.samples.placed.rank(v)];
+            }
+        }
+        if (view.traits[t].mirrored) tetra_kernel::turn_round(corners, cut.size);
+        tetra_kernel::write_polygon(position.data(), corners, cut.size, out.data() + first[i]);
+    }
+};
+
+}  // namespace coppice::cuda

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "coppice/base/kernel/host_device.h"
+#include "coppice/cuda/exec/atomics.h"
+#include "coppice/cuda/tetra/axes_stages.h"
+#include "coppice/cuda/tetra/bits_stages.h"
+#include "coppice/cuda/tetra/sets_kernel.h"
+#include "coppice/mesh/mesh.h"
+
+// The kernels that take a surface apart into those pieces that hang together, and leave some out.
+
+namespace coppice::cuda {
+
+/// Joins the vertices of every triangle.
+struct JoinTriangles {
+    std::span<const Triangle> triangles;
+    DeviceSets sets;  ///< of vertices
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const Triangle& t = triangles[i];
+        sets.join(t[0], t[1]);
+        sets.join(t[0], t[2]);
+    }
+};
+
+/// Marks the vertices that stand for parts.
+struct MarkParts {
+    DeviceSets sets;
+    std::span<std::uint32_t> count;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const { count[v] = sets.parent[v] == v ? 1 : 0; }
+};
+
+/// The part of every triangle.
+struct PartOfTriangle {
+    std::span<const Triangle> triangles;
+    DeviceSets sets;
+    std::span<const std::uint32_t> number;  ///< of the part, by the vertex that stands for it
+
+    COPPICE_HOST_DEVICE std::uint32_t part(std::uint32_t i) const {
+        return number[sets.parent[triangles[i][0]]];
+    }
+};
+
+/// Counts the triangles of every part.
+struct CountPart {
+    PartOfTriangle of;
+    std::span<std::uint32_t> size;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { add_to(size[of.part(i)], 1u); }
+};
+
+/// Marks triangles of all parts but one.
+struct MarkOthers {
+    PartOfTriangle of;
+    std::uint32_t part;
+    std::span<std::uint64_t> marks;  ///< a bit for each triangle
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        if (of.part(i) != part) set_bit(marks, i);
+    }
+};
+
+/// A triangle by its corners, and its part.
+struct PartTriangle {
+    std::array<Vec3, 3> corners;  ///< [m]
+    std::uint32_t part;
+};
+
+/// Gathers these.
+struct GatherOthers {
+    PartOfTriangle of;
+    std::span<const Vec3> position;
+    std::span<const std::uint32_t> list;  ///< triangles
+    std::span<PartTriangle> out;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const Triangle& t = of.triangles[list[i]];
+        out[i] = {{position[t[0]], position[t[1]], position[t[2]]}, of.part(list[i])};
+    }
+};
+
+/// Marks triangles of parts that stay.
+struct MarkKept {
+    PartOfTriangle of;
+    std::span<const std::uint8_t> kept;  ///< by part
+    std::span<std::uint32_t> count;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { count[i] = kept[of.part(i)] != 0 ? 1 : 0; }
+};
+
+/// Marks their vertices.
+struct MarkKeptVertices {
+    DeviceSets sets;
+    std::span<const std::uint32_t> number;  ///< see PartOfTriangle
+    std::span<const std::uint8_t> kept;     ///< by part
+    std::span<std::uint32_t> count;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
+        count[v] = kept[number[sets.parent[v]]] != 0 ? 1 : 0;
+    }
+};
+
+/// Moves the vertices that stay together.
+struct MoveKept {
+    std::span<const std::uint32_t> number;  ///< and one more
+    std::span<const Vec3> from;
+    std::span<Vec3> to;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
+        if (number[v] != number[v + 1]) to[number[v]] = from[v];
+    }
+};
+
+/// Moves the triangles that stay together.
+struct KeepTriangles {
+    std::span<const std::uint32_t> place;   ///< and one more
+    std::span<const std::uint32_t> number;  ///< of vertices
+    std::span<const Triangle> from;
+    std::span<Triangle> to;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        if (place[i] == place[i + 1]) return;
+        const Triangle& t = from[i];
+        to[place[i]] = {number[t[0]], number[t[1]], number[t[2]]};
+    }
+};
+
+/// [m] Where the vertex for each set of axes is.
+struct GatherHeld {
+    DeviceHeld held;
+    DeviceRefinement refinement;
+    tetra_kernel::SamplesView samples;
+    std::span<Vec3> out;
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const std::uint32_t v = held.vertex[held.of_each_set[i]];
+        if (samples.moved.test(v)) {
+            out[i] = samples.place[samples.placed.rank(v)];
+            return;
+        }
+        const FinePlace place = refinement.view.vertices.place(v);
+        const OwnedPart owner = refinement.owner(place);
+        out[i] = refinement.view.position(
+            owner.tetra, refinement.view.pattern(owner.tetra).first_vertex[owner.group] + place.index);
+    }
+};
+
+}  // namespace coppice::cuda

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "coppice/cuda/tetra/samples_kernel.h"
+
+namespace coppice::cuda {
+
+/// What is known of every fine vertex, on an executor, and what of it changes when vertices are put back.
+struct DeviceSamples {
+    tetra_kernel::SamplesView view;
+    tetra_kernel::BitsView above;  ///< those whose height is above 0
+    /// Words of the bits in `view`.
+    /// @{
+    std::span<std::uint64_t> inside, on, moved;
+    /// @}
+    std::uint32_t placed_count = 0;  ///< of vertices in `placed`
+};
+
+/// Vertices that are to be moved onto the surface.
+template <class Exec, class Field>
+std::span<const MovedVertex> find_near(Exec& exec, const DeviceRefinement& refinement,
+                                       const SnapField<Field>& at, tetra_kernel::BitsView held,
+                                       std::span<float> height, std::span<std::uint64_t> above,
+                                       std::span<std::uint64_t> shallow, std::span<std::uint64_t> placed) {
+    const std::uint32_t count = refinement.ordered_count;
+    const auto target = exec.template array<Vec3>(count);
+    const auto marks = no_bits(exec, count);
+    exec.each("field", count, SampleFine<Field>{refinement, at, held, height, above, shallow, target, marks});
+    const auto near = list_bits(exec, marks);
+    const auto moved = exec.template array<MovedVertex>(near.size());
+    exec.each("second step", near.size(), FindPlace<Field>{refinement, at, near, target, moved, placed});
+    return moved;
+}
+
+/// Samples all fine vertices, and moves those near the surface onto it and held ones towards their axes:
+/// what sample_vertices() finds on the CPU. Waits.
+template <class Exec, class Field>
+DeviceSamples sample_vertices(Exec& exec, const DeviceRefinement& refinement, const SnapField<Field>& at,
+                              const DeviceHeld& held) {
+    const std::size_t count = refinement.vertex_count;
+    const auto height = exec.template array<float>(count);
+    // Vertices of no tetrahedron, which nobody samples.
+    exec.each("heights", refinement.view.positions.size(), Fill<float>{height, -1.0f});
+    const auto above = no_bits(exec, count), shallow = no_bits(exec, count), placed = no_bits(exec, count);
+    const tetra_kernel::BitsView is_held{held.bits.view.words};
+    const std::span<const MovedVertex> near =
+        find_near(exec, refinement, at, is_held, height, above, shallow, placed);
+
+    const auto all_weak = exec.template array<tetra_kernel::WeakVertex>(held.bits.count);
+    const auto first_weak = exec.template array<std::uint32_t>(held.bits.count + std::size_t{1});
+    const auto moved = exec.template array<MovedVertex>(held.bits.count);
+    exec.each(
+        "move held", held.bits.count,
+        MoveShallow<Field>{refinement, at, held, {shallow}, height, all_weak, first_weak, moved, placed});
+    const auto weak = exec.template array<tetra_kernel::WeakVertex>(place_counts(exec, first_weak));
+    exec.each("list weak", held.bits.count, ListWeak{first_weak, all_weak, weak});
+
+    const CountedBits ranked = rank_bits(exec, placed);
+    const auto place = exec.template array<Vec3>(ranked.count);
+    const auto way = exec.template array<float>(ranked.count);
+    exec.each("note places", near.size(), NotePlaces{near, ranked.view, place, way});
+    exec.each("note places", moved.size(), NotePlaces{moved, ranked.view, place, way});
+
+    DeviceSamples out;
+    out.inside = exec.template array<std::uint64_t>(placed.size());
+    out.on = exec.template array<std::uint64_t>(placed.size());
+    out.moved = exec.template array<std::uint64_t>(placed.size());
+    exec.each("note sides", placed.size(),
+              NoteSides{{above}, is_held, {placed}, out.inside, out.on, out.moved});
+    out.above = {above};
+    out.placed_count = ranked.count;
+    out.view = {height, {out.inside}, {out.on}, is_held, {out.moved}, ranked.view, place, way, weak};
+    return out;
+}
+
+/// Faces of the hull with vertices on both sides, ascending. Waits.
+template <class Exec>
+std::vector<TetraFace> open_faces(Exec& exec, const DeviceRefinement& refinement,
+                                  const DeviceSamples& samples) {
+    const std::size_t faces = 4 * refinement.tetra.size();
+    const auto marks = no_bits(exec, faces);
+    exec.each("open faces", faces, MarkOpenFaces{refinement, samples.view.inside, marks});
+    const std::span<const std::uint32_t> list = list_bits(exec, marks);
+    std::vector<std::uint32_t> found(list.size());
+    exec.download(list, std::span(found));
+    std::vector<TetraFace> out;
+    for (const std::uint32_t i : found) out.push_back({i / 4, i % 4});
+    return out;
+}
+
+}  // namespace coppice::cuda
