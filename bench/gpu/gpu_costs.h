@@ -42,7 +42,7 @@ struct TetraCounts {
     }
 };
 
-/// Of DeviceMarcher::repeat_as_printed.
+/// Of DeviceMarcher::repeat, after a march as printed.
 std::vector<KernelCost> printed_tetra_costs(TetraCounts coarse, int levels, double triangles,
                                             const FieldWork& field);
 

@@ -2,18 +2,24 @@
 
 #include <map>
 #include <mutex>
+#include <string>
 
 #include "coppice/cuda/exec/cuda_check.cuh"
 
 namespace coppice {
 namespace {
 
+constexpr int kLeastCompute = 75;
+
 // Products and sums in single precision that a multiprocessor begins in one cycle.
 int lanes_of(int compute) { return compute == 75 || compute == 80 ? 64 : 128; }
 
+// 0 of what the driver does not tell.
 double attribute(cudaDeviceAttr which, int device) {
     int value = 0;
-    return cudaDeviceGetAttribute(&value, which, device) == cudaSuccess ? value : 0;
+    if (cudaDeviceGetAttribute(&value, which, device) == cudaSuccess) return value;
+    cudaGetLastError();  // or the next launch is blamed
+    return 0;
 }
 
 // All but how much memory is free. Takes the driver's time to start, and some milliseconds more.
@@ -34,6 +40,11 @@ DeviceSearch first_search(int number) {
     if (failed(cudaGetDeviceProperties(&properties, number))) return out;
     DeviceInfo info{properties.name, 10 * properties.major + properties.minor,
                     static_cast<std::uint32_t>(properties.multiProcessorCount), properties.totalGlobalMem};
+    if (info.compute < kLeastCompute) {
+        out.missing = info.name + " has capability " + std::to_string(properties.major) + "." +
+                      std::to_string(properties.minor) + ", and 7.5 is the least that will do";
+        return out;
+    }
     constexpr double kHertz = 1e3, kBits = 8;  // clocks are told in kHz, buses in bits
     info.flops = 2.0 * lanes_of(info.compute) * info.multiprocessors *
                  attribute(cudaDevAttrClockRate, number) * kHertz;

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -57,14 +58,17 @@ class CudaGroup {
     }
 };
 
+// A kernel is read where it was passed: where a thread indexes an array in it by what it computes, the
+// compiler may else give each thread a copy in local memory.
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads) run_each(std::uint32_t count, Kernel kernel) {
+__global__ void __launch_bounds__(kThreads)
+    run_each(std::uint32_t count, const __grid_constant__ Kernel kernel) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     if (i < count) kernel(i);
 }
 
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads) run_groups(Kernel kernel) {
+__global__ void __launch_bounds__(kThreads) run_groups(const __grid_constant__ Kernel kernel) {
     kernel(blockIdx.x, CudaGroup());
 }
 
@@ -166,37 +170,41 @@ class CudaExecutor {
 
     template <class Kernel>
     void each(const char* name, std::size_t count, const Kernel& kernel) {
+        static_assert(sizeof(Kernel) <= kMostOfKernel);
         if (count == 0) return;
+        const auto threads = checked<std::uint32_t>(count);
         launch(name, [&] {
             const auto blocks = static_cast<std::uint32_t>((count + kThreads - 1) / kThreads);
-            run_each<<<blocks, kThreads, 0, stream_>>>(static_cast<std::uint32_t>(count), kernel);
+            run_each<<<blocks, kThreads, 0, stream_>>>(threads, kernel);
         });
     }
     template <class Kernel>
     void groups(const char* name, std::size_t count, const Kernel& kernel) {
+        static_assert(sizeof(Kernel) <= kMostOfKernel);
         if (count == 0) return;
-        launch(name,
-               [&] { run_groups<<<static_cast<std::uint32_t>(count), kThreads, 0, stream_>>>(kernel); });
+        const auto blocks = static_cast<std::uint32_t>(checked<int>(count));
+        launch(name, [&] { run_groups<<<blocks, kThreads, 0, stream_>>>(kernel); });
     }
     template <class T>
     void exclusive_scan(std::span<const T> counts, std::span<T> out) {
         if (counts.empty()) return;
+        const int size = checked<int>(counts.size());
         launch("scan", [&] {
             with_scratch([&](void* scratch, std::size_t& bytes) {
-                return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), out.data(),
-                                                     static_cast<int>(counts.size()), stream_);
+                return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), out.data(), size,
+                                                     stream_);
             });
         });
     }
     template <class Key>
     void sort_pairs(std::span<Key> keys, std::span<std::uint32_t> values, int bits = 8 * sizeof(Key)) {
         if (keys.empty()) return;
+        const int size = checked<int>(keys.size());
         cub::DoubleBuffer<Key> key(keys.data(), array<Key>(keys.size()).data());
         cub::DoubleBuffer<std::uint32_t> value(values.data(), array<std::uint32_t>(values.size()).data());
         launch("sort", [&] {
             with_scratch([&](void* scratch, std::size_t& bytes) {
-                return cub::DeviceRadixSort::SortPairs(scratch, bytes, key, value,
-                                                       static_cast<int>(keys.size()), 0, bits, stream_);
+                return cub::DeviceRadixSort::SortPairs(scratch, bytes, key, value, size, 0, bits, stream_);
             });
         });
         copy_within(key.Current(), keys);
@@ -242,6 +250,8 @@ class CudaExecutor {
     }
 
   private:
+    // [bytes] That cards of capability 7.5 and drivers of CUDA 12.0 take.
+    static constexpr std::size_t kMostOfKernel = 4000;
     template <class T>
     static const std::byte* bytes_of(std::span<const T> values) {
         return reinterpret_cast<const std::byte*>(values.data());
@@ -257,19 +267,26 @@ class CudaExecutor {
         cudaEvent_t begin, end;
     };
 
+    template <class Int>
+    static Int checked(std::size_t count) {
+        if (count > static_cast<std::size_t>(std::numeric_limits<Int>::max()))
+            throw DeviceError("there is more than a CUDA device takes at once");
+        return static_cast<Int>(count);
+    }
+
+    cudaEvent_t note_time() {
+        cudaEvent_t event = nullptr;
+        check(cudaEventCreate(&event), "make an event");
+        check(cudaEventRecord(event, stream_), "note the time");
+        return event;
+    }
     template <class Begin>
     void launch(const char* name, const Begin& begin) {
         ctx_.throw_if_cancelled();
-        Timed timed{name, nullptr, nullptr};
-        if (measures_) {
-            check(cudaEventCreate(&timed.begin), "make an event");
-            check(cudaEventCreate(&timed.end), "make an event");
-            timed_.push_back(timed);
-            check(cudaEventRecord(timed.begin, stream_), "note the time");
-        }
+        const cudaEvent_t before = measures_ ? note_time() : nullptr;
         begin();
         check(cudaGetLastError(), name);
-        if (measures_) check(cudaEventRecord(timed.end, stream_), "note the time");
+        if (measures_) timed_.push_back({name, before, note_time()});
     }
     template <class Call>
     void with_scratch(const Call& call) {

@@ -11,8 +11,7 @@ namespace {
 template <class Use>
 void sample_repeatedly(const ConvolutionField& field, std::span<const Vec3> points, int repeat,
                        const Use& use) {
-    if (const DeviceSearch search = find_device(); !search.device)
-        throw DeviceError("no CUDA device was found: " + search.missing);
+    require_device();
     cuda::CudaExecutor exec;
     const cuda::FieldArrays arrays = cuda::upload_field(exec, field);
     const std::span<const Vec3> at = exec.upload(points);

@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/field/upload_field.h"
+#include "coppice/cuda/tetra/cut_convolution.h"
+#include "coppice/cuda/tetra/march_stages.h"
+#include "coppice/cuda/tetra/printed_stages.h"
+#include "coppice/skeleton/random_tree.h"
+#include "coppice/tetra/lattice/lattice.h"
+#include "coppice/tetra/polyhedron/polyhedron.h"
+#include "on_executor.h"
+#include "strict_executor.h"
+
+namespace coppice::cuda {
+namespace {
+
+/// A tree in tetrahedra, cut off at its root.
+struct CutTree {
+    Skeleton skeleton = random_tree(60, 4, true);
+    std::vector<Segment> axes = segment_axes(skeleton);
+    Lattice lattice{axes, {.cell = 3.5f, .inside = 0.8f, .outside = 1.25f}};
+    ConvolutionField field{skeleton, FieldOptions{.root_extension = 1.5f}};
+    EndCuts ends;
+
+    CutTree() {
+        const TetraMesh& mesh = lattice.mesh();
+        const std::uint32_t regions = mesh.region_count();
+        std::vector<Box3> boxes(regions);
+        for (std::uint32_t r = 0; r < regions; ++r) {
+            for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
+                for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
+            }
+        }
+        field.set_regions(boxes);
+        ends.cuts.push_back({skeleton.position(NodeId(0)), {0, 0, -1}, skeleton.radius(NodeId(0))});
+        ends.of_region = compress_rows<std::uint32_t>(regions, [&](const auto& put) {
+            for (std::uint32_t r = 0; r < regions; ++r) put(r, 0u);
+        });
+    }
+
+    /// Calls use(view) with the field as kernels of an executor sample it.
+    template <class Exec, class Use>
+    void with_field(Exec& exec, const Use& use) const {
+        const kernel::QuarticKernel<float> formula(field.kernel().shape, field.kernel().weight);
+        use(upload_cuts(exec, FieldView(formula, upload_field(exec, field)), ends, field.level()));
+    }
+};
+
+template <class Exec>
+MarchResult marched(const CutTree& tree, int levels) {
+    Exec exec;
+    const CutConvolution field{tree.field, tree.ends};
+    const MarchJob job = upload_march(exec, tree.lattice.mesh(), field, {tree.axes, tree.lattice.passing()},
+                                      {.levels = levels});
+    return downloaded(exec, *march(exec, job));
+}
+
+TEST(MarchStages, NeedNothingOfTheHostNorAnyOrder) {
+    const CutTree tree;
+    for (const int levels : {0, 1, 2}) {
+        SCOPED_TRACE(levels);
+        const MarchResult host = marched<HostExecutor>(tree, levels);
+        const MarchResult strict = marched<StrictExecutor>(tree, levels);
+        ASSERT_GT(host.mesh.triangles.size(), 100u);
+        EXPECT_EQ(strict.report, host.report);
+        EXPECT_EQ(strict.mesh.triangles, host.mesh.triangles);
+        EXPECT_EQ(strict.mesh.positions, host.mesh.positions);
+    }
+}
+
+struct Printed {
+    Buffer<std::array<Vec3, 3>> triangles;
+    Buffer<Vec3> positions;
+    Buffer<Triangle> welded;
+};
+
+template <class Exec>
+Printed printed(const CutTree& tree, int levels) {
+    Exec exec;
+    Printed out;
+    tree.with_field(exec, [&](const auto& view) {
+        const ExplicitTetra coarse = upload_explicit(exec, tree.lattice.mesh());
+        const PrintedSurface found = march_as_printed(exec, coarse, levels, view, tree.field.level(), true);
+        out = {downloaded(exec, found.triangles), downloaded(exec, found.positions),
+               downloaded(exec, found.welded)};
+    });
+    return out;
+}
+
+TEST(PrintedMarch, NeedsNothingOfTheHostNorAnyOrder) {
+    const CutTree tree;
+    const Printed host = printed<HostExecutor>(tree, 1), strict = printed<StrictExecutor>(tree, 1);
+    ASSERT_GT(host.triangles.size(), 100u);
+    EXPECT_EQ(strict.triangles, host.triangles);
+    EXPECT_EQ(strict.positions, host.positions);
+    EXPECT_EQ(strict.welded, host.welded);
+}
+
+}  // namespace
+}  // namespace coppice::cuda
