@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "coppice/base/context.h"
 #include "coppice/cuda/device.h"
