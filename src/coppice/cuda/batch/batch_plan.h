@@ -19,8 +19,9 @@ struct BatchRound {
 
 /// [bytes] What a job takes: see bytes_of_job() and bytes_of_field().
 struct JobBytes {
-    std::uint64_t job = 0, field = 0;
-    std::uint64_t sum() const { return job + field; }
+    std::uint64_t job = 0;                             ///< all but its field
+    std::uint64_t field = 0;                           ///< with what its lists are made of
+    std::uint64_t sum() const { return job + field; }  ///< both
 };
 
 /// Puts as many jobs together as there is room for. Those that do not fit by themselves are cut into pieces

@@ -44,7 +44,6 @@ JoinedJobs::JoinedJobs(std::span<const QuadJob> jobs, std::span<const std::uint3
         at.vertices += jobs[i].cage.vertex_count();
         at.edges += jobs[i].cage.edge_count();
         at.faces += jobs[i].cage.face_count();
-        at.clips += static_cast<std::uint32_t>(jobs[i].clips.size());
         at.regions += regions[i];
     }
     offsets_.push_back(at);

@@ -12,8 +12,10 @@ namespace coppice::cuda {
 
 /// Where what belongs to one of several jobs begins in what all of them are joined to.
 struct JobOffsets {
-    std::uint32_t vertices = 0, edges = 0, faces = 0, clips = 0;  ///< of the cage
-    std::uint32_t regions = 0;                                    ///< of the field
+    std::uint32_t vertices = 0;  ///< of the cage
+    std::uint32_t edges = 0;     ///< of the cage
+    std::uint32_t faces = 0;     ///< of the cage
+    std::uint32_t regions = 0;   ///< of the field
 };
 
 /// Several jobs as one, each a part of it: their cages lie side by side and have nothing in common, so that

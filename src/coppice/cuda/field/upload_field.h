@@ -34,9 +34,12 @@ std::vector<DeviceSegment> device_segments(const ConvolutionField& field, std::u
 /// Several fields as one: the segments and the regions of each follow those of the one before. They have the
 /// same kernel, blend and contact.
 struct JoinedFields {
-    std::vector<DeviceSegment> segments;             ///< see FieldArrays
-    std::vector<std::uint32_t> own_first, own;       ///< see RegionLists
-    std::vector<std::uint32_t> rival_first, rivals;  ///< see RegionLists
+    /// See FieldArrays.
+    /// @{
+    std::vector<DeviceSegment> segments;
+    std::vector<std::uint32_t> own_first, own;
+    std::vector<std::uint32_t> rival_first, rivals;
+    /// @}
 
     /// One field at least. Throws DeviceError when there are more than 2^32 entries.
     explicit JoinedFields(std::span<const ConvolutionField* const> fields);
