@@ -170,9 +170,9 @@ std::string markdown_of(const std::vector<GpuResult>& results, const DeviceSearc
     for (const GpuResult& r : results) {
         if (!r.note.empty()) out += fmt::format("\n{}: {}.\n", r.name, r.note);
     }
-    out += "\n" + goals(results);
+    out.append("\n").append(goals(results));
     const auto has_kernels = [](const GpuResult& r) { return !r.kernels.empty(); };
-    if (std::ranges::any_of(results, has_kernels)) out += "\n" + kernels(results, device);
+    if (std::ranges::any_of(results, has_kernels)) out.append("\n").append(kernels(results, device));
     return out;
 }
 

@@ -106,7 +106,7 @@ TetraCase fine_tetra_case() {
 }
 
 std::string describe(const DeviceSearch& search) {
-    if (!search.device) return "no card: " + search.missing;
+    if (!search.device) return fmt::format("no card: {}", search.missing);
     const DeviceInfo& card = *search.device;
     return fmt::format("{}, capability {}.{}, {} multiprocessors, {:.1f} Tflop/s, {:.2f} TB/s", card.name,
                        card.compute / 10, card.compute % 10, card.multiprocessors, 1e-12 * card.flops,
