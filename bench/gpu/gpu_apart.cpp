@@ -1,21 +1,26 @@
 #include "gpu_apart.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 
 namespace coppice::bench {
 
+float tolerance(Vec3 p, float radius) {
+    constexpr float kShare = 1e-4f, kRounding = 4e-7f;
+    return kShare * radius + kRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+}
+
 std::vector<float> tolerances(std::span<const Vec3> points, const Skeleton& skeleton, const Context& ctx) {
-    constexpr float kShare = 1e-4f;
     const CapsuleTree capsules(skeleton, skeleton.origin(), ctx);
     std::vector<float> out(points.size());
     parallel_for(ctx, out.size(), 1024, [&](std::size_t i) {
         const Vec3d p(points[i]);
         const std::uint32_t nearest = capsules.nearest(p).capsule;
         if (nearest != CapsuleTree::kNone)
-            out[i] = kShare * static_cast<float>(capsules.cone(nearest).foot(p).radius);
+            out[i] = tolerance(points[i], static_cast<float>(capsules.cone(nearest).foot(p).radius));
     });
     return out;
 }

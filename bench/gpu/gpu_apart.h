@@ -10,8 +10,11 @@
 
 namespace coppice::bench {
 
-/// [m] A ten-thousandth of the radius of the branch at each point of a surface: how far what a card makes may
-/// lie from what the CPU makes.
+/// [m] How far a point of what a card makes may lie from where the CPU has it: a ten-thousandth of the radius
+/// there, and what coordinates in single precision are off by after some sums.
+float tolerance(Vec3 p, float radius);
+
+/// The same of the points of a surface, by the radius of the branch at each.
 std::vector<float> tolerances(std::span<const Vec3> points, const Skeleton& skeleton, const Context& ctx);
 
 /// How many points of a lie farther from the point of b with the same number.

@@ -62,7 +62,7 @@ struct GpuResult {
     double whole = -1;   ///< [s] the cage, copying it to the card, and the surface back to the host
     double cpu = -1;     ///< [s] of the same stages as `device` on all threads of the CPU
     double bytes_per_face = -1;
-    std::int64_t apart = -1;  ///< vertices farther than 1e-4 of the local radius from where the CPU has them
+    std::int64_t apart = -1;  ///< vertices farther than tolerance() from where the CPU has them
     std::vector<KernelShare> kernels;
     std::vector<std::pair<std::string, double>> cpu_stages;  ///< [s] by the stage
     std::vector<Goal> goals;

@@ -5,13 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "coppice/base/error.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
-#include "coppice/skeleton/assemble.h"
 #include "coppice/skeleton/random_tree.h"
 #include "gpu_pairs.h"
 #include "gpu_quads.h"
@@ -34,20 +32,6 @@ struct Flags : ProgramFlags {
 
 constexpr std::uint64_t kSeed = 1;
 
-/// Trees side by side, none of which touches another.
-Skeleton forest(std::uint32_t trees, std::uint32_t segments) {
-    std::vector<Skeleton> parts;
-    const auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(trees))));
-    for (std::uint32_t i = 0; i < trees; ++i) {
-        constexpr double kApart = 20;  // [m]
-        const std::uint32_t column = i % side, row = i / side;
-        parts.push_back(translated(random_tree(segments, kSeed + i), {kApart * column, kApart * row, 0}));
-    }
-    std::vector<const Skeleton*> all;
-    for (const Skeleton& part : parts) all.push_back(&part);
-    return joined(all);
-}
-
 using Stages = std::vector<std::pair<std::string, double>>;
 
 /// What a paper prints for all but the first stages: those of the CPU.
@@ -64,7 +48,7 @@ std::vector<QuadCase> printed_quad_cases() {
     for (const PaperTree& tree : paper_trees()) {
         if (tree.quads.empty()) continue;
         out.push_back({tree.name,
-                       random_tree(tree.segments, kSeed),
+                       {random_tree(tree.segments, kSeed)},
                        printed(tree.quads[0].stages, kOnCpu),
                        {{GoalKind::card, 0.15}},
                        true});
@@ -74,14 +58,19 @@ std::vector<QuadCase> printed_quad_cases() {
 
 QuadCase tree30k() {
     return {"tree30k",
-            random_tree(30'000, kSeed),
+            {random_tree(30'000, kSeed)},
             -1,
             {{GoalKind::card, 1}, {GoalKind::cage, 20}, {GoalKind::speedup, 10}}};
 }
 QuadCase tree300k() {
-    return {"tree300k", random_tree(300'000, kSeed), -1, {{GoalKind::card, 8}, {GoalKind::memory, 80}}};
+    return {"tree300k", {random_tree(300'000, kSeed)}, -1, {{GoalKind::card, 8}, {GoalKind::memory, 80}}};
 }
-QuadCase thousand_trees() { return {"1,000 trees of 300", forest(1000, 300), -1, {{GoalKind::card, 15}}}; }
+QuadCase thousand_trees() {
+    constexpr std::uint64_t kTrees = 1000;
+    QuadCase out{"1,000 trees of 300", {}, -1, {{GoalKind::card, 15}}};
+    for (std::uint64_t i = 0; i < kTrees; ++i) out.trees.push_back(random_tree(300, kSeed + i));
+    return out;
+}
 
 /// The trees of [Zhu2013], in its polyhedron.
 std::vector<TetraCase> printed_tetra_cases() {

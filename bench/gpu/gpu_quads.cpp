@@ -1,6 +1,7 @@
 #include "gpu_quads.h"
 
 #include <algorithm>
+#include <deque>
 #include <string_view>
 
 #include "coppice/cuda/exec/host_executor.h"
@@ -71,32 +72,112 @@ FieldWork work_of(const ConvolutionField& field, const Given& given) {
 /// [m] How far vertices may lie apart, by the distance to their anchors.
 std::vector<float> tolerances_of(std::span<const Vec3> positions, std::span<const Vec3> anchors) {
     std::vector<float> out(positions.size());
-    for (std::size_t v = 0; v < out.size(); ++v) out[v] = 1e-4f * distance(positions[v], anchors[v]);
+    for (std::size_t v = 0; v < out.size(); ++v)
+        out[v] = tolerance(positions[v], distance(positions[v], anchors[v]));
     return out;
 }
 
-void measure_on_card(const Given& given, const MeshOptions& options, const GpuRun& run, GpuResult& out) {
-    const ConvolutionField field = given.with_regions(run.ctx);
-    DeviceQuads device(run.ctx);
-    const auto make = [&](const cuda::QuadJob& job, Buffer<Vec3>& positions, Buffer<Vec3>* anchors) {
-        if (!device.begin(job, given.contacts())) {
-            out.note = "the field's lists, too long for the card, come from the CPU";
-            device.begin(job, field);
+std::uint32_t segments_of(const Skeleton& tree) { return tree.size() - tree.tree_count(); }
+
+/// Several trees on a card at once.
+class Batch {
+  public:
+    Batch(const std::deque<Given>& trees, const MeshOptions& options, const Context& ctx)
+        : trees_(trees), made_(trees.size()) {
+        for (const Given& tree : trees) {
+            jobs_.push_back(tree.job(options));
+            contacts_.push_back(tree.contacts());
+            fields_.push_back(tree.with_regions(ctx));
         }
-        return device.finish(positions, anchors);
+    }
+
+    void unfold(const UntangleOptions& how) {
+        for (cuda::QuadJob& job : jobs_) job.untangle = how;
+    }
+    /// Makes the surfaces, from copying all that they are made of to copying them back.
+    void make(DeviceQuads& device, GpuResult& out) {
+        if (!device.begin(jobs_, contacts_)) {
+            out.note = "the field's lists, too long for the card, come from the CPU";
+            std::vector<cuda::QuadTask> tasks;
+            for (std::size_t i = 0; i < jobs_.size(); ++i) tasks.push_back({jobs_[i], &fields_[i]});
+            device.begin(tasks);
+        }
+        std::vector<cuda::QuadPlaces> places;
+        for (Made& made : made_) places.push_back({&made.positions, &made.anchors});
+        reports_ = device.finish(places);
+    }
+    /// Vertices that lie elsewhere than those of the models at rest.
+    std::int64_t apart() const {
+        std::int64_t count = 0;
+        for (std::size_t i = 0; i < made_.size(); ++i) {
+            const Buffer<Vec3>& rest = trees_[i].model.rest.positions;
+            count += bench::apart(rest, made_[i].positions, tolerances_of(rest, made_[i].anchors));
+        }
+        return count;
+    }
+    std::vector<KernelCost> costs() const {
+        std::vector<KernelCost> sum;
+        for (std::size_t i = 0; i < jobs_.size(); ++i) {
+            const auto each = quad_costs(jobs_[i], work_of(fields_[i], trees_[i]),
+                                         static_cast<double>(reports_[i].projected.evaluations));
+            if (sum.empty()) {
+                sum = each;
+                continue;
+            }
+            for (std::size_t k = 0; k < sum.size(); ++k) {
+                sum[k].bytes += each[k].bytes;
+                sum[k].flops += each[k].flops;
+            }
+        }
+        return sum;
+    }
+
+  private:
+    struct Made {
+        Buffer<Vec3> positions, anchors;
     };
-    cuda::QuadJob job = given.job(options);
-    job.untangle.passes = 0;  // as the model at rest
-    Buffer<Vec3> positions, anchors;
-    const cuda::QuadReport report = make(job, positions, &anchors);
-    const Buffer<Vec3>& rest = given.model.rest.positions;
-    out.apart = apart(rest, positions, tolerances_of(rest, anchors));
-    job.untangle = options.untangle;
-    out.whole = out.cage + median_time(run, 1, few_rounds(run), [&] { make(job, positions, nullptr); });
-    const auto costs =
-        quad_costs(job, work_of(field, given), static_cast<double>(report.projected.evaluations));
+    const std::deque<Given>& trees_;
+    std::vector<cuda::QuadJob> jobs_;
+    std::vector<cuda::ContactInput> contacts_;
+    std::vector<ConvolutionField> fields_;
+    std::vector<Made> made_;
+    std::vector<cuda::QuadReport> reports_;
+};
+
+void measure_on_card(const std::deque<Given>& trees, const MeshOptions& options, const GpuRun& run,
+                     GpuResult& out) {
+    DeviceQuads device(run.ctx);
+    Batch batch(trees, options, run.ctx);
+    batch.unfold({.passes = 0});  // as the models at rest
+    batch.make(device, out);
+    out.apart = batch.apart();
+    batch.unfold(options.untangle);
+    out.whole = out.cage + median_time(run, 1, few_rounds(run), [&] { batch.make(device, out); });
     time_on_card(
-        device, run, costs, [&] { device.repeat(); }, out);
+        device, run, batch.costs(), [&] { device.repeat(); }, out);
+}
+
+/// The stages of all trees one after the other on the CPU, in all rounds.
+void measure_on_cpu(const std::vector<Skeleton>& trees, const MeshOptions& options, const GpuRun& run,
+                    GpuResult& out) {
+    std::vector<Measure> stages;
+    median_time(run, 0, few_rounds(run), [&] {
+        std::vector<std::pair<std::string, double>> sums;
+        out.faces = 0;
+        for (const Skeleton& tree : trees) {
+            const MeshResult made = mesh_skeleton(tree, options, run.ctx);
+            out.faces += made.quads().mesh.quads.size();
+            for (const auto& [name, seconds] : made.stages) {
+                auto at = std::ranges::find(sums, name, &std::pair<std::string, double>::first);
+                if (at == sums.end()) at = sums.insert(at, {name, 0});
+                at->second += seconds;
+            }
+        }
+        for (const auto& [name, seconds] : sums) Measures(stages).add(name, seconds);
+    });
+    for (const Measure& m : stages) out.cpu_stages.emplace_back(m.name, m.median());
+    out.cpu = sum_of(out.cpu_stages, {"field", "quads", "refine", "anchors", "project", "untangle"});
+    out.cage = sum_of(out.cpu_stages, {"prepare", "graft", "part", "cage", "weights", "topology"});
 }
 
 /// What [Zhu2015] prints, on the CPU by the kernels of the card.
@@ -129,7 +210,7 @@ GpuResult measure_printed(const QuadCase& what, const Given& given, const GpuRun
     GpuResult out;
     out.cpu = median_time(run, 1, few_rounds(run), [&] { cpu.run(); });
     out.name = what.name + ", as printed";
-    out.segments = what.skeleton.size() - what.skeleton.tree_count();
+    out.segments = segments_of(what.trees.front());
     out.faces = cpu.faces();
     out.papers = what.papers;
     on_card(run, out, [&] {
@@ -152,21 +233,14 @@ std::vector<GpuResult> measure_quads(const QuadCase& what, const GpuRun& run) {
     out.name = what.name;
     out.papers = what.papers;
     out.goals = what.goals;
-    out.segments = what.skeleton.size() - what.skeleton.tree_count();
-    std::vector<Measure> stages;
-    median_time(run, 0, few_rounds(run), [&] {
-        const MeshResult made = mesh_skeleton(what.skeleton, options, run.ctx);
-        for (const auto& [name, seconds] : made.stages) Measures(stages).add(name, seconds);
-        out.faces = made.quads().mesh.quads.size();
-    });
-    for (const Measure& m : stages) out.cpu_stages.emplace_back(m.name, m.median());
-    out.cpu = sum_of(out.cpu_stages, {"field", "quads", "refine", "anchors", "project", "untangle"});
-    out.cage = sum_of(out.cpu_stages, {"prepare", "graft", "part", "cage", "weights", "topology"});
+    for (const Skeleton& tree : what.trees) out.segments += segments_of(tree);
+    measure_on_cpu(what.trees, options, run, out);
     if (!run.device.device && !what.as_printed) return {out};
-    const Given given(what.skeleton, options, run.ctx);
-    on_card(run, out, [&] { measure_on_card(given, options, run, out); });
+    std::deque<Given> trees;
+    for (const Skeleton& tree : what.trees) trees.emplace_back(tree, options, run.ctx);
+    on_card(run, out, [&] { measure_on_card(trees, options, run, out); });
     std::vector<GpuResult> all{out};
-    if (what.as_printed) all.push_back(measure_printed(what, given, run));
+    if (what.as_printed) all.push_back(measure_printed(what, trees.front(), run));
     return all;
 }
 
