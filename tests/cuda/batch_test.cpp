@@ -178,14 +178,7 @@ Made pieced_together(const QuadTask& task, std::size_t quads) {
         cuda::project(stages, task.field->kernel(), upload_field(exec, *task.field));
         piece.put(downloaded(exec, stages.positions()), out.positions);
         piece.put(downloaded(exec, stages.anchors()), out.anchors);
-        const ProjectReport report = stages.projected();
-        ProjectReport& sum = out.report.projected;
-        sum.vertices += report.vertices;
-        sum.evaluations += report.evaluations;
-        sum.max_evaluations = std::max(sum.max_evaluations, report.max_evaluations);
-        sum.not_converged += report.not_converged;
-        sum.anchors_outside += report.anchors_outside;
-        sum.clipped += report.clipped;
+        out.report.projected += stages.projected();
         begin = end;
     }
     return out;

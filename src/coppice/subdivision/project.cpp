@@ -328,15 +328,7 @@ ProjectReport project_ends(const Task& task, const Surface& surface, IndexRange 
     return pass.report();
 }
 
-ProjectReport sum(ProjectReport a, const ProjectReport& b) {
-    a.vertices += b.vertices;
-    a.evaluations += b.evaluations;
-    a.max_evaluations = std::max(a.max_evaluations, b.max_evaluations);
-    a.not_converged += b.not_converged;
-    a.anchors_outside += b.anchors_outside;
-    a.clipped += b.clipped;
-    return a;
-}
+ProjectReport sum(ProjectReport a, const ProjectReport& b) { return a += b; }
 
 ProjectReport project_once(const Task& task, const Surface& surface, const Context& ctx) {
     const int levels = surface.patches.levels();
@@ -361,6 +353,16 @@ bool is_in_order(std::span<const ClipPlane> clips, std::size_t faces) {
 }
 
 }  // namespace
+
+ProjectReport& ProjectReport::operator+=(const ProjectReport& more) {
+    vertices += more.vertices;
+    evaluations += more.evaluations;
+    max_evaluations = std::max(max_evaluations, more.max_evaluations);
+    not_converged += more.not_converged;
+    anchors_outside += more.anchors_outside;
+    clipped += more.clipped;
+    return *this;
+}
 
 void check_projection(std::string_view stage, std::size_t positions, std::size_t anchors,
                       const PatchRefinement& patches, const Regions& regions, FieldRef field) {

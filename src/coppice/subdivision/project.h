@@ -73,6 +73,8 @@ struct ProjectReport {
     double mean_evaluations() const {
         return vertices == 0 ? 0 : static_cast<double>(evaluations) / static_cast<double>(vertices);
     }
+    /// Adds what was done to other vertices.
+    ProjectReport& operator+=(const ProjectReport& more);
 };
 
 /// The surface that refined vertices belong on.

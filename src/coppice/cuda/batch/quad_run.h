@@ -247,7 +247,7 @@ class QuadRun {
 
     void collect_piece(std::span<const QuadPlaces> out, std::vector<QuadReport>& reports) {
         const std::size_t job = rounds_.front().jobs.begin;
-        add(stages_->reports_of(counts_).front(), reports[job].projected);
+        reports[job].projected += stages_->reports_of(counts_).front();
         reports[job].is_whole = false;
         Buffer<Vec3> points(stages_->counts().vertices);
         const auto put = [&](std::span<const Vec3> from, Buffer<Vec3>* to) {
@@ -257,15 +257,6 @@ class QuadRun {
         };
         put(stages_->positions(), out[job].positions);
         put(stages_->anchors(), out[job].anchors);
-    }
-
-    static void add(const ProjectReport& more, ProjectReport& sum) {
-        sum.vertices += more.vertices;
-        sum.evaluations += more.evaluations;
-        sum.max_evaluations = std::max(sum.max_evaluations, more.max_evaluations);
-        sum.not_converged += more.not_converged;
-        sum.anchors_outside += more.anchors_outside;
-        sum.clipped += more.clipped;
     }
 
     Exec& exec_;

@@ -9,6 +9,7 @@
 #include "coppice/cuda/device.h"
 #include "coppice/cuda/quads/printed_quad_kernels.h"
 #include "coppice/cuda/quads/quad_job.h"
+#include "coppice/cuda/quads/upload_cage.h"
 
 namespace coppice::cuda {
 
@@ -29,11 +30,7 @@ class PrintedQuadStages {
         const std::uint64_t quads = std::uint64_t{job.cage.face_count()} << (2 * levels_);
         if (quads > std::numeric_limits<std::uint32_t>::max() / 4)
             throw DeviceError("there are too many quads for a device");
-        cage_.quads = exec.upload(job.cage.quads);
-        cage_.side = exec.upload(job.cage.side);
-        cage_.edge_half = exec.upload(job.cage.edge_half);
-        cage_.fan_first = exec.upload(job.cage.fan_first);
-        cage_.fan_half = exec.upload(job.cage.fan_half);
+        cage_ = upload_cage(exec, job.cage);
         region_ = exec.upload(job.region);
         positions_ = exec.upload(job.positions);
         mesh_ = cage_;

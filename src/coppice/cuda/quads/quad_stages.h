@@ -7,6 +7,7 @@
 
 #include "coppice/cuda/quads/quad_job.h"
 #include "coppice/cuda/quads/unfold_kernels.h"
+#include "coppice/cuda/quads/upload_cage.h"
 #include "coppice/subdivision/fold_clusters.h"
 
 namespace coppice::cuda {
@@ -22,12 +23,7 @@ class QuadStages {
     /// The executor and the job must outlive it.
     QuadStages(Exec& exec, const QuadJob& job)
         : exec_(exec), job_(job), counts_(refined_counts(job.cage, job.levels)), flat_(flat_of(job)) {
-        cage_.quads = exec.upload(job.cage.quads);
-        cage_.side = exec.upload(job.cage.side);
-        cage_.edge_half = exec.upload(job.cage.edge_half);
-        cage_.fan_first = exec.upload(job.cage.fan_first);
-        cage_.fan_half = exec.upload(job.cage.fan_half);
-        cage_.on_boundary = exec.upload(job.cage.on_boundary);
+        cage_ = upload_cage(exec, job.cage);
         region_ = exec.upload(job.region);
         part_ = exec.upload(job.part);
         clips_ = exec.template array<ClipPlane>(job.clips.size());
