@@ -91,10 +91,10 @@ std::optional<DeviceMarch> march(Exec& exec, const MarchJob& job, const Context&
     const FieldArrays arrays = set_regions(exec, job.segments, region_boxes(exec, refinement));
     std::optional<DeviceMarch> out;
     with_formula(job.kernel, [&](const auto& formula) {
-        const CutFieldView field{FieldView(formula, arrays), job.ends.cuts, job.ends.first,
-                                 job.ends.of_region, job.ends.level};
-        const SnapField<std::remove_const_t<decltype(field)>> at{field, tetra_kernel::Profile(field.level),
-                                                                 job.options.snap};
+        const FieldView whole(formula, arrays);
+        using Field = CutFieldView<std::remove_const_t<decltype(whole)>>;
+        const Field field{whole, job.ends.cuts, job.ends.first, job.ends.of_region, job.ends.level};
+        const SnapField<Field> at{field, tetra_kernel::Profile(field.level), job.options.snap};
         out = march(exec, refinement, job.axes, at, job.options.refinements, ctx);
     });
     return out;
