@@ -35,7 +35,7 @@ PROGRAMS = {
 
 
 def run(folder, card):
-    with tarfile.open(folder / "programs.tar.gz", "w:gz") as tar:
+    with tarfile.open(folder / "programs.tar.xz", "w:xz") as tar:
         for name, text in PROGRAMS.items():
             info = tarfile.TarInfo(name)
             info.size, info.mode = len(text), 0o755

@@ -108,7 +108,7 @@ TEST_F(SurfaceViewTest, WithoutSmoothingThereAreFewerShades) {
         view.draw();
         auto pixels = view.picture().pixels;
         std::ranges::sort(pixels);
-        return std::ranges::unique(pixels).begin() - pixels.begin();
+        return std::unique(pixels.begin(), pixels.end()) - pixels.begin();
     };
     EXPECT_LT(shades(1), shades(4));
 }
