@@ -141,7 +141,7 @@ PatternView upload_pattern(Exec& exec, const PatternView& p) {
 
 /// Leaves it to the CPU to say what is wrong with a mesh that was found faulty here.
 [[noreturn]] inline void refuse_mesh(const TetraMesh& mesh, int levels, const Context& ctx) {
-    TetraRefinement(mesh, levels, ctx);
+    [[maybe_unused]] const TetraRefinement refusing(mesh, levels, ctx);
     throw DeviceError("the tetrahedra are too flat for a device");
 }
 
