@@ -50,8 +50,8 @@ struct DeviceRefinement {
     COPPICE_HOST_DEVICE std::uint32_t fine_of(std::uint32_t i) const {
         return i & ((1u << (3 * view.levels)) - 1);
     }
-    COPPICE_HOST_DEVICE std::uint32_t fine_tetra(std::uint32_t tetra, std::uint32_t fine) const {
-        return tetra << (3 * view.levels) | fine;
+    COPPICE_HOST_DEVICE std::uint32_t fine_tetra(std::uint32_t coarse, std::uint32_t fine) const {
+        return coarse << (3 * view.levels) | fine;
     }
     /// @}
 
