@@ -28,8 +28,8 @@ struct PointField {
 };
 
 /// A tree in tetrahedra, with a field whose regions are theirs.
-struct Scene {
-    Scene(const Skeleton& tree, int levels, float edge, FieldOptions options = {}, float inner = 0.8f)
+struct TetraScene {
+    TetraScene(const Skeleton& tree, int levels, float edge, FieldOptions options = {}, float inner = 0.8f)
         : skeleton(tree),
           axes(segment_axes(skeleton)),
           lattice(axes,

@@ -152,7 +152,7 @@ TEST(TouchingStages, ListWhatTheCpuLists) {
         for (const Weights weights : {Weights::local, Weights::global}) {  // blended by axes, or summed
             if (weights == Weights::global && ++turn % 4 != 0) continue;
             SCOPED_TRACE(name);
-            Scene scene(skeleton, 1, 0.6f, {.weights = weights});
+            TetraScene scene(skeleton, 1, 0.6f, {.weights = weights});
             std::vector<float> factors(skeleton.size(), 1);
             factors.back() = 0;  // reaches nowhere
             scene.field.scale_weights(factors);

@@ -113,7 +113,7 @@ TEST(MarchKernels, MakeTheSameBitsOfTrees) {
     for (const auto& [name, skeleton] : small_trees()) {
         for (int levels = 0; levels <= 2; ++levels) {
             SCOPED_TRACE(testing::Message() << name << " levels " << levels);
-            const Scene scene(skeleton, levels, 0.7f);
+            const TetraScene scene(skeleton, levels, 0.7f);
             const MarchOptions options{.levels = levels, .snap = levels == 2 ? 0 : 0.45f};
             const MarchResult expected =
                 march(scene.lattice.mesh(), FieldRef(scene.field), scene.inside(), options);
@@ -126,7 +126,7 @@ TEST(MarchKernels, MakeTheSameBitsOfTrees) {
 // With a twentieth of its weight the field is below its level everywhere: axes are held by corners that move.
 TEST(MarchKernels, HoldAxesThatTheFieldLoses) {
     for (const float factor : {0.05f, 0.9f}) {
-        Scene scene(random_tree(60, 4, true), 1, 0.9f, {}, 0);
+        TetraScene scene(random_tree(60, 4, true), 1, 0.9f, {}, 0);
         scene.field.scale_weights(std::vector<float>(scene.skeleton.size(), factor));
         const MarchOptions options{.levels = 1};
         const MarchResult expected =
@@ -174,7 +174,7 @@ TEST(MarchKernels, FindTheSameFoldsAndFans) {
         SCOPED_TRACE(levels);
         const TetraMesh mesh = shuffled(bent(bcc_block({5, 5, 5}, 1, {0, 0, 0}), 0.12f, 1), 1);
         expect_same_snapping(mesh, levels, noise(1, 1.7f * static_cast<float>(1 << levels)), found);
-        const Scene scene(random_tree(60, 4, true), levels, 0.6f);
+        const TetraScene scene(random_tree(60, 4, true), levels, 0.6f);
         expect_same_snapping(scene.lattice.mesh(), levels, scene.field, found);
     }
     EXPECT_GT(found.folds, 100);
@@ -183,7 +183,7 @@ TEST(MarchKernels, FindTheSameFoldsAndFans) {
 }
 
 TEST(MarchKernels, GiveTheSameBitsForAnyNumberOfThreads) {
-    const Scene scene(random_tree(60, 4, true), 1, 0.5f);
+    const TetraScene scene(random_tree(60, 4, true), 1, 0.5f);
     const MarchOptions options{.levels = 1};
     const MarchResult one = march_by_kernels(scene.lattice.mesh(), scene.field, scene.inside(), options, 1);
     for (const unsigned threads : {2u, 7u})
@@ -200,7 +200,7 @@ MarchResult march_as_a_card(const TetraMesh& mesh, const CutConvolution& field, 
 }
 
 /// Where rounding decides otherwise whether a vertex is near enough, some triangles differ; nothing else.
-void expect_alike(const Scene& scene, const MarchResult& found, const MarchResult& expected,
+void expect_alike(const TetraScene& scene, const MarchResult& found, const MarchResult& expected,
                   std::size_t step) {
     EXPECT_EQ(found.open, expected.open);
     EXPECT_EQ(found.report.dropped, expected.report.dropped);
@@ -244,7 +244,7 @@ TEST(MarchKernels, AgreeWithTheFieldOfACard) {
         for (const Kernel kernel : {Kernel::quartic, Kernel::cauchy, Kernel::scalis, Kernel::balls}) {
             if (kernel != Kernel::quartic && ++turn % 4 != 0) continue;
             SCOPED_TRACE(testing::Message() << name << " kernel " << static_cast<int>(kernel));
-            const Scene scene(skeleton, 1, 0.6f, {.kernel = kernel});
+            const TetraScene scene(skeleton, 1, 0.6f, {.kernel = kernel});
             const EndCuts ends = cut_at_root(skeleton, scene.lattice.mesh().region_count());
             const CutConvolution field{scene.field, ends};
             const MarchOptions options{.levels = 1};
@@ -283,7 +283,7 @@ TEST(MarchKernels, AgreeOnTheWorkloads) {
             std::filesystem::path("/work/shared/workloads") / (std::string(name) + ".swc");
         if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads";
         SCOPED_TRACE(name);
-        const Scene scene(read_swc(path), 1, 0.8f);
+        const TetraScene scene(read_swc(path), 1, 0.8f);
         const EndCuts none;
         const CutConvolution field{scene.field, none};
         const MarchOptions options{.levels = 1};
@@ -296,7 +296,7 @@ TEST(MarchKernels, AgreeOnTheWorkloads) {
 
 TEST(CutConvolution, EndsInAPlane) {
     const Skeleton tree = random_tree(20, 2);
-    Scene scene(tree, 1, 0.6f, {.root_extension = 1.5f});
+    TetraScene scene(tree, 1, 0.6f, {.root_extension = 1.5f});
     const EndCuts ends = cut_at_root(tree, scene.lattice.mesh().region_count());
     ASSERT_EQ(ends.cuts.size(), 1u);
     const CutConvolution field{scene.field, ends};
@@ -469,7 +469,7 @@ TEST(PrintedMarch, LeavesTheWeldOut) {
 
 // With a card: the same through its own executor. Without one, it says so.
 TEST(DeviceMarcher, MarchesOnACardOrSaysThatThereIsNone) {
-    const Scene scene(random_tree(60, 4, true), 1, 0.6f);
+    const TetraScene scene(random_tree(60, 4, true), 1, 0.6f);
     const EndCuts ends = cut_at_root(scene.skeleton, scene.lattice.mesh().region_count());
     const CutConvolution field{scene.field, ends};
     if (!find_device().device) {
