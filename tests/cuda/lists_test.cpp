@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <optional>
+#include <string>
 
 #include "coppice/cuda/exec/host_executor.h"
-#include "paths.h"
 #include "strict_executor.h"
+#include "workloads.h"
 
 namespace coppice::cuda {
 namespace {
@@ -29,36 +28,14 @@ TEST(FindContacts, FindsThemForEveryKernelAndBlend) {
     expect_same(compare<HostExecutor>(scene, {.weights = Weights::global}));
 }
 
-// Lines of "id type x y z radius parent".
-Skeleton read_swc(const std::filesystem::path& path) {
-    std::ifstream file(path);
-    std::vector<NodeId> parent, id_of{NodeId::none()};
-    std::vector<Vec3> position;
-    std::vector<float> radius;
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream in(line);
-        std::int64_t id = 0, type = 0, up = 0;
-        Vec3 p;
-        float r = 0;
-        if (!(in >> id >> type >> p.x >> p.y >> p.z >> r >> up)) continue;
-        id_of.resize(std::max<std::size_t>(id_of.size(), static_cast<std::size_t>(id) + 1));
-        id_of[static_cast<std::size_t>(id)] = NodeId(static_cast<std::uint32_t>(parent.size()));
-        parent.push_back(up > 0 ? id_of[static_cast<std::size_t>(up)] : NodeId::none());
-        position.push_back(p);
-        radius.push_back(r);
-    }
-    return {std::move(parent), std::move(position), std::move(radius)};
-}
-
 class Workload : public testing::TestWithParam<const char*> {};
 
 TEST_P(Workload, HasTheListsOfTheCpu) {
-    const auto path = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "workloads" / GetParam();
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads beside the checkout";
-    const Skeleton tree = read_swc(path);
+    const std::optional<Skeleton> tree = workload(GetParam());
+    if (!tree) GTEST_SKIP() << "no workloads beside the checkout";
     for (const float graft : {0.0f, 0.6f}) {
         SCOPED_TRACE(graft);
-        const Comparison c = compare<HostExecutor>(wrap(tree, graft));
+        const Comparison c = compare<HostExecutor>(wrap(*tree, graft));
         // The CPU looks at kMostNear segments for several regions together, which is too few for some.
         expect_same(c, static_cast<std::uint32_t>(c.lists / 10000));
         EXPECT_GT(c.rivals, 0u);

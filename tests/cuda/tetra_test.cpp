@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
+#include <optional>
 #include <set>
-#include <sstream>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,6 +17,7 @@
 #include "coppice/tetra/march/snapping_internal.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
 #include "cuda/tetra_scene.h"
+#include "cuda/workloads.h"
 #include "tetra/support.h"
 #include "tetra/surfaces.h"
 
@@ -259,31 +257,12 @@ TEST(MarchKernels, AgreeWithTheFieldOfACard) {
     EXPECT_GT(same, all / 2) << "positions were hardly compared";
 }
 
-/// Nodes of an SWC file that are numbered from 1 on.
-Skeleton read_swc(const std::filesystem::path& path) {
-    std::vector<NodeId> parents;
-    std::vector<Vec3> positions;
-    std::vector<float> radii;
-    std::ifstream in(path);
-    for (std::string line; std::getline(in, line);) {
-        std::istringstream row(line);
-        int id = 0, type = 0, parent = 0;
-        float x = 0, y = 0, z = 0, radius = 0;
-        if (!(row >> id >> type >> x >> y >> z >> radius >> parent)) continue;
-        parents.push_back(parent < 1 ? NodeId() : NodeId(static_cast<std::uint32_t>(parent) - 1));
-        positions.push_back({x, y, z});
-        radii.push_back(radius);
-    }
-    return {std::move(parents), std::move(positions), std::move(radii)};
-}
-
 TEST(MarchKernels, AgreeOnTheWorkloads) {
-    for (const char* name : {"tree300", "tree300hard", "tree3k"}) {
-        const std::filesystem::path path =
-            std::filesystem::path("/work/shared/workloads") / (std::string(name) + ".swc");
-        if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads";
+    for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
+        const std::optional<Skeleton> tree = workload(name);
+        if (!tree) GTEST_SKIP() << "no workloads beside the checkout";
         SCOPED_TRACE(name);
-        const TetraScene scene(read_swc(path), 1, 0.8f);
+        const TetraScene scene(*tree, 1, 0.8f);
         const EndCuts none;
         const CutConvolution field{scene.field, none};
         const MarchOptions options{.levels = 1};
