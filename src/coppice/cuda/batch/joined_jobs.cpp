@@ -89,9 +89,9 @@ void JoinedJobs::refer() {
 
 std::uint32_t JoinedJobs::vertex_count(std::size_t job) const {
     const JobOffsets &from = offsets_[job], &to = offsets_[job + 1];
-    const std::uint32_t inside = (1u << job_.levels) - 1;
-    return to.vertices - from.vertices + inside * (to.edges - from.edges) +
-           inside * inside * (to.faces - from.faces);
+    return refined_counts(to.vertices - from.vertices, to.edges - from.edges, to.faces - from.faces,
+                          job_.levels)
+        .vertices;
 }
 
 void JoinedJobs::copy_part(std::size_t job, std::span<const Vec3> all, std::span<Vec3> out) const {

@@ -58,8 +58,7 @@ class QuadRun {
         for (std::size_t i = 0; i < jobs.size(); ++i) {
             const std::uint64_t regions = contacts[i].control.region_node.size();
             const std::uint64_t segments = contacts[i].field.segments().size();
-            bytes.push_back({bytes_of_job(jobs[i]),
-                             bytes_of_field(kTableSegments * segments, kEntriesPerRegion * regions)});
+            bytes.push_back({bytes_of_job(jobs[i]), bytes_of_contacts(segments, regions)});
             region_counts_.push_back(static_cast<std::uint32_t>(regions));
         }
         plan(bytes);
@@ -127,9 +126,6 @@ class QuadRun {
     QuadStages<Exec>& stages() { return *stages_; }
 
   private:
-    static constexpr std::uint64_t kTableSegments = 4;       // a segment with all that its lists are made of
-    static constexpr std::uint64_t kEntriesPerRegion = 100;  // with what finding them takes
-
     // What the lists of a field are made of, where the executor makes them.
     struct Contacts {
         ContactTables tables;

@@ -76,9 +76,9 @@ class MappedBuffers {
 
 // Memory that frames take, about.
 std::uint64_t bytes_of(const cuda::DragJob& job) {
-    constexpr std::uint64_t kEntriesPerRegion = 100, kPerSegment = 4;  // with what finding lists takes
-    return coppice::bytes_of(job.quads, kPerSegment * job.contacts.field.segments().size(),
-                             kEntriesPerRegion * job.contacts.control.region_node.size()) +
+    return cuda::kSlackBytes + cuda::bytes_of_job(job.quads) +
+           cuda::bytes_of_contacts(job.contacts.field.segments().size(),
+                                   job.contacts.control.region_node.size()) +
            job.drawn.size_bytes() + job.shaded() * sizeof(Vec3) + job.from.size_bytes() +
            job.fan_first.size_bytes() + job.fan_quads.size_bytes() + job.quads_about.size_bytes();
 }

@@ -43,7 +43,7 @@ class DragStages {
         before_ = exec.mark();
     }
 
-    /// Begins a frame; does not wait for it, but for the one before. `project(quads, field)` moves refined
+    /// Begins a frame, and does not wait for it. `project(quads, field)` moves refined
     /// vertices onto a field: see QuadStages::project. What it writes is of use once has_room().
     template <class Project>
     void begin(const DragMoves& moves, const DrawnVertices& drawn, const Project& project) {

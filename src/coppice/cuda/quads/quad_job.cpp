@@ -8,10 +8,13 @@ namespace coppice {
 
 namespace cuda {
 
-QuadCounts refined_counts(const CageView& cage, int levels) {
+QuadCounts refined_counts(std::uint32_t vertices, std::uint32_t edges, std::uint32_t quads, int levels) {
     const std::uint32_t inside = (1u << levels) - 1;
-    return {cage.vertex_count() + inside * cage.edge_count() + inside * inside * cage.face_count(),
-            cage.face_count() << (2 * levels)};
+    return {vertices + inside * edges + inside * inside * quads, quads << (2 * levels)};
+}
+
+QuadCounts refined_counts(const CageView& cage, int levels) {
+    return refined_counts(cage.vertex_count(), cage.edge_count(), cage.face_count(), levels);
 }
 
 std::uint64_t bytes_of_job(const QuadJob& job) {
@@ -33,6 +36,12 @@ std::uint64_t bytes_of_job(const QuadJob& job) {
 
 std::uint64_t bytes_of_field(std::uint64_t segments, std::uint64_t entries) {
     return sizeof(DeviceSegment) * segments + sizeof(std::uint32_t) * entries;
+}
+
+std::uint64_t bytes_of_contacts(std::uint64_t segments, std::uint64_t regions) {
+    constexpr std::uint64_t kTableSegments = 4;       // a segment with all that its lists are made of
+    constexpr std::uint64_t kEntriesPerRegion = 100;  // with what finding them takes
+    return bytes_of_field(kTableSegments * segments, kEntriesPerRegion * regions);
 }
 
 }  // namespace cuda

@@ -61,7 +61,9 @@ struct QuadCounts {
     std::uint32_t quads;     ///< refined
 };
 
-/// Of a cage that is refined so many times. It must be one that PatchRefinement takes.
+/// Of a cage of so many vertices, edges and quads that is refined so many times.
+QuadCounts refined_counts(std::uint32_t vertices, std::uint32_t edges, std::uint32_t quads, int levels);
+/// The same of a cage. It must be one that PatchRefinement takes.
 QuadCounts refined_counts(const CageView& cage, int levels);
 
 /// [bytes] Of a card that a job takes, if not more than a fiftieth of its quads is folded.
@@ -69,6 +71,9 @@ std::uint64_t bytes_of_job(const QuadJob& job);
 
 /// [bytes] Of a card that a field of so many segments takes, whose lists have so many entries.
 std::uint64_t bytes_of_field(std::uint64_t segments, std::uint64_t entries);
+
+/// [bytes] The same of a field of so many segments in so many regions, with all that finding its lists takes.
+std::uint64_t bytes_of_contacts(std::uint64_t segments, std::uint64_t regions);
 
 /// [bytes] What arrays are rounded up by, and what is small.
 inline constexpr std::uint64_t kSlackBytes = std::uint64_t{16} << 20;
