@@ -30,5 +30,17 @@ TEST(NumberSet, MayBeEmpty) {
     EXPECT_TRUE(NumberSet(65).ascending().empty());
 }
 
+TEST(ChosenNumbers, HavePlacesInAscendingOrder) {
+    NumberSet set(200);
+    for (const std::uint32_t i : {130u, 7u, 64u}) set.add(i);
+    const ChosenNumbers chosen(set);
+    EXPECT_EQ(chosen.size(), 3u);
+    EXPECT_EQ(std::vector<std::uint32_t>(chosen.begin(), chosen.end()),
+              (std::vector<std::uint32_t>{7, 64, 130}));
+    EXPECT_TRUE(chosen.has(64));
+    EXPECT_FALSE(chosen.has(65));
+    for (std::size_t place = 0; place < chosen.size(); ++place) EXPECT_EQ(chosen.place(chosen[place]), place);
+}
+
 }  // namespace
 }  // namespace coppice

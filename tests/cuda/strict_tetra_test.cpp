@@ -26,15 +26,8 @@ struct CutTree {
     EndCuts ends;
 
     CutTree() {
-        const TetraMesh& mesh = lattice.mesh();
-        const std::uint32_t regions = mesh.region_count();
-        std::vector<Box3> boxes(regions);
-        for (std::uint32_t r = 0; r < regions; ++r) {
-            for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-                for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
-            }
-        }
-        field.set_regions(boxes);
+        const std::uint32_t regions = lattice.mesh().region_count();
+        field.set_regions(region_boxes(lattice.mesh()));
         ends.cuts.push_back({skeleton.position(NodeId(0)), {0, 0, -1}, skeleton.radius(NodeId(0))});
         ends.of_region = compress_rows<std::uint32_t>(regions, [&](const auto& put) {
             for (std::uint32_t r = 0; r < regions; ++r) put(r, 0u);
@@ -53,8 +46,9 @@ template <class Exec>
 MarchResult marched(const CutTree& tree, int levels) {
     Exec exec;
     const CutConvolution field{tree.field, tree.ends};
-    const MarchJob job = upload_march(exec, tree.lattice.mesh(), field, {tree.axes, tree.lattice.passing()},
-                                      {.levels = levels});
+    const InsideAxes axes{tree.axes, tree.lattice.passing()};
+    const MarchOptions options{.levels = levels};
+    const MarchJob job = upload_march(exec, {tree.lattice.mesh(), field, axes, options});
     return downloaded(exec, *march(exec, job));
 }
 

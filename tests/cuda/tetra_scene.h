@@ -37,16 +37,7 @@ struct TetraScene {
           field(skeleton, options) {
         set_regions();
     }
-    void set_regions() {
-        const TetraMesh& mesh = lattice.mesh();
-        std::vector<Box3> boxes(mesh.region_count());
-        for (std::uint32_t r = 0; r < boxes.size(); ++r) {
-            for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-                for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
-            }
-        }
-        field.set_regions(boxes);
-    }
+    void set_regions() { field.set_regions(region_boxes(lattice.mesh())); }
     InsideAxes inside() const { return {axes, lattice.passing()}; }
     float radius_near(Vec3 p) const {
         double least = HUGE_VAL;

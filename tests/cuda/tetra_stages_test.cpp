@@ -127,7 +127,8 @@ std::size_t expect_same_held(const TetraMesh& mesh, const InsideAxes& axes, int 
         EXPECT_EQ(found.vertex[i], expected.list[i].vertex);
         EXPECT_EQ(found.segment[i], expected.list[i].segment);
     }
-    EXPECT_TRUE(same(found.of_each_set, std::span<const std::uint32_t>(expected.of_each_set)));
+    EXPECT_TRUE(same(cuda::first_of_sets(exec, found, refined),
+                     std::span<const std::uint32_t>(expected.of_each_set)));
     return expected.list.size();
 }
 
@@ -248,9 +249,9 @@ void expect_same_parts(const std::vector<Ball>& balls, const std::vector<Vec3>& 
     for (const Ball& b : balls) add_ball(b.center, b.radius, b.inside_out, mesh);
     HostExecutor exec(Context{.threads = 2});
     cuda::DeviceSurface found{exec.upload(std::span<const Vec3>(mesh.positions)),
-                              exec.upload(std::span<const Triangle>(mesh.triangles)), 0};
+                              exec.upload(std::span<const Triangle>(mesh.triangles))};
     EXPECT_EQ(cuda::drop_parts(exec, found, places, {}), dropped);
-    EXPECT_EQ(tetra_internal::drop_parts(mesh, places, true, {}).count, dropped);
+    EXPECT_EQ(drop_parts(mesh, places, true, {}).count, dropped);
     EXPECT_TRUE(same(found.positions, std::span<const Vec3>(mesh.positions)));
     EXPECT_TRUE(same(found.triangles, std::span<const Triangle>(mesh.triangles)));
 }

@@ -16,6 +16,7 @@
 #include "coppice/mesh/topology.h"
 #include "coppice/tetra/march/snapping_internal.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
+#include "cuda/march_support.h"
 #include "cuda/tetra_scene.h"
 #include "cuda/workloads.h"
 #include "tetra/support.h"
@@ -42,25 +43,6 @@ MarchResult march_by_kernels(const TetraMesh& mesh, const F& field, const Inside
                                         options.refinements, ctx));
 }
 
-void expect_same(const MarchResult& found, const MarchResult& expected) {
-    EXPECT_EQ(found.report, expected.report);
-    EXPECT_EQ(found.open, expected.open);
-    EXPECT_EQ(found.mesh.triangles, expected.mesh.triangles);
-    ASSERT_EQ(found.mesh.positions.size(), expected.mesh.positions.size());
-    EXPECT_TRUE(found.mesh.positions == expected.mesh.positions) << "other bits";
-}
-
-/// Values constant in cells of a grid, and below the level near the hull of [0, 5]^3.
-AnyField noise(std::uint64_t seed, float per_cell) {
-    return {[=](Vec3 p) {
-                if (std::min({p.x, p.y, p.z}) < 1.01f || std::max({p.x, p.y, p.z}) > 3.99f) return -1.0f;
-                const auto q = [&](float x) { return static_cast<std::uint64_t>(x * per_cell); };
-                const CounterRandom random(seed, 3);
-                return static_cast<float>(random.uniform((q(p.x) * 4096 + q(p.y)) * 4096 + q(p.z), -1, 1));
-            },
-            0, 0.03f};
-}
-
 TEST(MarchKernels, MakeTheSameBitsOnNoise) {
     std::uint64_t freed = 0, triangles = 0;
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -70,7 +52,7 @@ TEST(MarchKernels, MakeTheSameBitsOnNoise) {
         for (int levels = 0; levels <= (seed == 0 ? 3 : 2); ++levels) {
             for (const float snap : {0.0f, 0.45f}) {
                 SCOPED_TRACE(testing::Message() << seed << " levels " << levels << " snap " << snap);
-                const AnyField field = noise(seed, 1.7f * static_cast<float>(1 << levels));
+                const AnyField field = noise(seed, 1.7f * static_cast<float>(1 << levels), {5, 5, 5});
                 const MarchOptions options{.levels = levels, .snap = snap};
                 const CompressedRows<std::uint32_t> none;
                 const MarchResult expected = march(mesh, FieldRef(field), options);
@@ -171,7 +153,8 @@ TEST(MarchKernels, FindTheSameFoldsAndFans) {
     for (int levels = 0; levels <= 2; ++levels) {
         SCOPED_TRACE(levels);
         const TetraMesh mesh = shuffled(bent(bcc_block({5, 5, 5}, 1, {0, 0, 0}), 0.12f, 1), 1);
-        expect_same_snapping(mesh, levels, noise(1, 1.7f * static_cast<float>(1 << levels)), found);
+        expect_same_snapping(mesh, levels, noise(1, 1.7f * static_cast<float>(1 << levels), {5, 5, 5}),
+                             found);
         const TetraScene scene(random_tree(60, 4, true), levels, 0.6f);
         expect_same_snapping(scene.lattice.mesh(), levels, scene.field, found);
     }
@@ -193,7 +176,7 @@ TEST(MarchKernels, GiveTheSameBitsForAnyNumberOfThreads) {
 MarchResult march_as_a_card(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                             const MarchOptions& options) {
     HostExecutor exec;
-    const cuda::MarchJob job = cuda::upload_march(exec, mesh, field, axes, options);
+    const cuda::MarchJob job = cuda::upload_march(exec, {mesh, field, axes, options});
     return cuda::downloaded(exec, cuda::march(exec, job).value());
 }
 
@@ -220,20 +203,6 @@ void expect_alike(const TetraScene& scene, const MarchResult& found, const March
         ASSERT_LE(away, 2e-3f * radius + rounding) << v;
     }
     EXPECT_LE(moved, 1 + compared / 100);
-}
-
-/// Cuts the root's end, in every region.
-EndCuts cut_at_root(const Skeleton& skeleton, std::uint32_t regions) {
-    EndCuts out;
-    const NodeId root(0);
-    if (skeleton.children(root).size() != 1) return out;
-    const Vec3 way = skeleton.position(root) - skeleton.position(skeleton.children(root)[0]);
-    if (length(way) == 0) return out;
-    out.cuts.push_back({skeleton.position(root), normalized(way), skeleton.radius(root)});
-    out.of_region = compress_rows<std::uint32_t>(regions, [&](const auto& put) {
-        for (std::uint32_t r = 0; r < regions; ++r) put(r, 0u);
-    });
-    return out;
 }
 
 TEST(MarchKernels, AgreeWithTheFieldOfACard) {
@@ -460,6 +429,15 @@ TEST(DeviceMarcher, MarchesOnACardOrSaysThatThereIsNone) {
     const MarchResult expected = march(scene.lattice.mesh(), FieldRef(field), scene.inside(), options);
     for (int round = 0; round < 3; ++round)
         expect_alike(scene, marcher.march(scene.lattice.mesh(), field, scene.inside(), options), expected, 7);
+    const TetraScene large(random_tree(250, 5), 1, 0.6f);
+    const EndCuts none;
+    const CutConvolution whole{large.field, none};
+    const auto march_on = [&](DeviceMarcher& on) {
+        return on.march(large.lattice.mesh(), whole, large.inside(), options);
+    };
+    const MarchResult at_once = march_on(marcher);
+    DeviceMarcher small({}, marcher.bytes_used() / 10 * 7);
+    expect_same(march_on(small), at_once);
     const PrintedMarch printed = marcher.march_as_printed(scene.lattice.mesh(), 1, field, true);
     EXPECT_EQ(printed.triangles, printed.mesh.triangles.size());
     EXPECT_TRUE(topology(polygons(printed.mesh)).sound());

@@ -419,12 +419,7 @@ struct RegionField {
 TEST(March, AsksEveryRegionAboutItself) {
     const TetraMesh mesh = bcc_block({6, 6, 6}, 1, {-3, -3, -3});
     std::atomic<std::uint64_t> outside = 0, samples = 0;
-    RegionField field{ball_field({}, 1.7f), std::vector<Box3>(mesh.region_count()), &outside, &samples};
-    for (std::uint32_t r = 0; r < mesh.region_count(); ++r) {
-        for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-            for (const std::uint32_t v : mesh.tetra[t]) field.boxes[r].extend(mesh.positions[v]);
-        }
-    }
+    const RegionField field{ball_field({}, 1.7f), region_boxes(mesh), &outside, &samples};
     const MarchResult r = march(mesh, FieldRef(field), {.snap = 0, .refinements = 0});
     EXPECT_EQ(outside, 0u);
     EXPECT_EQ(samples, r.report.vertices) << "each fine vertex once";

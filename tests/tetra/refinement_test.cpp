@@ -39,6 +39,16 @@ double volume(const TetraMesh& mesh) {
     return sum / 6;
 }
 
+TEST(TetraMesh, HasABoxAboutEachRegion) {
+    const TetraMesh mesh = bcc_block({2, 1, 1}, 2, {1, 0, 0});
+    const std::vector<Box3> boxes = region_boxes(mesh);
+    ASSERT_EQ(boxes.size(), mesh.region_count());
+    // The one face between two cells, and the centers on both sides.
+    ASSERT_EQ(boxes.size(), 1u);
+    EXPECT_EQ(boxes[0].low, (Vec3{2, 0, 0}));
+    EXPECT_EQ(boxes[0].high, (Vec3{4, 2, 2}));
+}
+
 TEST(TetraRefinement, FillsEveryTetrahedronAndConforms) {
     for (const Scene& scene : scenes()) {
         for (int levels = 0; levels <= (scene.mesh.tetra.size() < 3 ? 4 : 2); ++levels) {

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace coppice {
@@ -55,6 +56,25 @@ class NumberSet {
   private:
     std::vector<std::uint64_t> word_;
     std::vector<std::uint32_t> before_;  // per word: members in earlier ones
+};
+
+/// Some of many numbers, and their places in ascending order.
+class ChosenNumbers {
+  public:
+    /// The members of a set. O(bound / 64 + members).
+    explicit ChosenNumbers(NumberSet set) : set_(std::move(set)), all_(set_.ascending()) { set_.count(); }
+
+    /// Whether i was chosen, which must be below the bound of the set. O(1).
+    bool has(std::uint32_t i) const { return set_.contains(i); }
+    std::uint32_t place(std::uint32_t i) const { return set_.rank(i); }        ///< of i, which was chosen
+    std::uint32_t operator[](std::size_t place) const { return all_[place]; }  ///< the number there
+    std::size_t size() const { return all_.size(); }                           ///< how many were chosen
+    auto begin() const { return all_.begin(); }                                ///< the least one
+    auto end() const { return all_.end(); }                                    ///< beyond the greatest
+
+  private:
+    NumberSet set_;
+    std::vector<std::uint32_t> all_;
 };
 
 }  // namespace coppice

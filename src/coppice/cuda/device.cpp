@@ -12,8 +12,8 @@ DeviceInfo require_device(int number) {
 
 void require_room(std::uint64_t free, std::uint64_t needed) {
     if (needed <= free) return;
-    throw DeviceError("the CUDA device has " + std::to_string(free >> 20) + " MiB of memory free, and " +
-                      std::to_string(needed >> 20) + " would be needed");
+    throw DeviceFull("the CUDA device has " + std::to_string(free >> 20) + " MiB of memory free, and " +
+                     std::to_string(needed >> 20) + " would be needed");
 }
 
 }  // namespace coppice

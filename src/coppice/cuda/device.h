@@ -55,10 +55,16 @@ class DeviceError : public Error {
     using Error::Error;
 };
 
+/// The work is too large for the card, mostly for its memory: it can still do it in parts.
+class DeviceFull : public DeviceError {
+  public:
+    using DeviceError::DeviceError;
+};
+
 /// The same card. Throws DeviceError, which says why, where there is none.
 DeviceInfo require_device(int number = 0);
 
-/// Throws DeviceError, which says both numbers, where a card has less memory free than would be needed
+/// Throws DeviceFull, which says both numbers, where a card has less memory free than would be needed
 /// [bytes].
 void require_room(std::uint64_t free, std::uint64_t needed);
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/parallel.h"
 #include "coppice/cuda/tetra/device_marcher.h"
 #include "coppice/pipeline/end_cuts_internal.h"
 #include "coppice/pipeline/quads/quads_on_device_internal.h"
@@ -14,7 +13,6 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kTetraSkeletonGrain = 1024;
 // Most cells are about half as wide as they may be, and edges a little shorter than the cells are wide.
 constexpr float kCellOverEdge = 2.8f;
 constexpr double kLeastPolyhedronEdge = 0.07;  ///< [radii] below it takes too many cuts
@@ -51,16 +49,6 @@ bool is_cut_away(const Skeleton& skeleton, const ControlOptions& ends) {
         if (ends_flat(skeleton, n, ends) && skeleton.radius(n) > box.diagonal() + others) return true;
     }
     return false;
-}
-
-std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx) {
-    std::vector<Box3> boxes(mesh.region_count());
-    parallel_for(ctx, boxes.size(), kTetraSkeletonGrain, [&](std::size_t r) {
-        for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-            for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
-        }
-    });
-    return boxes;
 }
 
 /// All that a surface is made of but the tetrahedra.

@@ -30,7 +30,7 @@ QuadPiece::QuadPiece(const QuadJob& whole, IndexRange own)
     arrays_.lend(job_);
 }
 
-QuadPiece::Chosen QuadPiece::faces_around() const {
+ChosenNumbers QuadPiece::faces_around() const {
     NumberSet chosen(whole_.cage.face_count());
     std::vector<std::uint32_t> faces;
     const auto add = [&](std::uint32_t f) {
@@ -52,10 +52,10 @@ QuadPiece::Chosen QuadPiece::faces_around() const {
             for (std::uint32_t k = 0; is_touched && k < clip.quad_count; ++k) add(clip.first_quad + k);
         }
     }
-    return Chosen(std::move(chosen));
+    return ChosenNumbers(std::move(chosen));
 }
 
-QuadPiece::Chosen QuadPiece::vertices_of_faces() const {
+ChosenNumbers QuadPiece::vertices_of_faces() const {
     NumberSet chosen(whole_.cage.vertex_count());
     for (const std::uint32_t f : faces_) {
         for (const std::uint32_t v : whole_.cage.quads[f]) chosen.add(v);
@@ -64,15 +64,15 @@ QuadPiece::Chosen QuadPiece::vertices_of_faces() const {
     for (std::uint32_t v = 0; own_.begin == 0 && v < whole_.cage.vertex_count(); ++v) {
         if (whole_.cage.fan(v).empty()) chosen.add(v);
     }
-    return Chosen(std::move(chosen));
+    return ChosenNumbers(std::move(chosen));
 }
 
-QuadPiece::Chosen QuadPiece::edges_of_faces() const {
+ChosenNumbers QuadPiece::edges_of_faces() const {
     NumberSet chosen(whole_.cage.edge_count());
     for (const std::uint32_t f : faces_) {
         for (const std::uint32_t side : whole_.cage.side[f]) chosen.add(side >> 1);
     }
-    return Chosen(std::move(chosen));
+    return ChosenNumbers(std::move(chosen));
 }
 
 void QuadPiece::take_faces() {

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "coppice/base/number_set.h"
@@ -40,26 +39,10 @@ class QuadPiece {
     static std::size_t cut(std::span<const ClipPlane> clips, IndexRange quads, std::size_t wanted);
 
   private:
-    /// Some of the whole's faces, vertices or edges, which the piece has by their order.
-    class Chosen {
-      public:
-        explicit Chosen(NumberSet set) : set_(std::move(set)), all_(set_.ascending()) { set_.count(); }
-        bool has(std::uint32_t i) const { return set_.contains(i); }
-        std::uint32_t place(std::uint32_t i) const { return set_.rank(i); }  ///< in the piece
-        std::uint32_t operator[](std::size_t place) const { return all_[place]; }
-        std::size_t size() const { return all_.size(); }
-        auto begin() const { return all_.begin(); }
-        auto end() const { return all_.end(); }
-
-      private:
-        NumberSet set_;
-        std::vector<std::uint32_t> all_;
-    };
-
     bool owns(std::uint32_t half) const { return own_.begin <= half >> 2 && half >> 2 < own_.end; }
-    Chosen faces_around() const;
-    Chosen vertices_of_faces() const;
-    Chosen edges_of_faces() const;
+    ChosenNumbers faces_around() const;
+    ChosenNumbers vertices_of_faces() const;
+    ChosenNumbers edges_of_faces() const;
     void take_faces();
     void take_vertices();
     void take_edges();
@@ -67,7 +50,7 @@ class QuadPiece {
 
     const QuadJob& whole_;
     IndexRange own_;
-    Chosen faces_, vertices_, edges_;
+    ChosenNumbers faces_, vertices_, edges_;
     JobArrays arrays_;
     QuadJob job_;
 };

@@ -3,6 +3,7 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -101,7 +102,9 @@ class CudaExecutor {
         Mark begin_, end_;
     };
 
-    explicit CudaExecutor(const Context& ctx = {}) : ctx_(ctx), stream_(new_stream()), staging_(stream_) {}
+    /// Arrays may take `most` bytes of the card.
+    explicit CudaExecutor(const Context& ctx = {}, std::size_t most = std::numeric_limits<std::size_t>::max())
+        : ctx_(ctx), most_(most), stream_(new_stream()), staging_(stream_) {}
     CudaExecutor(const CudaExecutor&) = delete;
     CudaExecutor& operator=(const CudaExecutor&) = delete;
     ~CudaExecutor() {
@@ -116,7 +119,7 @@ class CudaExecutor {
     std::size_t room() const {
         std::size_t free = 0, all = 0;
         check(cudaMemGetInfo(&free, &all), "tell its memory");
-        return free - free / 32 + device_.size();  // the driver wants some of it
+        return std::min(most_, free - free / 32 + device_.size());  // the driver wants some of it
     }
     /// Makes sure of so much memory at once; throws when the card has less. What is taken beyond it comes in
     /// further pieces.
@@ -127,7 +130,9 @@ class CudaExecutor {
     template <class T>
     std::span<T> array(std::size_t count) {
         static_assert(std::is_trivially_copyable_v<T>);
-        return {reinterpret_cast<T*>(device_.take(count * sizeof(T))), count};
+        const std::size_t bytes = count * sizeof(T);
+        require_room(most_, device_.mark().total + bytes);
+        return {reinterpret_cast<T*>(device_.take(bytes)), count};
     }
     template <class T>
     std::span<const T> upload(std::span<const T> values) {
@@ -270,7 +275,7 @@ class CudaExecutor {
     template <class Int>
     static Int checked(std::size_t count) {
         if (count > static_cast<std::size_t>(std::numeric_limits<Int>::max()))
-            throw DeviceError("there is more than a CUDA device takes at once");
+            throw DeviceFull("there is more than a CUDA device takes at once");
         return static_cast<Int>(count);
     }
 
@@ -301,6 +306,7 @@ class CudaExecutor {
     }
 
     Context ctx_;
+    std::size_t most_;
     cudaStream_t stream_ = nullptr;
     Staging staging_;
     Arena<DeviceMemory> device_;

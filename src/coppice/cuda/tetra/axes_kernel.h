@@ -113,13 +113,15 @@ struct JoinAxes {
     }
 };
 
-/// Finds the first vertex of each set of axes.
+/// Finds the first vertex of each set of axes that a wanted tetrahedron is the first of.
 struct FindFirstOfSet {
+    DeviceRefinement refinement;
+    std::span<const std::uint32_t> vertex;   ///< by rank
     std::span<const std::uint32_t> segment;  ///< by rank
     DeviceSets sets;
     std::span<std::uint32_t> first;  ///< rank, by the segment that stands for the set
     COPPICE_HOST_DEVICE void operator()(std::uint32_t rank) const {
-        lower_to(first[sets.find(segment[rank])], rank);
+        if (refinement.owns(vertex[rank])) lower_to(first[sets.find(segment[rank])], rank);
     }
 };
 

@@ -10,11 +10,11 @@ namespace coppice::cuda {
 
 /// The fine vertices that hold axes together, on an executor: see HeldVertices.
 struct DeviceHeld {
-    CountedBits bits;                            ///< of fine vertices; ranks are by these
-    std::span<const std::uint32_t> vertex;       ///< by rank
-    std::span<const std::uint32_t> segment;      ///< by rank: of the axes it holds, the nearest
-    std::span<const Segment> segments;           ///< [m] the axes
-    std::span<const std::uint32_t> of_each_set;  ///< ranks: one for each set of axes that they join
+    CountedBits bits;                        ///< of fine vertices; ranks are by these
+    std::span<const std::uint32_t> vertex;   ///< by rank
+    std::span<const std::uint32_t> segment;  ///< by rank: of the axes it holds, the nearest
+    std::span<const Segment> segments;       ///< [m] the axes
+    DeviceSets sets;                         ///< of axes that they join
 };
 
 /// Copies axes, and which of them pass through the regions of a coarse mesh that is there.
@@ -37,7 +37,7 @@ PassingAxes upload_axes(Exec& exec, const InsideAxes& axes, const DeviceRefineme
     return out;
 }
 
-/// Finds the nearest axis of every held vertex, and a vertex for each set of axes.
+/// Finds the nearest axis of every held vertex, and the sets of axes that they join.
 template <class Exec>
 void find_sets(Exec& exec, std::span<const HeldBy> list, DeviceHeld& out) {
     const tetra_kernel::RankedView& held = out.bits.view;
@@ -49,17 +49,24 @@ void find_sets(Exec& exec, std::span<const HeldBy> list, DeviceHeld& out) {
     exec.each("nearest axes", list.size(), FindNearestAxis{list, held, least, segment});
     out.segment = segment;
 
-    const DeviceSets sets{exec.template array<std::uint32_t>(out.segments.size())};
-    const auto first = exec.template array<std::uint32_t>(out.segments.size());
-    exec.each("begin sets", first.size(), BeginSets{sets});
-    exec.each("begin sets", first.size(), Fill<std::uint32_t>{first, ~0u});
-    exec.each("join axes", list.size(), JoinAxes{list, held, segment, sets});
-    exec.each("flatten sets", first.size(), FlattenSets{sets});
-    const FindFirstOfSet find_first{segment, sets, first};
-    exec.each("first of sets", segment.size(), find_first);
-    const auto marks = no_bits(exec, segment.size());
-    exec.each("first of sets", segment.size(), MarkFirstOfSet{find_first, marks});
-    out.of_each_set = list_bits(exec, marks);
+    out.sets = {exec.template array<std::uint32_t>(out.segments.size())};
+    exec.each("begin sets", out.segments.size(), BeginSets{out.sets});
+    exec.each("join axes", list.size(), JoinAxes{list, held, segment, out.sets});
+    exec.each("flatten sets", out.segments.size(), FlattenSets{out.sets});
+}
+
+/// Of each set of axes that held vertices join, the first of those that wanted tetrahedra are the first of,
+/// as ranks. Waits.
+template <class Exec>
+std::span<const std::uint32_t> first_of_sets(Exec& exec, const DeviceHeld& held,
+                                             const DeviceRefinement& refinement) {
+    const auto first = exec.template array<std::uint32_t>(held.segments.size());
+    exec.each("first of sets", first.size(), Fill<std::uint32_t>{first, ~0u});
+    const FindFirstOfSet find_first{refinement, held.vertex, held.segment, held.sets, first};
+    exec.each("first of sets", held.bits.count, find_first);
+    const auto marks = no_bits(exec, held.bits.count);
+    exec.each("first of sets", held.bits.count, MarkFirstOfSet{find_first, marks});
+    return list_bits(exec, marks);
 }
 
 /// The vertices that hold axes: those of hold_axes() on the CPU. O(passing axes times tetrahedra of a

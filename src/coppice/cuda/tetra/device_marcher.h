@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -23,8 +25,10 @@ struct PrintedMarch {
 /// Marches on a card. Keeps the memory that a call took for the next one. One call at a time.
 class DeviceMarcher {
   public:
-    /// Throws DeviceError where there is no card, or this build has no kernels.
-    explicit DeviceMarcher(const Context& ctx = {});
+    /// Takes `most` bytes of the card at most. Throws DeviceError where there is no card, or this build has
+    /// no kernels.
+    explicit DeviceMarcher(const Context& ctx = {},
+                           std::size_t most = std::numeric_limits<std::size_t>::max());
     ~DeviceMarcher();                                    ///< gives the memory back
     DeviceMarcher(DeviceMarcher&&) noexcept;             ///< leaves the other one empty
     DeviceMarcher& operator=(DeviceMarcher&&) noexcept;  ///< leaves the other one empty
@@ -32,9 +36,11 @@ class DeviceMarcher {
     /// See march() of coppice/tetra. The coarse mesh and the segments go to the card, and triangles come
     /// back; what counts in each region of the field is found there as well, whatever regions were set.
     /// Positions agree to 1e-4 of the local radius; where a vertex is as near to the surface as it may be to
-    /// be moved, rounding may decide otherwise. Throws DeviceError when the card has too little memory (see
-    /// cuda/tetra/march_stages.h), fails, or where more segments meet than longest_list(), and what march()
-    /// throws.
+    /// be moved, rounding may decide otherwise.
+    ///
+    /// What is too large for the card at once (see cuda/tetra/march_input.h) is done in pieces, to the same
+    /// bits. Throws DeviceError when it has too little memory for that as well, fails, or where more segments
+    /// meet than longest_list(), and what march() throws.
     MarchResult march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                       const MarchOptions& options, const Context& ctx = {});
 
@@ -44,7 +50,8 @@ class DeviceMarcher {
     PrintedMarch march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field, bool weld,
                                   const Context& ctx = {});
     /// The last one of both once more, from the coarse tetrahedra and the segments, which lie on the card, to
-    /// the triangles, which stay there (of the second, with corners of their own), for measuring. Waits.
+    /// the triangles, which stay there (of the second, with corners of their own), for measuring; nothing
+    /// after one in pieces. Waits.
     void repeat();
 
     /// From now on the time of every kernel is noted.

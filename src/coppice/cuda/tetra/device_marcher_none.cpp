@@ -4,7 +4,7 @@ namespace coppice {
 
 struct DeviceMarcher::Impl {};
 
-DeviceMarcher::DeviceMarcher(const Context&) { throw DeviceError(find_device().missing); }
+DeviceMarcher::DeviceMarcher(const Context&, std::size_t) { throw DeviceError(find_device().missing); }
 DeviceMarcher::~DeviceMarcher() = default;
 DeviceMarcher::DeviceMarcher(DeviceMarcher&&) noexcept = default;
 DeviceMarcher& DeviceMarcher::operator=(DeviceMarcher&&) noexcept = default;

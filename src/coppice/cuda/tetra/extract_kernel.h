@@ -14,6 +14,12 @@
 
 namespace coppice::cuda {
 
+/// Where a vertex of a surface lies: inside the part of a group of the first coarse tetrahedron that has it,
+/// number `index` of the fine vertices there, or of the fine edges.
+struct SurfacePlace {
+    std::uint32_t tetra, group, index;
+};
+
 /// A fine edge as a coarse tetrahedron sees it.
 struct FineEdge {
     std::uint32_t tetra;
@@ -29,19 +35,25 @@ COPPICE_HOST_DEVICE inline FineEdge fine_edge(const DeviceRefinement& r, std::ui
     return {owner.tetra, ends, r.view.vertex(owner.tetra, ends[0]), r.view.vertex(owner.tetra, ends[1])};
 }
 
-/// Marks the fine edges that have a vertex of the surface inside: those that its polygons name.
-struct MarkCuts {
+/// Marks what polygons of the surface have for their corners: fine vertices moved onto it, and fine edges
+/// that it cuts.
+struct MarkCorners {
     FineCrossings crossings;
     std::span<const std::uint32_t> crossed;  ///< fine tetrahedra
-    std::span<std::uint64_t> marks;          ///< a bit for each fine edge
+    std::span<std::uint64_t> moved;          ///< a bit for each fine vertex
+    std::span<std::uint64_t> cuts;           ///< a bit for each fine edge
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const RefinementView& view = crossings.refinement.view;
         const std::uint32_t t = crossings.tetra(crossed[i]), fine = crossings.fine(crossed[i]);
         const tetra_kernel::Cut& cut = crossings.cut(crossed[i]);
         for (std::uint32_t k = 0; k < cut.size; ++k) {
             const std::uint8_t c = cut.corners[k];
-            if (c < tetra_kernel::kCutVertex)
-                set_bit(marks, view.edge(t, view.pattern(t).tetra_edges[fine][c]));
+            const PatternView& pattern = view.pattern(t);
+            if (c < tetra_kernel::kCutVertex) {
+                set_bit(cuts, view.edge(t, pattern.tetra_edges[fine][c]));
+            } else {
+                set_bit(moved, view.vertex(t, pattern.tetra[fine][c - tetra_kernel::kCutVertex]));
+            }
         }
     }
 };
@@ -71,22 +83,28 @@ struct PlaceCut {
     }
 };
 
-/// Marks vertices moved onto the surface that have triangles.
-struct MarkUsed {
-    std::span<const tetra_kernel::Fan> fans;  ///< by rank
-    std::span<std::uint32_t> count;
+/// Writes the vertices that were moved onto the surface and have triangles.
+struct PlaceMoved {
+    tetra_kernel::SamplesView samples;
+    std::span<const std::uint32_t> moved;  ///< fine vertices
+    std::span<Vec3> position;              ///< of each
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        count[i] = fans[i] == tetra_kernel::Fan::single ? 1 : 0;
+        position[i] = samples.place[samples.placed.rank(moved[i])];
     }
 };
 
-/// Writes the vertices that were moved onto the surface and have triangles.
-struct PlaceMoved {
-    std::span<const std::uint32_t> number;  ///< by rank, and one more
-    std::span<const Vec3> place;            ///< by rank
-    std::span<Vec3> position;               ///< of the surface
+/// Names the vertices of a surface by where they lie.
+struct NameVertices {
+    DeviceRefinement refinement;
+    std::span<const std::uint32_t> moved;  ///< fine vertices, which come first
+    std::span<const std::uint32_t> cuts;   ///< fine edges
+    std::span<SurfacePlace> out;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        if (number[i] != number[i + 1]) position[number[i]] = place[i];
+        const auto count = static_cast<std::uint32_t>(moved.size());
+        const FinePlace place = i < count ? refinement.view.vertices.place(moved[i])
+                                          : refinement.view.edges.place(cuts[i - count]);
+        const OwnedPart owner = refinement.owner(place);
+        out[i] = {owner.tetra, owner.group, place.index};
     }
 };
 
@@ -104,9 +122,8 @@ struct WriteTriangles {
     FineCrossings crossings;
     std::span<const std::uint32_t> crossed;  ///< fine tetrahedra
     std::span<const std::uint32_t> first;    ///< of each its first triangle
-    tetra_kernel::RankedView cuts;           ///< fine edges that have a vertex inside
-    std::span<const std::uint32_t> placed;   ///< see PlaceMoved
-    std::uint32_t placed_count;
+    tetra_kernel::RankedView moved, cuts;    ///< see MarkCorners
+    std::uint32_t moved_count;
     std::span<const Vec3> position;
     std::span<Triangle> out;
 
@@ -119,10 +136,9 @@ struct WriteTriangles {
         for (std::uint32_t k = 0; k < cut.size; ++k) {
             const std::uint8_t c = cut.corners[k];
             if (c < tetra_kernel::kCutVertex) {
-                corners[k] = placed_count + cuts.rank(view.edge(t, pattern.tetra_edges[fine][c]));
+                corners[k] = moved_count + cuts.rank(view.edge(t, pattern.tetra_edges[fine][c]));
             } else {
-                const std::uint32_t v = view.vertex(t, pattern.tetra[fine][c - tetra_kernel::kCutVertex]);
-                corners[k] = placed[crossings.samples.placed.rank(v)];
+                corners[k] = moved.rank(view.vertex(t, pattern.tetra[fine][c - tetra_kernel::kCutVertex]));
             }
         }
         if (view.traits[t].mirrored) tetra_kernel::turn_round(corners, cut.size);

@@ -10,6 +10,7 @@
 #include "coppice/cuda/lists/touching_stages.h"
 #include "coppice/cuda/tetra/cut_convolution.h"
 #include "coppice/cuda/tetra/extract_stages.h"
+#include "coppice/cuda/tetra/march_input.h"
 #include "coppice/cuda/tetra/parts_stages.h"
 #include "coppice/cuda/tetra/samples_stages.h"
 #include "coppice/cuda/tetra/unsnap_stages.h"
@@ -23,38 +24,52 @@ namespace coppice::cuda {
 /// What marching makes on an executor.
 struct DeviceMarch {
     DeviceSurface surface;        ///< nothing where it leaves the mesh
+    SurfaceVertices vertices;     ///< its vertices, until parts are dropped
     std::vector<TetraFace> open;  ///< see MarchResult
+    std::vector<Vec3> places;     ///< [m] inside, for each set of axes: see held_places()
     MarchReport report;           ///< what was done
+    int rounds = 0;               ///< see Unsnapped
 };
 
-/// The surface that a field makes in a refined mesh about axes: see march(). The arrays of the field lie on
-/// the executor. What comes out has the same bits where the field gives the same samples. Throws DeviceError.
-/// Memory of the executor: some 20 bytes per fine vertex, 1.5 bits per fine edge and fine tetrahedron, 400
-/// bytes per coarse one, and what the surface takes; it is not reset. Waits.
+/// march() but for the parts of the surface that are to be dropped; of a piece what its own tetrahedra add to
+/// all that. Waits.
 template <class Exec, class Field>
-DeviceMarch march(Exec& exec, const DeviceRefinement& refinement, const PassingAxes& axes,
-                  const SnapField<Field>& at, int refinements, const Context& ctx = {}) {
+DeviceMarch march_own(Exec& exec, const DeviceRefinement& refinement, const PassingAxes& axes,
+                      const SnapField<Field>& at, int refinements) {
     DeviceMarch out;
     out.report.tetra = refinement.tetra_count;
     out.report.vertices = refinement.vertex_count;
     const DeviceHeld held = hold_axes(exec, axes, refinement);
     const DeviceSamples samples = sample_vertices(exec, refinement, at, held);
-    const auto count = [&](std::span<const std::uint64_t> words) { return rank_bits(exec, words).count; };
-    out.report.inside = count(samples.above.words);
+    out.report.inside = count_own(exec, refinement, samples.above.words);
     out.open = open_faces(exec, refinement, samples);
     if (!out.open.empty()) return out;
-    const std::uint32_t near = count(samples.on);
+    const std::uint32_t near = count_own(exec, refinement, samples.on);
     const FineCrossings crossings{refinement, samples.view,
                                   exec.upload(std::span<const tetra_kernel::Cut>(tetra_kernel::kCuts))};
     const Unsnapped unsnapped = unsnap(exec, crossings, samples);
-    out.surface = extract(exec, crossings, at, refinements, unsnapped);
-    out.report.crossed = out.surface.crossed;
-    out.report.snapped = count(samples.on);
+    out.rounds = unsnapped.rounds;
+    if (refinement.is_piece())
+        exec.each("own tetrahedra", unsnapped.crossed.size(), KeepOwnTetra{refinement, unsnapped.crossed});
+    const auto crossed = list_bits(exec, unsnapped.crossed);
+    out.vertices = place_vertices(exec, crossings, crossed, at, refinements);
+    out.surface = write_triangles(exec, crossings, crossed, out.vertices);
+    out.report.crossed = crossed.size();
+    out.report.snapped = count_own(exec, refinement, samples.on);
     out.report.freed = near - out.report.snapped;
-    if (!axes.segments.empty()) {
-        const std::vector<Vec3> places = held_places(exec, held, refinement, samples.view);
-        out.report.dropped = drop_parts(exec, out.surface, places, ctx);
-    }
+    if (!axes.segments.empty()) out.places = held_places(exec, held, refinement, samples.view);
+    return out;
+}
+
+/// The surface that a field makes in a refined mesh about axes: see march(). The arrays of the field lie on
+/// the executor. What comes out has the same bits where the field gives the same samples. Throws DeviceError.
+/// Memory of the executor: see bytes_of_march(), and what the surface takes; it is not reset. Waits.
+template <class Exec, class Field>
+DeviceMarch march(Exec& exec, const DeviceRefinement& refinement, const PassingAxes& axes,
+                  const SnapField<Field>& at, int refinements, const Context& ctx = {}) {
+    DeviceMarch out = march_own(exec, refinement, axes, at, refinements);
+    if (out.open.empty() && !axes.segments.empty())
+        out.report.dropped = drop_parts(exec, out.surface, out.places, ctx);
     return out;
 }
 
@@ -65,36 +80,47 @@ struct MarchJob {
     DeviceSegments segments;
     KernelConstants kernel;
     CutFieldView<DeviceSegments> ends;  ///< where it is cut off
+    std::span<const Box3> boxes;        ///< of the regions; nothing where they are those of the tetrahedra
     MarchOptions options;
 };
 
 /// Copies it there. Throws what march() throws of what is seen at once.
 template <class Exec>
-MarchJob upload_march(Exec& exec, const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
-                      const MarchOptions& options, const Context& ctx = {}) {
-    check(options);
-    const DeviceRefinement coarse = upload_coarse(exec, mesh, options.levels, ctx);
-    const DeviceSegments segments = upload_segments(exec, field.field);
+MarchJob upload_march(Exec& exec, const MarchInput& in, const Context& ctx = {}) {
+    check(in.options);
+    const DeviceRefinement coarse = upload_coarse(exec, in.mesh, in.options.levels, ctx);
+    const DeviceSegments segments = upload_segments(exec, in.field.field);
     return {coarse,
-            upload_axes(exec, axes, coarse),
+            upload_axes(exec, in.axes, coarse),
             segments,
-            field.field.kernel(),
-            upload_cuts(exec, segments, field.ends, field.level()),
-            options};
+            in.field.field.kernel(),
+            upload_cuts(exec, segments, in.field.ends, in.field.level()),
+            {},
+            in.options};
+}
+
+/// Calls use(refinement, field) with what a job makes of its mesh; false where TetraRefinement would refuse
+/// it. Waits.
+template <class Exec, class Use>
+bool with_march_field(Exec& exec, const MarchJob& job, const Use& use) {
+    DeviceRefinement refinement = job.coarse;
+    if (!refine(exec, refinement)) return false;
+    const std::span<const Box3> boxes = job.boxes.empty() ? region_boxes(exec, refinement) : job.boxes;
+    const FieldArrays arrays = set_regions(exec, job.segments, boxes);
+    with_formula(job.kernel, [&](const auto& formula) {
+        const FieldView whole(formula, arrays);
+        using Field = CutFieldView<std::remove_const_t<decltype(whole)>>;
+        const Field field{whole, job.ends.cuts, job.ends.first, job.ends.of_region, job.ends.level};
+        use(refinement, SnapField<Field>{field, tetra_kernel::Profile(field.level), job.options.snap});
+    });
+    return true;
 }
 
 /// March from there; nothing where TetraRefinement would refuse the mesh. Waits.
 template <class Exec>
 std::optional<DeviceMarch> march(Exec& exec, const MarchJob& job, const Context& ctx = {}) {
-    DeviceRefinement refinement = job.coarse;
-    if (!refine(exec, refinement)) return {};
-    const FieldArrays arrays = set_regions(exec, job.segments, region_boxes(exec, refinement));
     std::optional<DeviceMarch> out;
-    with_formula(job.kernel, [&](const auto& formula) {
-        const FieldView whole(formula, arrays);
-        using Field = CutFieldView<std::remove_const_t<decltype(whole)>>;
-        const Field field{whole, job.ends.cuts, job.ends.first, job.ends.of_region, job.ends.level};
-        const SnapField<Field> at{field, tetra_kernel::Profile(field.level), job.options.snap};
+    with_march_field(exec, job, [&](const DeviceRefinement& refinement, const auto& at) {
         out = march(exec, refinement, job.axes, at, job.options.refinements, ctx);
     });
     return out;

@@ -6,7 +6,6 @@
 
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/atomics.h"
-#include "coppice/cuda/tetra/axes_stages.h"
 #include "coppice/cuda/tetra/bits_stages.h"
 #include "coppice/cuda/tetra/sets_kernel.h"
 #include "coppice/mesh/mesh.h"
@@ -123,12 +122,13 @@ struct KeepTriangles {
 
 /// [m] Where the vertex for each set of axes is.
 struct GatherHeld {
-    DeviceHeld held;
+    std::span<const std::uint32_t> held;         ///< fine vertices, by rank
+    std::span<const std::uint32_t> of_each_set;  ///< ranks
     DeviceRefinement refinement;
     tetra_kernel::SamplesView samples;
     std::span<Vec3> out;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        const std::uint32_t v = held.vertex[held.of_each_set[i]];
+        const std::uint32_t v = held[of_each_set[i]];
         if (samples.moved.test(v)) {
             out[i] = samples.place[samples.placed.rank(v)];
             return;

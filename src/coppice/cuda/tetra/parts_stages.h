@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/cuda/tetra/axes_stages.h"
 #include "coppice/cuda/tetra/extract_stages.h"
 #include "coppice/cuda/tetra/parts_kernel.h"
 #include "coppice/tetra/march/closed_parts.h"
@@ -106,12 +107,15 @@ std::uint64_t drop_parts(Exec& exec, DeviceSurface& surface, std::span<const Vec
     return dropped;
 }
 
-/// [m] Where a held vertex of each set of axes is: see held_places(). Waits.
+/// [m] Where a held vertex of each set of axes is: see held_places(); of sets that have one that wanted
+/// tetrahedra are the first of. Waits.
 template <class Exec>
 std::vector<Vec3> held_places(Exec& exec, const DeviceHeld& held, const DeviceRefinement& refinement,
                               const tetra_kernel::SamplesView& samples) {
-    const auto places = exec.template array<Vec3>(held.of_each_set.size());
-    exec.each("held places", places.size(), GatherHeld{held, refinement, samples, places});
+    const auto of_each_set = first_of_sets(exec, held, refinement);
+    const auto places = exec.template array<Vec3>(of_each_set.size());
+    exec.each("held places", places.size(),
+              GatherHeld{held.vertex, of_each_set, refinement, samples, places});
     std::vector<Vec3> out(places.size());
     exec.download(std::span<const Vec3>(places), std::span(out));
     return out;

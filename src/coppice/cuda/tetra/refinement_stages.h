@@ -43,6 +43,11 @@ struct DeviceRefinement {
     std::uint32_t edge_count = 0;     ///< fine ones
     std::uint32_t tetra_count = 0;    ///< fine ones
     float clearance = 0;              ///< see TetraMesh
+    /// The coarse tetrahedra whose part of a surface is wanted: all, or those of a TetraPiece.
+    /// @{
+    std::uint32_t own_begin = 0, own_end = ~0u;
+    bool is_piece() const { return own_begin > 0 || own_end != ~0u; }
+    /// @}
 
     /// Of a fine tetrahedron the coarse one, and its number there: those of a coarse one follow each other.
     /// @{
@@ -59,6 +64,53 @@ struct DeviceRefinement {
     COPPICE_HOST_DEVICE OwnedPart owner(const FinePlace& place) const {
         if (place.kind == TetraPartKind::inside) return {place.part, TetraPattern::kInside};
         return of[static_cast<std::uint32_t>(place.kind)][place.part];
+    }
+    /// Whether a wanted tetrahedron is the first that has a fine vertex.
+    COPPICE_HOST_DEVICE bool owns(std::uint32_t vertex) const {
+        const std::uint32_t t = owner(view.vertices.place(vertex)).tetra;
+        return own_begin <= t && t < own_end;
+    }
+};
+
+/// Leaves of some fine vertices those that wanted tetrahedra are the first of.
+struct KeepOwnVertices {
+    DeviceRefinement refinement;
+    std::span<const std::uint64_t> from;  ///< a bit for each fine vertex
+    std::span<std::uint64_t> to;          ///< the same
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
+        std::uint64_t kept = 0;
+        for (std::uint32_t i = 0; i < 64; ++i) {
+            const std::uint64_t bit = from[w] & std::uint64_t{1} << i;
+            if (bit != 0 && refinement.owns(64 * w + i)) kept |= bit;
+        }
+        to[w] = kept;
+    }
+};
+
+/// Counts these. Waits.
+template <class Exec>
+std::uint32_t count_own(Exec& exec, const DeviceRefinement& refinement,
+                        std::span<const std::uint64_t> vertices) {
+    if (!refinement.is_piece()) return rank_bits(exec, vertices).count;
+    const auto mark = exec.mark();
+    const auto kept = exec.template array<std::uint64_t>(vertices.size());
+    exec.each("own vertices", kept.size(), KeepOwnVertices{refinement, vertices, kept});
+    const std::uint32_t count = rank_bits(exec, kept).count;
+    exec.rewind(mark);
+    return count;
+}
+
+/// Leaves of some fine tetrahedra those in wanted ones.
+struct KeepOwnTetra {
+    DeviceRefinement refinement;
+    std::span<std::uint64_t> marks;  ///< a bit for each fine one
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
+        std::uint64_t kept = 0;
+        for (std::uint32_t i = 0; i < 64; ++i) {
+            const std::uint32_t t = refinement.tetra_of(64 * w + i);
+            if (refinement.own_begin <= t && t < refinement.own_end) kept |= std::uint64_t{1} << i;
+        }
+        marks[w] &= kept;
     }
 };
 
@@ -227,7 +279,7 @@ inline bool number_fine(const std::array<std::uint64_t, 4>& parts, DeviceRefinem
     // A scan counts in 31 bits.
     constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
     if (out.view.edge_count > kMost || tetra > kMost)
-        throw DeviceError("there are too many tetrahedra for a device");
+        throw DeviceFull("there are too many tetrahedra for a device");
     out.vertex_count = static_cast<std::uint32_t>(vertices);
     out.edge_count = static_cast<std::uint32_t>(out.view.edge_count);
     out.tetra_count = static_cast<std::uint32_t>(tetra);

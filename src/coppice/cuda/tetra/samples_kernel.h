@@ -75,7 +75,7 @@ struct SampleFine {
 };
 
 /// A fine vertex that may be moved.
-struct MovedVertex {
+struct SnappedVertex {
     static constexpr std::uint32_t kNone = 0xffffffffu;
     std::uint32_t vertex;           ///< fine; kNone when it stays
     tetra_kernel::SnapPlace place;  ///< where to
@@ -88,13 +88,13 @@ struct FindPlace {
     SnapField<Field> at;
     std::span<const std::uint32_t> near;  ///< places in the order
     std::span<const Vec3> target;         ///< in order
-    std::span<MovedVertex> moved;         ///< of those that are near
+    std::span<SnappedVertex> moved;       ///< of those that are near
     std::span<std::uint64_t> placed;      ///< a bit for each that moves
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t k) const {
         const FineVertex v = fine_vertex(refinement, near[k]);
         const Vec3 end = target[near[k]];
-        MovedVertex out{MovedVertex::kNone, {}};
+        SnappedVertex out{SnappedVertex::kNone, {}};
         if (tetra_kernel::second_step(at.profile, at.field.sample(v.region, end), v.position, end,
                                       at.snap * v.edge, out.place)) {
             out.vertex = v.number;
@@ -115,12 +115,12 @@ struct MoveShallow {
     std::span<const float> height;
     std::span<tetra_kernel::WeakVertex> weak;
     std::span<std::uint32_t> count;   ///< 1 where it is shallow
-    std::span<MovedVertex> moved;     ///< of all held ones
+    std::span<SnappedVertex> moved;   ///< of all held ones
     std::span<std::uint64_t> placed;  ///< a bit for each that moves
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t rank) const {
         const std::uint32_t v = held.vertex[rank];
-        MovedVertex out{MovedVertex::kNone, {}};
+        SnappedVertex out{SnappedVertex::kNone, {}};
         count[rank] = shallow.test(v) ? 1 : 0;
         if (count[rank] == 1) {
             const FinePlace part = refinement.view.vertices.place(v);
@@ -155,12 +155,12 @@ struct ListWeak {
 
 /// Notes where vertices were moved, by rank.
 struct NotePlaces {
-    std::span<const MovedVertex> moved;
+    std::span<const SnappedVertex> moved;
     tetra_kernel::RankedView placed;
     std::span<Vec3> place;
     std::span<float> way;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        if (moved[i].vertex == MovedVertex::kNone) return;
+        if (moved[i].vertex == SnappedVertex::kNone) return;
         const std::uint32_t rank = placed.rank(moved[i].vertex);
         place[rank] = moved[i].place.position;
         way[rank] = moved[i].place.way;

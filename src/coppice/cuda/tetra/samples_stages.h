@@ -22,16 +22,16 @@ struct DeviceSamples {
 
 /// Vertices that are to be moved onto the surface.
 template <class Exec, class Field>
-std::span<const MovedVertex> find_near(Exec& exec, const DeviceRefinement& refinement,
-                                       const SnapField<Field>& at, tetra_kernel::BitsView held,
-                                       std::span<float> height, std::span<std::uint64_t> above,
-                                       std::span<std::uint64_t> shallow, std::span<std::uint64_t> placed) {
+std::span<const SnappedVertex> find_near(Exec& exec, const DeviceRefinement& refinement,
+                                         const SnapField<Field>& at, tetra_kernel::BitsView held,
+                                         std::span<float> height, std::span<std::uint64_t> above,
+                                         std::span<std::uint64_t> shallow, std::span<std::uint64_t> placed) {
     const std::uint32_t count = refinement.ordered_count;
     const auto target = exec.template array<Vec3>(count);
     const auto marks = no_bits(exec, count);
     exec.each("field", count, SampleFine<Field>{refinement, at, held, height, above, shallow, target, marks});
     const auto near = list_bits(exec, marks);
-    const auto moved = exec.template array<MovedVertex>(near.size());
+    const auto moved = exec.template array<SnappedVertex>(near.size());
     exec.each("second step", near.size(), FindPlace<Field>{refinement, at, near, target, moved, placed});
     return moved;
 }
@@ -47,12 +47,12 @@ DeviceSamples sample_vertices(Exec& exec, const DeviceRefinement& refinement, co
     exec.each("heights", refinement.view.positions.size(), Fill<float>{height, -1.0f});
     const auto above = no_bits(exec, count), shallow = no_bits(exec, count), placed = no_bits(exec, count);
     const tetra_kernel::BitsView is_held{held.bits.view.words};
-    const std::span<const MovedVertex> near =
+    const std::span<const SnappedVertex> near =
         find_near(exec, refinement, at, is_held, height, above, shallow, placed);
 
     const auto all_weak = exec.template array<tetra_kernel::WeakVertex>(held.bits.count);
     const auto first_weak = exec.template array<std::uint32_t>(held.bits.count + std::size_t{1});
-    const auto moved = exec.template array<MovedVertex>(held.bits.count);
+    const auto moved = exec.template array<SnappedVertex>(held.bits.count);
     exec.each(
         "move held", held.bits.count,
         MoveShallow<Field>{refinement, at, held, {shallow}, height, all_weak, first_weak, moved, placed});
@@ -77,7 +77,7 @@ DeviceSamples sample_vertices(Exec& exec, const DeviceRefinement& refinement, co
     return out;
 }
 
-/// Faces of the hull with vertices on both sides, ascending. Waits.
+/// Faces of the hull with vertices on both sides, ascending, of wanted tetrahedra. Waits.
 template <class Exec>
 std::vector<TetraFace> open_faces(Exec& exec, const DeviceRefinement& refinement,
                                   const DeviceSamples& samples) {
@@ -88,7 +88,9 @@ std::vector<TetraFace> open_faces(Exec& exec, const DeviceRefinement& refinement
     std::vector<std::uint32_t> found(list.size());
     exec.download(list, std::span(found));
     std::vector<TetraFace> out;
-    for (const std::uint32_t i : found) out.push_back({i / 4, i % 4});
+    for (const std::uint32_t i : found) {
+        if (refinement.own_begin <= i / 4 && i / 4 < refinement.own_end) out.push_back({i / 4, i % 4});
+    }
     return out;
 }
 

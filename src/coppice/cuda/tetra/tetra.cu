@@ -4,6 +4,7 @@
 #include "coppice/cuda/exec/cuda_executor.cuh"
 #include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/device_marcher.h"
+#include "coppice/cuda/tetra/march_pieces.h"
 #include "coppice/cuda/tetra/march_stages.h"
 #include "coppice/cuda/tetra/printed_stages.h"
 
@@ -12,7 +13,7 @@ namespace coppice {
 using cuda::CudaExecutor;
 
 struct DeviceMarcher::Impl {
-    explicit Impl(const Context& ctx) : exec(ctx) {}
+    Impl(const Context& ctx, std::size_t most) : exec(ctx, most) {}
 
     /// Calls use(view) with the field as kernels of this card sample it.
     template <class Use>
@@ -25,13 +26,28 @@ struct DeviceMarcher::Impl {
         });
     }
 
+    /// All at once.
+    MarchResult march_whole(const cuda::MarchInput& in, const Context& ctx) {
+        again = {};
+        exec.reset();
+        const cuda::MarchJob job = cuda::upload_march(exec, in, ctx);
+        const auto uploaded = exec.mark();
+        const auto made = cuda::march(exec, job, ctx);
+        if (!made) cuda::refuse_mesh(in.mesh, in.options.levels, ctx);
+        again = [this, job, uploaded] {
+            exec.rewind(uploaded);
+            cuda::march(exec, job);
+        };
+        return cuda::downloaded(exec, *made);
+    }
+
     CudaExecutor exec;
     std::function<void()> again;  ///< see repeat(); refers to what lies in the memory of `exec`
 };
 
-DeviceMarcher::DeviceMarcher(const Context& ctx) {
+DeviceMarcher::DeviceMarcher(const Context& ctx, std::size_t most) {
     require_device();
-    impl_ = std::make_unique<Impl>(ctx);
+    impl_ = std::make_unique<Impl>(ctx, most);
 }
 DeviceMarcher::~DeviceMarcher() = default;
 DeviceMarcher::DeviceMarcher(DeviceMarcher&&) noexcept = default;
@@ -39,18 +55,12 @@ DeviceMarcher& DeviceMarcher::operator=(DeviceMarcher&&) noexcept = default;
 
 MarchResult DeviceMarcher::march(const TetraMesh& mesh, const CutConvolution& field, const InsideAxes& axes,
                                  const MarchOptions& options, const Context& ctx) {
-    CudaExecutor& exec = impl_->exec;
-    impl_->again = {};
-    exec.reset();
-    const cuda::MarchJob job = cuda::upload_march(exec, mesh, field, axes, options, ctx);
-    const auto uploaded = exec.mark();
-    const auto made = cuda::march(exec, job, ctx);
-    if (!made) cuda::refuse_mesh(mesh, options.levels, ctx);
-    impl_->again = [&exec, job, uploaded] {
-        exec.rewind(uploaded);
-        cuda::march(exec, job);
-    };
-    return cuda::downloaded(exec, *made);
+    const cuda::MarchInput in{mesh, field, axes, options};
+    try {
+        return impl_->march_whole(in, ctx);
+    } catch (const DeviceFull&) {
+        return cuda::march_in_pieces(impl_->exec, in, ctx);
+    }
 }
 
 PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field,

@@ -34,16 +34,16 @@ void each_fine(Exec& exec, const char* name, const DeviceRefinement& refinement,
     exec.each(name, tetra.size() << 3 * refinement.view.levels, kernel);
 }
 
-/// Puts vertices back until no fine tetrahedron is turned over or flat. Waits.
+/// Puts vertices back until no fine tetrahedron is turned over or flat; returns in how many rounds. Waits.
 template <class Exec>
-void unfold(Exec& exec, const DeviceRefinement& refinement, const DeviceSamples& samples) {
+int unfold(Exec& exec, const DeviceRefinement& refinement, const DeviceSamples& samples) {
     const auto marks = no_bits(exec, refinement.vertex_count);
     const FindFold find{refinement, samples.view, marks};
     exec.each("folds", refinement.tetra_count, find);
-    for (bool again = true; again;) {
+    for (int rounds = 0;; ++rounds) {
         const auto mark = exec.mark();
         const std::span<const std::uint32_t> folds = list_bits(exec, marks);
-        again = !folds.empty();
+        if (folds.empty()) return rounds;
         put_back(exec, folds, samples);
         exec.clear(marks);
         const std::span<const std::uint32_t> tetra = tetra_around(exec, refinement, folds);
@@ -56,6 +56,7 @@ void unfold(Exec& exec, const DeviceRefinement& refinement, const DeviceSamples&
 struct Unsnapped {
     std::span<tetra_kernel::Fan> fans;  ///< by rank in `placed`
     std::span<std::uint64_t> crossed;   ///< a bit for each fine tetrahedron that the surface crosses
+    int rounds = 0;                     ///< in which some were put back, each about those of the one before
 };
 
 /// What the triangles around vertices on the surface make, as far as ListedFan tells, by rank. Waits.
@@ -75,7 +76,7 @@ void find_fans(Exec& exec, const FineCrossings& crossings, const Unsnapped& out)
 template <class Exec>
 Unsnapped begin_fans(Exec& exec, const FineCrossings& crossings, std::size_t placed_count) {
     const std::uint32_t tetra = crossings.refinement.tetra_count;
-    const Unsnapped out{exec.template array<tetra_kernel::Fan>(placed_count), no_bits(exec, tetra)};
+    const Unsnapped out{exec.template array<tetra_kernel::Fan>(placed_count), no_bits(exec, tetra), 0};
     exec.each("mark crossed", tetra, MarkCrossed{crossings, out.crossed});
     find_fans(exec, crossings, out);
     return out;
@@ -96,16 +97,17 @@ void settle(Exec& exec, const ExactFans& exact, std::span<const std::uint32_t> v
 template <class Exec>
 Unsnapped unsnap(Exec& exec, const FineCrossings& crossings, const DeviceSamples& samples) {
     const DeviceRefinement& refinement = crossings.refinement;
-    unfold(exec, refinement, samples);
-    const Unsnapped out = begin_fans(exec, crossings, samples.placed_count);
+    const int unfolded = unfold(exec, refinement, samples);
+    Unsnapped out = begin_fans(exec, crossings, samples.placed_count);
+    out.rounds = unfolded;
     const auto open = no_bits(exec, refinement.vertex_count), back = no_bits(exec, refinement.vertex_count);
     const auto placed = list_bits(exec, CountedBits{samples.view.placed, samples.placed_count});
     exec.each("unknown fans", placed.size(), MarkUnknown{out.fans, placed, open});
-    for (bool again = true; again;) {
+    for (;; ++out.rounds) {
         const auto mark = exec.mark();
         settle(exec, ExactFans{crossings}, list_bits(exec, open), out.fans, back);
         const std::span<const std::uint32_t> vertices = list_bits(exec, back);
-        again = !vertices.empty();
+        if (vertices.empty()) return out;
         put_back(exec, vertices, samples);
         // What is put back may change the fans of its neighbours alone, and fold what is about it.
         exec.each("forget fans", vertices.size(), ForgetFan{vertices, samples.view.placed, out.fans});
@@ -117,7 +119,6 @@ Unsnapped unsnap(Exec& exec, const FineCrossings& crossings, const DeviceSamples
         each_fine(exec, "mark crossed", refinement, tetra, MarkCrossedIn{crossings, tetra, out.crossed});
         exec.rewind(mark);
     }
-    return out;
 }
 
 }  // namespace coppice::cuda

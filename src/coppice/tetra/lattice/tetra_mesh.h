@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "coppice/base/box.h"
 #include "coppice/base/column.h"
+#include "coppice/base/context.h"
 #include "coppice/base/vec.h"
 
 namespace coppice {
@@ -29,6 +31,9 @@ struct TetraMesh {
     /// number of runs
     std::uint32_t region_count() const { return static_cast<std::uint32_t>(first.size() - 1); }
 };
+
+/// [m] The box about the tetrahedra of every region. O(n), parallel.
+std::vector<Box3> region_boxes(const TetraMesh& mesh, const Context& ctx = {});
 
 /// A face of one tetrahedron, opposite its vertex number `opposite`.
 struct TetraFace {

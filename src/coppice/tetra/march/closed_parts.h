@@ -18,4 +18,16 @@ std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const s
                                           std::size_t count, std::span<const Vec3> places, bool with_hollows,
                                           const Context& ctx = {});
 
+/// Closed parts that were left out.
+struct DroppedParts {
+    std::uint64_t count = 0;  ///< how many
+    /// If there are any: for every vertex before, and one beyond, the number of those kept before it.
+    std::vector<std::uint32_t> number;
+};
+
+/// Leaves out closed parts of a surface that enclose none of these places, and if wanted hollows, which are
+/// inside out. O(triangles), and O(triangles of the parts about it) for each place.
+DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows,
+                        const Context& ctx = {});
+
 }  // namespace coppice

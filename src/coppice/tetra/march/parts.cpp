@@ -89,30 +89,6 @@ std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVerti
     return out;
 }
 
-DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows, const Context& ctx) {
-    // Neighbours follow each other in the list, so that this is too little work to share.
-    DisjointSets sets(mesh.positions.size());
-    std::size_t count = mesh.positions.size();
-    for (const Triangle& t : mesh.triangles)
-        count -= (sets.join(t[0], t[1]) ? 1 : 0) + (sets.join(t[0], t[2]) ? 1 : 0);
-    ctx.throw_if_cancelled();
-    // A surface that encloses all axes has one part at least, which is not a hollow.
-    if (count <= 1) return {};
-    constexpr std::uint32_t kUnseen = 0xffffffffu;
-    std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());
-    std::uint32_t next = 0;
-    for (std::size_t t = 0; t < part_of.size(); ++t) {
-        std::uint32_t& part = part_of_root[sets.find(mesh.triangles[t][0])];
-        if (part == kUnseen) part = next++;
-        part_of[t] = part;
-    }
-    const std::vector<std::uint8_t> kept = enclosing_parts(mesh, part_of, count, places, with_hollows, ctx);
-    DroppedParts dropped;
-    dropped.count = static_cast<std::uint64_t>(std::ranges::count(kept, 0));
-    if (dropped.count > 0) dropped.number = keep_triangles(mesh, part_of, kept);
-    return dropped;
-}
-
 void drop_bodies(SolidMesh& solid, const DroppedParts& dropped) {
     if (dropped.count == 0 || solid.tetra.empty()) return;
     DisjointSets bodies(solid.positions.size());
@@ -157,6 +133,30 @@ std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const s
         kept[p] = is_hollow ? !with_hollows : std::ranges::any_of(places, is_inside);
     });
     return kept;
+}
+
+DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows, const Context& ctx) {
+    // Neighbours follow each other in the list, so that this is too little work to share.
+    DisjointSets sets(mesh.positions.size());
+    std::size_t count = mesh.positions.size();
+    for (const Triangle& t : mesh.triangles)
+        count -= (sets.join(t[0], t[1]) ? 1 : 0) + (sets.join(t[0], t[2]) ? 1 : 0);
+    ctx.throw_if_cancelled();
+    // A surface that encloses all axes has one part at least, which is not a hollow.
+    if (count <= 1) return {};
+    constexpr std::uint32_t kUnseen = 0xffffffffu;
+    std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());
+    std::uint32_t next = 0;
+    for (std::size_t t = 0; t < part_of.size(); ++t) {
+        std::uint32_t& part = part_of_root[sets.find(mesh.triangles[t][0])];
+        if (part == kUnseen) part = next++;
+        part_of[t] = part;
+    }
+    const std::vector<std::uint8_t> kept = enclosing_parts(mesh, part_of, count, places, with_hollows, ctx);
+    DroppedParts dropped;
+    dropped.count = static_cast<std::uint64_t>(std::ranges::count(kept, 0));
+    if (dropped.count > 0) dropped.number = tetra_internal::keep_triangles(mesh, part_of, kept);
+    return dropped;
 }
 
 }  // namespace coppice

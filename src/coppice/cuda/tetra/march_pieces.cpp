@@ -1,0 +1,151 @@
+#include "coppice/cuda/tetra/march_pieces.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "coppice/base/sort.h"
+#include "coppice/tetra/march/closed_parts.h"
+
+namespace coppice::cuda {
+namespace {
+
+// In hard trees as well vertices are put back in so many, mostly.
+constexpr int kUsualRounds = 4;
+constexpr unsigned kKeyBits = 51;
+
+/// A vertex of the surface of several pieces.
+struct KeyedVertex {
+    std::uint64_t key;
+    Vec3 position;
+};
+
+}  // namespace
+
+MarchPieces::MarchPieces(const TetraMesh& mesh, int levels, std::size_t count, const Context& ctx)
+    : whole_(mesh, levels, ctx), rounds_(kUsualRounds) {
+    const auto first_from = [&](std::uint64_t tetra) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(mesh.first, tetra) - mesh.first.begin());
+    };
+    std::size_t begin = 0;
+    for (std::uint64_t i = 1; i <= count; ++i) {
+        const std::size_t end = i == count ? mesh.region_count() : first_from(mesh.tetra.size() * i / count);
+        if (end > begin) pieces_.push_back({{begin, end}, -1, false, {}, {}});
+        begin = std::max(begin, end);
+    }
+}
+
+bool MarchPieces::is_done(const Piece& piece) const {
+    return piece.rings >= TetraPiece::rings_for(rounds_, whole_.levels()) ||
+           (piece.rings >= 0 && piece.is_closed);
+}
+
+const TetraPiece* MarchPieces::next() {
+    const auto found = std::ranges::find_if(pieces_, [&](const Piece& p) { return !is_done(p); });
+    piece_.reset();
+    if (found == pieces_.end()) return nullptr;
+    at_ = static_cast<std::size_t>(found - pieces_.begin());
+    piece_.emplace(whole_, found->regions, TetraPiece::rings_for(rounds_, whole_.levels()));
+    return &*piece_;
+}
+
+std::size_t MarchPieces::middle_of(IndexRange regions) const {
+    const auto& first = whole_.coarse().first;
+    const std::uint32_t middle = first[regions.begin] + (first[regions.end] - first[regions.begin]) / 2;
+    const auto begin = first.begin() + static_cast<std::ptrdiff_t>(regions.begin);
+    const auto end = first.begin() + static_cast<std::ptrdiff_t>(regions.end);
+    return static_cast<std::size_t>(std::upper_bound(begin + 1, end, middle) - first.begin()) - 1;
+}
+
+bool MarchPieces::split() {
+    // A card is some ten times as fast as the CPU.
+    constexpr std::size_t kMostAround = 10;
+    const IndexRange regions = pieces_[at_].regions;
+    if (regions.size() < 2 || piece_->mesh().tetra.size() > kMostAround * piece_->own().size()) return false;
+    const std::size_t middle = std::clamp(middle_of(regions), regions.begin + 1, regions.end - 1);
+    pieces_[at_] = {{regions.begin, middle}, -1, false, {}, {}};
+    pieces_.insert(pieces_.begin() + static_cast<std::ptrdiff_t>(at_) + 1,
+                   Piece{{middle, regions.end}, -1, false, {}, {}});
+    return true;
+}
+
+// Keys are in the order in which march() numbers the vertices: those in fine vertices first, each by the
+// coarse part that it lies in.
+std::uint64_t MarchPieces::key_of(const SurfacePlace& place, bool is_cut) const {
+    constexpr unsigned kIndexBits = 16, kPartBits = 32, kKindBits = 2;
+    static_assert(kIndexBits + kPartBits + kKindBits + 1 == kKeyBits);
+    const std::uint32_t t = piece_->tetra(place.tetra);
+    const std::uint32_t part = place.group == TetraPattern::kInside ? t : whole_.parts(t)[place.group];
+    std::uint64_t key = is_cut ? 1 : 0;
+    key = key << kKindBits | part_kind(place.group);
+    key = key << kPartBits | part;
+    return key << kIndexBits | place.index;
+}
+
+void MarchPieces::put(PieceMarch march) {
+    Piece& piece = pieces_[at_];
+    piece.rings = TetraPiece::rings_for(rounds_, whole_.levels());
+    piece.is_closed = piece_->is_closed();
+    piece.keys.clear();
+    piece.keys.reserve(march.vertices.size());
+    for (std::uint32_t v = 0; v < march.vertices.size(); ++v)
+        piece.keys.push_back(key_of(march.vertices[v], v >= march.moved));
+    march.vertices = {};
+    for (TetraFace& face : march.open) face.tetra = piece_->tetra(face.tetra);
+    rounds_ = std::max(rounds_, march.rounds);
+    piece.march = std::move(march);
+}
+
+TriMesh MarchPieces::join_meshes(const Context& ctx) {
+    Buffer<KeyedVertex> all;
+    std::size_t triangles = 0;
+    for (const Piece& piece : pieces_) {
+        for (std::size_t v = 0; v < piece.keys.size(); ++v)
+            all.push_back({piece.keys[v], piece.march.mesh.positions[v]});
+        triangles += piece.march.mesh.triangles.size();
+    }
+    if (std::max(all.size(), triangles) >= std::numeric_limits<std::uint32_t>::max())
+        throw DeviceError("there are more than 2^32 triangles");
+    radix_sort(ctx, all, kKeyBits, [](const KeyedVertex& v) { return v.key; });
+    const auto repeated = std::ranges::unique(all, {}, &KeyedVertex::key);
+    all.erase(repeated.begin(), repeated.end());
+    TriMesh out;
+    out.positions.reserve(all.size());
+    for (const KeyedVertex& v : all) out.positions.push_back(v.position);
+    out.triangles.reserve(triangles);
+    for (Piece& piece : pieces_) {
+        std::vector<std::uint32_t> number(piece.keys.size());
+        parallel_for(ctx, number.size(), 4096, [&](std::size_t v) {
+            const auto found = std::ranges::lower_bound(all, piece.keys[v], {}, &KeyedVertex::key);
+            number[v] = static_cast<std::uint32_t>(found - all.begin());
+        });
+        for (const Triangle& t : piece.march.mesh.triangles)
+            out.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+        piece.keys = {};
+        piece.march.mesh = {};
+    }
+    return out;
+}
+
+MarchResult MarchPieces::join(bool about_axes, const Context& ctx) {
+    MarchResult out;
+    std::vector<Vec3> places;
+    for (const Piece& piece : pieces_) {
+        out.report.inside += piece.march.report.inside;
+        out.report.crossed += piece.march.report.crossed;
+        out.report.snapped += piece.march.report.snapped;
+        out.report.freed += piece.march.report.freed;
+        out.open.insert(out.open.end(), piece.march.open.begin(), piece.march.open.end());
+        places.insert(places.end(), piece.march.places.begin(), piece.march.places.end());
+    }
+    // Where the surface leaves the tetrahedra, no more is said of it.
+    if (!out.open.empty()) out.report = {.inside = out.report.inside};
+    out.report.tetra = whole_.tetra_count();
+    out.report.vertices = whole_.vertex_count();
+    if (!out.open.empty()) return out;
+    out.mesh = join_meshes(ctx);
+    if (about_axes) out.report.dropped = drop_parts(out.mesh, places, true, ctx).count;
+    return out;
+}
+
+}  // namespace coppice::cuda
