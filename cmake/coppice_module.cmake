@@ -74,9 +74,9 @@ function(coppice_component name below packages)
   endif()
 endfunction()
 
-# coppice_test(NAME SOURCES ... LIBRARIES ...): a GoogleTest program whose cases CTest lists one by one.
+# coppice_test(NAME SOURCES ... LIBRARIES ... [PREFIX ...]): a GoogleTest program whose cases CTest lists one by one.
 function(coppice_test name)
-  cmake_parse_arguments(T "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(T "" "PREFIX" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${T_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_BINARY_DIR}/tests/include)
   target_link_libraries(${name} PRIVATE ${T_LIBRARIES} GTest::gtest_main)
@@ -85,7 +85,7 @@ function(coppice_test name)
   coppice_group_sources(${name})
   target_compile_options(${name} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${COPPICE_TEST_OPTIONS}>")
   add_dependencies(unit_tests ${name})
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES LABELS unit)
+  gtest_discover_tests(${name} TEST_PREFIX "${T_PREFIX}" DISCOVERY_TIMEOUT 120 PROPERTIES LABELS unit)
   coppice_note_thread_tests(${T_SOURCES})
 endfunction()
 

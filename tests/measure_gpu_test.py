@@ -28,7 +28,6 @@ PROGRAMS = {
     "coppice_gpu_bench": BENCH,
     "coppice": "#!/bin/sh\nexit 124\n",
     "cuda_card_test": TESTS,
-    "cuda_tetra_test": "#!/bin/sh\n",
     "view_test": "#!/bin/sh\n",
     "compute-sanitizer": "#!/bin/sh\necho no errors\n",
 }

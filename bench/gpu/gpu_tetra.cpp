@@ -54,13 +54,7 @@ struct Given {
         for (;;) {
             mesh = base.mesh();
             passing = base.passing();
-            std::vector<Box3> boxes(mesh.region_count());
-            for (std::uint32_t r = 0; r < boxes.size(); ++r) {
-                for (std::uint32_t t = mesh.first[r]; t < mesh.first[r + 1]; ++t) {
-                    for (const std::uint32_t v : mesh.tetra[t]) boxes[r].extend(mesh.positions[v]);
-                }
-            }
-            field.set_regions(boxes, ctx);
+            field.set_regions(region_boxes(mesh, ctx), ctx);
             const std::vector<TetraFace> open = march().open;
             if (open.empty()) return;
             if (!base.grow(open, ctx)) throw Error("gpu: the surface leaves the tetrahedra");

@@ -81,6 +81,8 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh) {
         throw UsageError("--method bmesh sums all balls; leave --blend out, or take --kernel balls for it");
     if (has("--tetra-base") && mesh.method != MeshMethod::tetrahedra)
         throw UsageError("--tetra-base is for tetrahedra; add --method tetrahedra");
+    if (has("--device") && mesh.method == MeshMethod::cylinders)
+        throw UsageError("--device is for surfaces of a field; leave it out with --method cylinders");
     if (has("--tetra-levels") && mesh.tetra.base == TetraBase::polyhedron)
         throw UsageError(
             "--tetra-levels is for an octree; with --tetra-base polyhedron --edge says how often it is cut");

@@ -85,8 +85,14 @@ class Marcher {
 
     /// Whether they go to one, which finds the regions of the field by itself.
     bool is_on_device(const TetraMesh& mesh, const MarchOptions& how, DeviceUse& use) const {
+        const Device wanted = task_.options.device;
+        if (task_.with_solid) {
+            if (wanted == Device::cuda)
+                note_refusal(use, "tetrahedra inside a surface are not made on a card");
+            return false;
+        }
         const std::uint64_t fine = std::uint64_t{mesh.tetra.size()} << (3 * how.levels);
-        return !task_.with_solid && goes_to_device(task_.options.device, fine / kPerFace, use);
+        return goes_to_device(wanted, fine / kPerFace, use);
     }
     /// Nothing where the card fails.
     std::optional<MarchResult> on_device(const TetraMesh& mesh, const CutConvolution& field,

@@ -50,8 +50,8 @@ class DeviceMarcher {
     PrintedMarch march_as_printed(const TetraMesh& mesh, int levels, const CutConvolution& field, bool weld,
                                   const Context& ctx = {});
     /// The last one of both once more, from the coarse tetrahedra and the segments, which lie on the card, to
-    /// the triangles, which stay there (of the second, with corners of their own), for measuring; nothing
-    /// after one in pieces. Waits.
+    /// the triangles, which stay there (of the second, with corners of their own), for measuring. Waits.
+    /// Throws DeviceError after one in pieces.
     void repeat();
 
     /// From now on the time of every kernel is noted.

@@ -10,10 +10,10 @@ namespace coppice::cuda {
 
 /// What march() makes a surface of, where the field is one that a card can sample. Refers to its parts.
 struct MarchInput {
-    const TetraMesh& mesh;
-    const CutConvolution& field;
-    const InsideAxes& axes;
-    const MarchOptions& options;
+    const TetraMesh& mesh;        ///< that encloses the surface
+    const CutConvolution& field;  ///< whatever regions it has
+    const InsideAxes& axes;       ///< by the regions of the mesh
+    const MarchOptions& options;  ///< how fine
 };
 
 /// [bytes] That marching takes on a card, about, but for the surface and the field: some 20 for each fine

@@ -88,7 +88,8 @@ PrintedMarch DeviceMarcher::march_as_printed(const TetraMesh& mesh, int levels, 
 }
 
 void DeviceMarcher::repeat() {
-    if (impl_->again) impl_->again();
+    if (!impl_->again) throw DeviceError("nothing was marched at once that could be repeated");
+    impl_->again();
 }
 
 void DeviceMarcher::measure() { impl_->exec.measure(); }

@@ -8,11 +8,11 @@ namespace {
 // Fewer are done before the driver of a card has started.
 constexpr std::uint64_t kWorthwhile = std::uint64_t{1} << 22;
 
-void note(DeviceUse& use, const std::string& why) {
+}  // namespace
+
+void note_refusal(DeviceUse& use, const std::string& why) {
     use = {"CPU", fmt::format("{}; the CPU did the work", why)};
 }
-
-}  // namespace
 
 bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use) {
     if (wanted == Device::cpu || (wanted == Device::automatic && faces < kWorthwhile)) return false;
@@ -21,11 +21,9 @@ bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use) {
         use.name = search.device->name;
         return true;
     }
-    if (wanted == Device::cuda) note(use, "no CUDA device was found: " + search.missing);
+    if (wanted == Device::cuda) note_refusal(use, "no CUDA device was found: " + search.missing);
     return false;
 }
-
-void note_failure(DeviceUse& use, const DeviceError& error) { note(use, error.what()); }
 
 std::optional<DeviceQuads> begin_on_device(const cuda::QuadJob& job, const cuda::ContactInput& contacts,
                                            const std::function<void()>& set_regions, DeviceUse& use,

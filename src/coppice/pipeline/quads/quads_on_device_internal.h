@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "coppice/cuda/quads/device_quads.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -12,8 +13,8 @@ namespace coppice {
 /// Whether work of so many faces goes to a card, and if it was asked to but cannot, why.
 bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use);
 
-/// Notes that a card gave up, and why.
-void note_failure(DeviceUse& use, const DeviceError& error);
+/// Notes that the CPU did the work, and why.
+void note_refusal(DeviceUse& use, const std::string& why);
 
 /// What work() on a card returns; nothing, and a note, where the card failed.
 template <class Work>
@@ -21,7 +22,7 @@ auto on_device(DeviceUse& use, const Work& work) -> std::optional<decltype(work(
     try {
         return work();
     } catch (const DeviceError& e) {
-        note_failure(use, e);
+        note_refusal(use, e.what());
         return {};
     }
 }

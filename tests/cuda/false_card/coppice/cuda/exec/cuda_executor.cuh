@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "coppice/cuda/exec/host_executor.h"
+#include "coppice/cuda/exec/kernel_time.h"
+
+namespace coppice::cuda {
+
+inline constexpr std::size_t kFalseMemory = std::size_t{2} << 30;  ///< [bytes] of the false card
+
+/// In the place of the header of the same name: a card that is none, so that what stands in .cu files runs
+/// where there is no card.
+class CudaExecutor : public HostExecutor {
+  public:
+    explicit CudaExecutor(const Context& ctx = {}, std::size_t most = kFalseMemory)
+        : HostExecutor(ctx, std::min(most, kFalseMemory)) {}
+
+    void measure() { measures_ = true; }
+    std::vector<KernelTime> take_times() {
+        std::vector<KernelTime> out;
+        out.swap(times_);
+        return out;
+    }
+    template <class Kernel>
+    void each(const char* name, std::size_t count, const Kernel& kernel) {
+        HostExecutor::each(name, count, kernel);
+        if (measures_ && count > 0) times_.push_back({name, 1e-6});
+    }
+
+  private:
+    bool measures_ = false;
+    std::vector<KernelTime> times_;
+};
+
+}  // namespace coppice::cuda
