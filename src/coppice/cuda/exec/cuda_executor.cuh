@@ -116,6 +116,9 @@ class CudaExecutor {
         cudaStreamDestroy(stream_);
     }
 
+    /// What this thread does from now on is done by the card that CUDA gives this number.
+    static void choose(int device) { check(cudaSetDevice(device), "be chosen"); }
+
     std::size_t room() const {
         std::size_t free = 0, all = 0;
         check(cudaMemGetInfo(&free, &all), "tell its memory");

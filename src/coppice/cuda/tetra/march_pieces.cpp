@@ -10,8 +10,8 @@
 namespace coppice::cuda {
 namespace {
 
-// In hard trees as well vertices are put back in so many, mostly.
-constexpr int kUsualRounds = 4;
+// Vertices of hard trees are put back in so many at most, as far as is known.
+constexpr int kUsualRounds = 6;
 constexpr unsigned kKeyBits = 51;
 
 /// A vertex of the surface of several pieces.
@@ -22,11 +22,12 @@ struct KeyedVertex {
 
 }  // namespace
 
-MarchPieces::MarchPieces(const TetraMesh& mesh, int levels, std::size_t count, const Context& ctx)
+MarchPieces::MarchPieces(const TetraMesh& mesh, int levels, std::uint64_t count, const Context& ctx)
     : whole_(mesh, levels, ctx), rounds_(kUsualRounds) {
     const auto first_from = [&](std::uint64_t tetra) {
         return static_cast<std::size_t>(std::ranges::lower_bound(mesh.first, tetra) - mesh.first.begin());
     };
+    count = std::clamp<std::uint64_t>(count, 1, std::max(1u, mesh.region_count()));
     std::size_t begin = 0;
     for (std::uint64_t i = 1; i <= count; ++i) {
         const std::size_t end = i == count ? mesh.region_count() : first_from(mesh.tetra.size() * i / count);

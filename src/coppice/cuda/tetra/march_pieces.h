@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,8 +31,9 @@ struct PieceMarch {
 /// Cuts tetrahedra into pieces, and joins what was made in each of them to what march() makes in all.
 class MarchPieces {
   public:
-    /// About so many pieces; the mesh has to outlive this. Throws what TetraRefinement throws.
-    MarchPieces(const TetraMesh& mesh, int levels, std::size_t count, const Context& ctx = {});
+    /// About so many pieces, of a region at least; the mesh has to outlive this. Throws what TetraRefinement
+    /// throws.
+    MarchPieces(const TetraMesh& mesh, int levels, std::uint64_t count, const Context& ctx = {});
 
     /// A piece that has to be marched now, until the next call; null when all are done. Some come twice,
     /// where vertices were put back in more rounds than was thought.
@@ -110,8 +112,8 @@ MarchResult march_in_pieces(Exec& exec, const MarchInput& in, const Context& ctx
     check(in.options);
     exec.reset();
     const std::uint64_t bytes = bytes_of_march(in.mesh.tetra.size(), in.options.levels);
-    MarchPieces pieces(in.mesh, in.options.levels, static_cast<std::size_t>(2 + 2 * bytes / exec.room()),
-                       ctx);
+    const std::uint64_t count = 2 + 2 * bytes / std::max<std::uint64_t>(1, exec.room());
+    MarchPieces pieces(in.mesh, in.options.levels, count, ctx);
     const std::vector<Box3> boxes = region_boxes(in.mesh, ctx);
     while (const TetraPiece* piece = pieces.next()) {
         ctx.throw_if_cancelled();

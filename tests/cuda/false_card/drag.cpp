@@ -1,0 +1,1 @@
+#include "coppice/cuda/drag/device_drag.cu"
