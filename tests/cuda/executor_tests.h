@@ -228,8 +228,33 @@ TYPED_TEST_P(ExecutorOn, StopsBeforeTheNextKernel) {
     EXPECT_THROW(exec.each("square", out.size(), Square{out, out}), Cancelled);
 }
 
+// The first time, when they are noted, and as noted; and once more from the beginning.
+TYPED_TEST_P(ExecutorOn, RepeatsLaunchesOnWhatIsThereNow) {
+    constexpr std::uint32_t kCount = 5000;
+    TypeParam exec;
+    typename TypeParam::Recording recording;
+    const auto in = exec.template array<std::uint32_t>(kCount);
+    const auto before = exec.mark();
+    std::span<const std::uint32_t> sums;
+    for (std::uint32_t round = 0; round < 6; ++round) {
+        SCOPED_TRACE(round);
+        const std::vector<std::uint32_t> numbers(kCount, round);
+        exec.rewind(before);
+        exec.write(std::span<const std::uint32_t>(numbers), in);
+        exec.replay(recording, [&] {
+            const auto squares = exec.template array<std::uint32_t>(kCount);
+            exec.each("square", kCount, Square{in, squares});
+            exec.exclusive_scan(std::span<const std::uint32_t>(squares), squares);
+            sums = squares;
+        });
+        EXPECT_EQ(downloaded(exec, sums).back(), (kCount - 1) * round * round);
+        if (round == 3) recording.clear();
+    }
+}
+
 REGISTER_TYPED_TEST_SUITE_P(ExecutorOn, RunsKernelsOverArrays, GroupsSelectInOrder, GroupsWaitAfterEveryStep,
                             CountsWholeNumbersTogether, Scans, SortsStablyBySomeBits,
-                            KeepsWhatWasThereBeforeAMark, StopsBeforeTheNextKernel);
+                            KeepsWhatWasThereBeforeAMark, StopsBeforeTheNextKernel,
+                            RepeatsLaunchesOnWhatIsThereNow);
 
 }  // namespace coppice::cuda

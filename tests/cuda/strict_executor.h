@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -56,7 +57,16 @@ class StrictExecutor {
 
     class Recording {
       public:
-        void clear() {}
+        void clear() {
+            launches_.clear();
+            times_ = 0;
+        }
+
+      private:
+        friend StrictExecutor;
+        std::vector<std::function<void()>> launches_;
+        int times_ = 0;
+        std::size_t begin_ = 0, end_ = 0, most_ = 0;
     };
 
     explicit StrictExecutor(const Context& ctx = {}) : ctx_(ctx) {
@@ -90,12 +100,14 @@ class StrictExecutor {
     template <class T>
     void write(std::span<const T> from, std::span<T> to) {
         expect_there(to);
+        EXPECT_EQ(noted_, nullptr) << "what is repeated copies";
         const Open open(*this);
         std::copy(from.begin(), from.end(), to.begin());
     }
     template <class T>
     void download(std::span<const T> from, std::span<T> to) {
         expect_there(from);
+        EXPECT_EQ(noted_, nullptr) << "what is repeated waits";
         const Open open(*this);
         std::copy(from.begin(), from.end(), to.begin());
     }
@@ -110,6 +122,7 @@ class StrictExecutor {
     template <class T>
     void clear(std::span<T> values) {
         expect_there(values);
+        if (noted_ != nullptr) return noted_->push_back([=, this] { clear(values); });
         const Open open(*this);
         std::memset(static_cast<void*>(values.data()), 0, values.size_bytes());
     }
@@ -123,11 +136,13 @@ class StrictExecutor {
 
     template <class Kernel>
     void each(const char* name, std::size_t count, const Kernel& kernel) {
+        if (noted_ != nullptr) return noted_->push_back([=, this] { each(name, count, kernel); });
         const Open open(*this, name, kernel);
         for (std::size_t i = count; i-- > 0;) kernel(static_cast<std::uint32_t>(i));
     }
     template <class Kernel>
     void groups(const char* name, std::size_t count, const Kernel& kernel) {
+        if (noted_ != nullptr) return noted_->push_back([=, this] { groups(name, count, kernel); });
         const Open open(*this, name, kernel);
         for (std::size_t i = count; i-- > 0;) kernel(static_cast<std::uint32_t>(i), StrictGroup());
     }
@@ -135,6 +150,7 @@ class StrictExecutor {
     void exclusive_scan(std::span<const T> counts, std::span<T> out) {
         expect_there(counts);
         expect_there(out);
+        if (noted_ != nullptr) return noted_->push_back([=, this] { exclusive_scan(counts, out); });
         const Open open(*this);
         std::exclusive_scan(counts.begin(), counts.end(), out.begin(), T{});
     }
@@ -142,6 +158,7 @@ class StrictExecutor {
     void sort_pairs(std::span<Key> keys, std::span<std::uint32_t> values, int bits = 8 * sizeof(Key)) {
         expect_there(keys);
         expect_there(values);
+        if (noted_ != nullptr) return noted_->push_back([=, this] { sort_pairs(keys, values, bits); });
         const Open open(*this);
         std::vector<std::pair<Key, std::uint32_t>> pairs;
         for (std::size_t i = 0; i < keys.size(); ++i) pairs.emplace_back(keys[i], values[i]);
@@ -149,11 +166,20 @@ class StrictExecutor {
         std::ranges::stable_sort(pairs, {}, [&](const auto& p) { return p.first & mask; });
         for (std::size_t i = 0; i < keys.size(); ++i) std::tie(keys[i], values[i]) = pairs[i];
     }
+    /// As a graph of CUDA: the second time launches are noted before they are done, and from then on they are
+    /// done as noted, in the arrays and with the numbers that they had then.
     template <class Work>
-    void replay(Recording& /*recording*/, const Work& work) const {
-        work();
+    void replay(Recording& recording, const Work& work) {
+        const Mark begin = mark();
+        if (recording.launches_.empty() || recording.begin_ != begin) {
+            if (recording.times_++ != 1) return work();
+            note(recording, work);
+        }
+        used_ = recording.most_;
+        for (const auto& launch : recording.launches_) launch();
+        used_ = recording.end_;
     }
-    void wait() const {}
+    void wait() const { EXPECT_EQ(noted_, nullptr) << "what is repeated waits"; }
 
     std::size_t room() const { return kSize; }
     void reserve(std::size_t bytes) const { require_room(kSize, bytes); }
@@ -186,6 +212,18 @@ class StrictExecutor {
         }
         const StrictExecutor& of_;
     };
+
+    template <class Work>
+    void note(Recording& recording, const Work& work) {
+        recording.begin_ = used_;
+        const std::size_t before = std::exchange(greatest_, used_);
+        noted_ = &recording.launches_;
+        work();
+        noted_ = nullptr;
+        recording.most_ = greatest_;
+        recording.end_ = used_;
+        greatest_ = std::max(greatest_, before);
+    }
 
     bool is_there(std::uintptr_t address) const {
         return address - reinterpret_cast<std::uintptr_t>(begin_) < kSize;
@@ -220,6 +258,7 @@ class StrictExecutor {
     std::byte* begin_ = nullptr;
     std::vector<std::unique_ptr<std::byte[]>> fetched_;
     std::size_t used_ = 0, greatest_ = 0;
+    std::vector<std::function<void()>>* noted_ = nullptr;  // see replay()
 };
 
 }  // namespace coppice::cuda

@@ -160,8 +160,9 @@ TEST(TouchingStages, ListWhatTheCpuLists) {
             scene.set_regions();
             HostExecutor exec(Context{.threads = 2});
             const cuda::DeviceRefinement refined = cuda::refine(exec, scene.lattice.mesh(), 1);
-            const cuda::FieldArrays found = cuda::set_regions(exec, cuda::upload_segments(exec, scene.field),
-                                                              cuda::region_boxes(exec, refined));
+            const cuda::FieldArrays found =
+                cuda::set_regions(exec, cuda::upload_segments(exec, scene.field),
+                                  cuda::region_boxes(exec, refined), longest_list(refined.first.size() - 1));
             const CandidateLists& expected = scene.field.own_lists();
             EXPECT_TRUE(std::ranges::equal(found.own.first, expected.first));
             EXPECT_TRUE(std::ranges::equal(found.own.segments, expected.segments));
@@ -187,11 +188,11 @@ TEST(TouchingStages, SayWhereTooManyMeet) {
     const Skeleton star(std::move(parents), std::move(positions), radii);
     const ConvolutionField field(star, {});
     HostExecutor exec;
-    std::vector<Box3> boxes(5000);  // the fewer there are the longer lists may be
+    std::vector<Box3> boxes(5000);
     boxes[0] = {{0, 0, 0.9f}, {0.1f, 0.1f, 1}};
     for (std::size_t i = 1; i < boxes.size(); ++i) boxes[i] = {{9, 9, 9}, {10, 10, 10}};
     const cuda::DeviceSegments segments = cuda::upload_segments(exec, field);
-    EXPECT_THROW(cuda::set_regions(exec, segments, std::span<const Box3>(boxes)), DeviceError);
+    EXPECT_THROW(cuda::set_regions(exec, segments, std::span<const Box3>(boxes), 299), DeviceError);
 }
 
 /// Joins the two numbers of every pair.

@@ -8,29 +8,30 @@
 #include <optional>
 
 #include "coppice/cuda/drag/drag_stages.h"
-#include "coppice/cuda/exec/host_executor.h"
 #include "coppice/cuda/field/upload_field.h"
 #include "coppice/pipeline/drag/dragged_surface.h"
 #include "coppice/skeleton/random_tree.h"
+#include "cuda/strict_executor.h"
 #include "drag_scenes.h"
 #include "zoo.h"
 
 namespace coppice {
 namespace {
 
-using cuda::HostExecutor;
 using cuda::QuadStages;
+using cuda::StrictExecutor;
 using test::Dragged;
 using test::kGreatest;
 
 constexpr std::array<double, 5> kSwing{0, 0.11, kGreatest, -kGreatest, 0};
 
-/// The frames of a drag by the kernels of a card, on the CPU.
+/// The frames of a drag by the kernels of a card, on the CPU. From the third one on they are launches that
+/// were noted.
 class ByKernels {
   public:
     ByKernels(const QuadModel& model, const BranchDrag& drag, const DragPart& part,
               const std::optional<cuda::ListRoom>& room = {})
-        : feed_(model, drag, part), exec_(Context{.threads = 2}) {
+        : feed_(model, drag, part) {
         const cuda::DragJob job = feed_.job();
         drawn_ = {exec_.array<Vec3>(job.drawn.size()), exec_.array<Vec3>(job.shaded())};
         exec_.write(job.drawn, drawn_.positions);
@@ -44,23 +45,31 @@ class ByKernels {
         do {
             ++begun;
             stages_->begin(feed_.moves(pose), drawn_,
-                           [&](QuadStages<HostExecutor>& quads, const cuda::FieldArrays& field) {
+                           [&](QuadStages<StrictExecutor>& quads, const cuda::FieldArrays& field) {
                                cuda::with_formula(kernel_, [&](const auto& formula) {
                                    quads.project(cuda::FieldView(formula, field));
                                });
                            });
         } while (!stages_->has_room());
+        download(drawn_.positions, positions_);
+        download(drawn_.normals, normals_);
         return begun;
     }
-    std::span<const Vec3> positions() const { return drawn_.positions; }
-    std::span<const Vec3> normals() const { return drawn_.normals; }
+    std::span<const Vec3> positions() const { return positions_; }
+    std::span<const Vec3> normals() const { return normals_; }
 
   private:
+    void download(std::span<const Vec3> from, Buffer<Vec3>& to) {
+        to.resize(from.size());
+        exec_.download(from, std::span(to));
+    }
+
     DragFeed feed_;
-    HostExecutor exec_;
+    StrictExecutor exec_;
     cuda::DrawnVertices drawn_;
-    std::optional<cuda::DragStages<HostExecutor>> stages_;
+    std::optional<cuda::DragStages<StrictExecutor>> stages_;
     KernelConstants kernel_;
+    Buffer<Vec3> positions_, normals_;
 };
 
 /// How many vertices lie elsewhere than the CPU's, of those that frames write.

@@ -49,12 +49,16 @@ class DragStages {
     void begin(const DragMoves& moves, const DrawnVertices& drawn, const Project& project) {
         exec_.rewind(before_);
         place(moves);
-        lists_ = begin_contacts(exec_, tables_, geometry_, order_, room_);
-        quads_.refine();
-        project(quads_, FieldArrays{segments_, lists_.own, lists_.rivals, blend_, contact_});
-        exec_.each("write drawn", counts_.written, WriteDrawn{from_, quads_.positions(), drawn.positions});
+        if (!lie_alike(drawn, shade_.drawn)) launches_.clear();
         shade_.drawn = drawn;
-        exec_.each("shade drawn", counts_.shaded, shade_);
+        exec_.replay(launches_, [&] {
+            lists_ = begin_contacts(exec_, tables_, geometry_, order_, room_);
+            quads_.refine();
+            project(quads_, FieldArrays{segments_, lists_.own, lists_.rivals, blend_, contact_});
+            exec_.each("write drawn", counts_.written,
+                       WriteDrawn{from_, quads_.positions(), shade_.drawn.positions});
+            exec_.each("shade drawn", counts_.shaded, shade_);
+        });
     }
 
     /// Waits for the frame. False where the field's lists had too little room: they have more the next time,
@@ -68,10 +72,15 @@ class DragStages {
         constexpr std::uint32_t kShare = 8;
         room_ = grown(room_, state);
         room_ = {room_.own + room_.own / kShare, room_.rivals + room_.rivals / kShare};
+        launches_.clear();
         return false;
     }
 
   private:
+    static bool lie_alike(const DrawnVertices& a, const DrawnVertices& b) {
+        return a.positions.data() == b.positions.data() && a.normals.data() == b.normals.data();
+    }
+
     struct Counts {
         std::size_t clips, written, shaded;
     };
@@ -123,6 +132,7 @@ class DragStages {
     std::span<const std::uint32_t> from_;
     ShadeDrawn shade_;
     typename Exec::Mark before_{};
+    typename Exec::Recording launches_;  // of all frames alike
     DeviceLists lists_;
 };
 

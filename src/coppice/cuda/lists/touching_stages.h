@@ -121,10 +121,11 @@ SegmentOrder order_segments(Exec& exec, const DeviceSegments& field) {
 
 /// The field in these regions, whose boxes lie on the executor: the lists that set_regions() makes, but that
 /// cards round otherwise, so that a segment that only just touches a box may be in one and not in the other.
-/// Throws DeviceError where a list is longer than the CPU makes them. O((segments + regions) log n + lists).
-/// Waits.
+/// Throws DeviceError where a list has more than `longest` segments: see longest_list(). O((segments +
+/// regions) log n + lists). Waits.
 template <class Exec>
-FieldArrays set_regions(Exec& exec, const DeviceSegments& field, std::span<const Box3> boxes) {
+FieldArrays set_regions(Exec& exec, const DeviceSegments& field, std::span<const Box3> boxes,
+                        std::size_t longest) {
     const std::size_t regions = boxes.size(), count = field.segments.size();
     const auto capsules = exec.template array<DeviceSupport>(count);
     const auto of_segments = exec.template array<Box3>(count);
@@ -138,7 +139,7 @@ FieldArrays set_regions(Exec& exec, const DeviceSegments& field, std::span<const
     exec.clear(cut);
     exec.clear(first);
     exec.each("count touching", regions,
-              CountTouching{search, static_cast<std::uint32_t>(longest_list(regions)), first, cut});
+              CountTouching{search, static_cast<std::uint32_t>(longest), first, cut});
     exec.exclusive_scan(std::span<const std::uint32_t>(first), first);
     std::uint32_t entries = 0, is_cut = 0;
     exec.download(std::span<const std::uint32_t>(first).last(1), std::span(&entries, 1));

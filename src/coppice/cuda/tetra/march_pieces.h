@@ -94,6 +94,7 @@ PieceMarch march_piece(Exec& exec, const TetraPiece& piece, const MarchInput& in
     MarchJob job = upload_march(
         exec, {piece.mesh(), {in.field.field, ends}, {in.axes.segments, passing}, in.options}, ctx);
     job.boxes = exec.upload(std::span<const Box3>(own_boxes));
+    job.longest = longest_list(in.mesh.region_count());
     job.coarse.own_begin = static_cast<std::uint32_t>(piece.own().begin);
     job.coarse.own_end = static_cast<std::uint32_t>(piece.own().end);
     PieceMarch out;

@@ -81,6 +81,7 @@ struct MarchJob {
     KernelConstants kernel;
     CutFieldView<DeviceSegments> ends;  ///< where it is cut off
     std::span<const Box3> boxes;        ///< of the regions; nothing where they are those of the tetrahedra
+    std::size_t longest;                ///< of the field's lists
     MarchOptions options;
 };
 
@@ -96,6 +97,7 @@ MarchJob upload_march(Exec& exec, const MarchInput& in, const Context& ctx = {})
             in.field.field.kernel(),
             upload_cuts(exec, segments, in.field.ends, in.field.level()),
             {},
+            longest_list(in.mesh.region_count()),
             in.options};
 }
 
@@ -106,7 +108,7 @@ bool with_march_field(Exec& exec, const MarchJob& job, const Use& use) {
     DeviceRefinement refinement = job.coarse;
     if (!refine(exec, refinement)) return false;
     const std::span<const Box3> boxes = job.boxes.empty() ? region_boxes(exec, refinement) : job.boxes;
-    const FieldArrays arrays = set_regions(exec, job.segments, boxes);
+    const FieldArrays arrays = set_regions(exec, job.segments, boxes, job.longest);
     with_formula(job.kernel, [&](const auto& formula) {
         const FieldView whole(formula, arrays);
         using Field = CutFieldView<std::remove_const_t<decltype(whole)>>;
