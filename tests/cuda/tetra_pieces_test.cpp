@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "coppice/base/random.h"
+#include "coppice/cuda/batch/march_pieces.h"
 #include "coppice/cuda/exec/host_executor.h"
-#include "coppice/cuda/tetra/march_pieces.h"
 #include "coppice/cuda/tetra/march_stages.h"
 #include "cuda/march_support.h"
 #include "cuda/strict_executor.h"

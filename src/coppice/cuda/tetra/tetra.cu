@@ -1,10 +1,10 @@
 #include <functional>
 #include <utility>
 
+#include "coppice/cuda/batch/march_pieces.h"
 #include "coppice/cuda/exec/cuda_executor.cuh"
 #include "coppice/cuda/field/upload_field.h"
 #include "coppice/cuda/tetra/device_marcher.h"
-#include "coppice/cuda/tetra/march_pieces.h"
 #include "coppice/cuda/tetra/march_stages.h"
 #include "coppice/cuda/tetra/printed_stages.h"
 

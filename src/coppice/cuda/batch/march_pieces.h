@@ -8,10 +8,10 @@
 
 #include "coppice/base/box.h"
 #include "coppice/base/context.h"
+#include "coppice/cuda/batch/tetra_piece.h"
 #include "coppice/cuda/tetra/extract_stages.h"
 #include "coppice/cuda/tetra/march_input.h"
 #include "coppice/cuda/tetra/march_stages.h"
-#include "coppice/cuda/tetra/tetra_piece.h"
 
 // march() in tetrahedra that are too many for a card: a piece after the other, whose surfaces are joined.
 

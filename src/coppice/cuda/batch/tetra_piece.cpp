@@ -1,4 +1,4 @@
-#include "coppice/cuda/tetra/tetra_piece.h"
+#include "coppice/cuda/batch/tetra_piece.h"
 
 #include <algorithm>
 #include <utility>
