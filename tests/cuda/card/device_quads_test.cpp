@@ -74,7 +74,7 @@ TEST_F(DeviceQuadsOnCard, FindTheListsThemselves) {
 }
 
 TEST_F(DeviceQuadsOnCard, DoOneJobAfterTheOther) {
-    const QuadCase small(random_tree(100, 4), 2), large(random_tree(1000, 5, true), 2);
+    const QuadCase small(random_tree(100, 4), 2), large(random_tree(300, 5, true), 2);
     DeviceQuads device;
     const Surface first = on_card(device, small, {}), second = on_card(device, large, {});
     EXPECT_EQ(on_card(device, small, {}).positions, first.positions);
