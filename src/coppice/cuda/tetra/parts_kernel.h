@@ -7,6 +7,7 @@
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/atomics.h"
 #include "coppice/cuda/tetra/bits_stages.h"
+#include "coppice/cuda/tetra/refinement_stages.h"
 #include "coppice/cuda/tetra/sets_kernel.h"
 #include "coppice/mesh/mesh.h"
 
