@@ -108,8 +108,8 @@ TriMesh MarchPieces::join_meshes(const Context& ctx) {
     if (std::max(all.size(), triangles) >= std::numeric_limits<std::uint32_t>::max())
         throw DeviceError("there are more than 2^32 triangles");
     radix_sort(ctx, all, kKeyBits, [](const KeyedVertex& v) { return v.key; });
-    const auto repeated = std::ranges::unique(all, {}, &KeyedVertex::key);
-    all.erase(repeated.begin(), repeated.end());
+    const auto same = [](const KeyedVertex& a, const KeyedVertex& b) { return a.key == b.key; };
+    all.erase(std::unique(all.begin(), all.end(), same), all.end());
     TriMesh out;
     out.positions.reserve(all.size());
     for (const KeyedVertex& v : all) out.positions.push_back(v.position);

@@ -1,5 +1,7 @@
 #include "coppice/cuda/field/device_field.h"
 
+#include <type_traits>
+
 #include "coppice/cuda/exec/cuda_executor.cuh"
 #include "coppice/cuda/field/sample_kernel.h"
 #include "coppice/cuda/field/upload_field.h"
@@ -17,7 +19,8 @@ void sample_repeatedly(const ConvolutionField& field, std::span<const Vec3> poin
     const std::span<const Vec3> at = exec.upload(points);
     const std::span<FieldSample> out = exec.array<FieldSample>(points.size());
     cuda::with_formula(field.kernel(), [&](const auto& formula) {
-        const cuda::SamplePoints kernel{cuda::FieldView(formula, arrays), 0, at, out};
+        const cuda::FieldView view(formula, arrays);
+        const cuda::SamplePoints<std::remove_const_t<decltype(view)>> kernel{view, 0, at, out};
         exec.each("sample", points.size(), kernel);
         exec.measure();
         for (int i = 0; i < repeat; ++i) exec.each("sample", points.size(), kernel);
