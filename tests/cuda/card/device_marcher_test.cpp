@@ -11,8 +11,8 @@ namespace {
 constexpr MarchOptions kOnce{.levels = 1};
 
 /// A tree in tetrahedra, cut off at its root.
-struct Scene {
-    explicit Scene(const Skeleton& tree)
+struct CutScene {
+    explicit CutScene(const Skeleton& tree)
         : tetra(tree, 1, 0.6f), ends(cut_at_root(tree, tetra.lattice.mesh().region_count())) {}
     CutConvolution field() const { return {tetra.field, ends}; }
     MarchResult march_on(DeviceMarcher& card) const {
@@ -26,7 +26,7 @@ struct Scene {
 class DeviceMarcherOnCard : public OnCard {};
 
 TEST_F(DeviceMarcherOnCard, MakesTheSurfaceOfTheCpuAgainAndAgain) {
-    const Scene scene(random_tree(60, 4, true));
+    const CutScene scene(random_tree(60, 4, true));
     DeviceMarcher card;
     const CutConvolution field = scene.field();
     const MarchResult expected =
@@ -42,7 +42,7 @@ TEST_F(DeviceMarcherOnCard, MakesTheSurfaceOfTheCpuAgainAndAgain) {
 }
 
 TEST_F(DeviceMarcherOnCard, MakesTheSameBitsInPieces) {
-    const Scene scene(random_tree(250, 5));
+    const CutScene scene(random_tree(250, 5));
     DeviceMarcher card;
     const MarchResult at_once = scene.march_on(card);
     DeviceMarcher small({}, card.bytes_used() / 10 * 7);
