@@ -238,11 +238,14 @@ class StrictExecutor {
             std::uintptr_t address;
             std::size_t size;
         } span;
-        constexpr std::size_t kLongest = std::size_t{1} << 32;
+        // Longer ones would not fit. A number in single precision behind two whole ones, which may look like
+        // an address of AddressSanitizer's heap, is greater as bits.
+        constexpr std::size_t kLongest = kSize / sizeof(float);
         for (std::size_t at = 0; at + sizeof span <= kernel.size(); at += sizeof(void*)) {
             std::memcpy(&span, kernel.data() + at, sizeof span);
             if (span.size == 0 || span.size > kLongest || is_there(span.address)) continue;
-            EXPECT_FALSE(is_mapped(span.address)) << name << " is given memory of the host, at byte " << at;
+            EXPECT_FALSE(is_mapped(span.address))
+                << name << " is given memory of the host, at byte " << at << ": " << std::hex << span.address;
         }
     }
     static bool is_mapped(std::uintptr_t address) {
