@@ -77,4 +77,19 @@ inline EndCuts cut_at_root(const Skeleton& skeleton, std::uint32_t regions) {
     return out;
 }
 
+/// A tree in tetrahedra, cut off at its root.
+struct CutScene {
+    CutScene(const Skeleton& tree, int levels, float edge)
+        : tetra(tree, levels, edge),
+          options{.levels = levels},
+          ends(cut_at_root(tree, tetra.lattice.mesh().region_count())) {}
+    const TetraMesh& mesh() const { return tetra.lattice.mesh(); }
+
+    TetraScene tetra;
+    MarchOptions options;
+    EndCuts ends;
+    CutConvolution field{tetra.field, ends};
+    InsideAxes axes = tetra.inside();
+};
+
 }  // namespace coppice

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <span>
 
 #include "coppice/base/column.h"
@@ -15,6 +16,12 @@ class OnExecutor : public testing::Test {
   protected:
     /// Whether results have the bits of the CPU: a card fuses products and sums.
     static constexpr bool kSameBits = !Exec::kIsDevice;
+
+    /// How large a test is: as large as it should be on a card, and less on the false one, whose kernels run
+    /// on the CPU.
+    static std::uint32_t size_for(std::uint32_t card, std::uint32_t false_card) {
+        return require_device().multiprocessors > 1 ? card : false_card;
+    }
 
     void SetUp() override {
         if (!Exec::kIsDevice) return;

@@ -95,9 +95,8 @@ TEST(MarchPieces, MakeTheSameBitsOnNoise) {
             const MarchResult expected = march(mesh, FieldRef(field), options);
             ASSERT_GT(expected.mesh.triangles.size(), 100u);
             freed += expected.report.freed;
-            for (const std::size_t count : {1u, 2u, 7u}) {
+            for (const std::size_t count : {1u, 2u, 7u})
                 expect_same(march_in(count, mesh, field, options), expected);
-            }
         }
     }
     EXPECT_GT(freed, 1000u);
@@ -126,28 +125,19 @@ TEST(MarchPieces, NameTheSameOpenFaces) {
     const KernelField field = ball_field({0.9f, 2, 12}, 1.7f);
     const MarchResult expected = march(mesh, FieldRef(field), {});
     ASSERT_FALSE(expected.open.empty());
-    for (const std::size_t count : {2u, 5u}) {
-        expect_same(march_in(count, mesh, field, {}), expected);
-    }
+    for (const std::size_t count : {2u, 5u}) expect_same(march_in(count, mesh, field, {}), expected);
 }
 
-/// A tree, cut off at its root, and what march() makes of it at once.
+/// A tree, and what march() makes of it at once.
 struct WholeTree {
-    WholeTree(const Skeleton& tree, int levels, float edge)
-        : scene(tree, levels, edge),
-          options{.levels = levels},
-          ends(cut_at_root(tree, scene.lattice.mesh().region_count())) {
+    WholeTree(const Skeleton& tree, int levels, float edge) : scene(tree, levels, edge) {
         HostExecutor exec;
         expected = downloaded(exec, march(exec, upload_march(exec, input())).value());
         bytes = exec.bytes_used();
     }
-    MarchInput input() const { return {scene.lattice.mesh(), field, axes, options}; }
+    MarchInput input() const { return {scene.mesh(), scene.field, scene.axes, scene.options}; }
 
-    TetraScene scene;
-    MarchOptions options;
-    EndCuts ends;
-    CutConvolution field{scene.field, ends};
-    InsideAxes axes = scene.inside();
+    CutScene scene;
     MarchResult expected;
     std::size_t bytes = 0;  ///< that it took
 };
@@ -183,12 +173,13 @@ TEST(MarchPieces, GiveUpWhereThereIsNoRoom) {
 
 TEST(MarchPieces, RefuseWhatMarchRefuses) {
     const WholeTree tree(random_tree(20, 5), 1, 0.5f);
-    TetraMesh bad = tree.scene.lattice.mesh();
+    TetraMesh bad = tree.scene.mesh();
     std::swap(bad.tetra[5][0], bad.tetra[5][1]);
     HostExecutor exec;
-    EXPECT_THROW(march_in_pieces(exec, {bad, tree.field, tree.axes, tree.options}), InvalidInput);
+    EXPECT_THROW(march_in_pieces(exec, {bad, tree.scene.field, tree.scene.axes, tree.scene.options}),
+                 InvalidInput);
     const MarchOptions options{.levels = 9};
-    EXPECT_THROW(march_in_pieces(exec, {tree.scene.lattice.mesh(), tree.field, tree.axes, options}),
+    EXPECT_THROW(march_in_pieces(exec, {tree.scene.mesh(), tree.scene.field, tree.scene.axes, options}),
                  InvalidInput);
 }
 

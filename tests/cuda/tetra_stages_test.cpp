@@ -188,11 +188,12 @@ TEST(TouchingStages, SayWhereTooManyMeet) {
     const Skeleton star(std::move(parents), std::move(positions), radii);
     const ConvolutionField field(star, {});
     HostExecutor exec;
-    std::vector<Box3> boxes(5000);
+    std::vector<Box3> boxes(5000);  // the fewer there are the longer lists may be
     boxes[0] = {{0, 0, 0.9f}, {0.1f, 0.1f, 1}};
     for (std::size_t i = 1; i < boxes.size(); ++i) boxes[i] = {{9, 9, 9}, {10, 10, 10}};
     const cuda::DeviceSegments segments = cuda::upload_segments(exec, field);
-    EXPECT_THROW(cuda::set_regions(exec, segments, std::span<const Box3>(boxes), 299), DeviceError);
+    EXPECT_THROW(cuda::set_regions(exec, segments, std::span<const Box3>(boxes), longest_list(boxes.size())),
+                 DeviceError);
 }
 
 /// Joins the two numbers of every pair.

@@ -74,7 +74,8 @@ TEST_F(DeviceQuadsOnCard, FindTheListsThemselves) {
 }
 
 TEST_F(DeviceQuadsOnCard, DoOneJobAfterTheOther) {
-    const QuadCase small(random_tree(100, 4), 2), large(random_tree(300, 5, true), 2);
+    const QuadCase small(random_tree(100, 4), 2);
+    const QuadCase large(random_tree(size_for(5000, 300), 5, true), static_cast<int>(size_for(3, 2)));
     DeviceQuads device;
     const Surface first = on_card(device, small, {}), second = on_card(device, large, {});
     EXPECT_EQ(on_card(device, small, {}).positions, first.positions);
@@ -130,6 +131,19 @@ TEST_F(DeviceQuadsOnCard, TakeTheMemoryThatTheyAreSaidToTake) {
             c.field.own_lists().segments.size() + c.field.rival_lists().segments.size();
         EXPECT_LE(device.bytes_used(), bytes_of(c.job({}, {}), c.field.segments().size(), entries));
     }
+}
+
+TEST_F(DeviceQuadsOnCard, AreMadeInRoundsWhereThereIsLittleRoomAndRefusedWhereThereIsNone) {
+    const QuadCase c(random_tree(3000, 9), 3);
+    DeviceQuads device;
+    const Surface whole = on_card(device, c);
+    EXPECT_EQ(device.rounds(), 1u);
+    DeviceQuads small({}, bytes_of(c.job(), c.field.segments().size(), 0) / 10 * 7);
+    EXPECT_EQ(on_card(small, c).positions, whole.positions);
+    EXPECT_GT(small.rounds(), 1u);
+    DeviceQuads tiny({}, std::size_t{1} << 16);
+    EXPECT_THROW(tiny.begin(c.job(), c.field), DeviceError);
+    EXPECT_EQ(on_card(device, c).positions, whole.positions);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST_F(SurfacesOnCard, AreClosedWithAllStages) {
         for (const TipShape tips : {TipShape::round, TipShape::flat}) {
             MeshOptions options;
             options.control.tips = tips;
-            const Skeleton tree = random_tree(500, 11, hard);
+            const Skeleton tree = random_tree(size_for(1000, 500), 11, hard);
             const MeshResult cpu = made(tree, options, Device::cpu);
             const MeshResult on_card = made(tree, options, Device::cuda);
             EXPECT_EQ(on_card.quads().device.name, card());

@@ -31,14 +31,13 @@ MarchPieces::MarchPieces(const TetraMesh& mesh, int levels, std::uint64_t count,
     std::size_t begin = 0;
     for (std::uint64_t i = 1; i <= count; ++i) {
         const std::size_t end = i == count ? mesh.region_count() : first_from(mesh.tetra.size() * i / count);
-        if (end > begin) pieces_.push_back({{begin, end}, -1, false, {}, {}});
+        if (end > begin) pieces_.push_back({{begin, end}});
         begin = std::max(begin, end);
     }
 }
 
 bool MarchPieces::is_done(const Piece& piece) const {
-    return piece.rings >= TetraPiece::rings_for(rounds_, whole_.levels()) ||
-           (piece.rings >= 0 && piece.is_closed);
+    return piece.rings >= rings() || (piece.rings >= 0 && piece.is_closed);
 }
 
 const TetraPiece* MarchPieces::next() {
@@ -46,7 +45,7 @@ const TetraPiece* MarchPieces::next() {
     piece_.reset();
     if (found == pieces_.end()) return nullptr;
     at_ = static_cast<std::size_t>(found - pieces_.begin());
-    piece_.emplace(whole_, found->regions, TetraPiece::rings_for(rounds_, whole_.levels()));
+    piece_.emplace(whole_, found->regions, rings());
     return &*piece_;
 }
 
@@ -64,9 +63,8 @@ bool MarchPieces::split() {
     const IndexRange regions = pieces_[at_].regions;
     if (regions.size() < 2 || piece_->mesh().tetra.size() > kMostAround * piece_->own().size()) return false;
     const std::size_t middle = std::clamp(middle_of(regions), regions.begin + 1, regions.end - 1);
-    pieces_[at_] = {{regions.begin, middle}, -1, false, {}, {}};
-    pieces_.insert(pieces_.begin() + static_cast<std::ptrdiff_t>(at_) + 1,
-                   Piece{{middle, regions.end}, -1, false, {}, {}});
+    pieces_[at_] = {{regions.begin, middle}};
+    pieces_.insert(pieces_.begin() + static_cast<std::ptrdiff_t>(at_) + 1, Piece{{middle, regions.end}});
     return true;
 }
 
@@ -85,14 +83,14 @@ std::uint64_t MarchPieces::key_of(const SurfacePlace& place, bool is_cut) const 
 
 void MarchPieces::put(PieceMarch march) {
     Piece& piece = pieces_[at_];
-    piece.rings = TetraPiece::rings_for(rounds_, whole_.levels());
+    piece.rings = rings();
     piece.is_closed = piece_->is_closed();
     piece.keys.clear();
     piece.keys.reserve(march.vertices.size());
     for (std::uint32_t v = 0; v < march.vertices.size(); ++v)
         piece.keys.push_back(key_of(march.vertices[v], v >= march.moved));
     march.vertices = {};
-    for (TetraFace& face : march.open) face.tetra = piece_->tetra(face.tetra);
+    for (TetraFace& face : march.made.open) face.tetra = piece_->tetra(face.tetra);
     rounds_ = std::max(rounds_, march.rounds);
     piece.march = std::move(march);
 }
@@ -102,8 +100,8 @@ TriMesh MarchPieces::join_meshes(const Context& ctx) {
     std::size_t triangles = 0;
     for (const Piece& piece : pieces_) {
         for (std::size_t v = 0; v < piece.keys.size(); ++v)
-            all.push_back({piece.keys[v], piece.march.mesh.positions[v]});
-        triangles += piece.march.mesh.triangles.size();
+            all.push_back({piece.keys[v], piece.march.made.mesh.positions[v]});
+        triangles += piece.march.made.mesh.triangles.size();
     }
     if (std::max(all.size(), triangles) >= std::numeric_limits<std::uint32_t>::max())
         throw DeviceError("there are more than 2^32 triangles");
@@ -120,10 +118,10 @@ TriMesh MarchPieces::join_meshes(const Context& ctx) {
             const auto found = std::ranges::lower_bound(all, piece.keys[v], {}, &KeyedVertex::key);
             number[v] = static_cast<std::uint32_t>(found - all.begin());
         });
-        for (const Triangle& t : piece.march.mesh.triangles)
+        for (const Triangle& t : piece.march.made.mesh.triangles)
             out.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
         piece.keys = {};
-        piece.march.mesh = {};
+        piece.march.made.mesh = {};
     }
     return out;
 }
@@ -132,11 +130,13 @@ MarchResult MarchPieces::join(bool about_axes, const Context& ctx) {
     MarchResult out;
     std::vector<Vec3> places;
     for (const Piece& piece : pieces_) {
-        out.report.inside += piece.march.report.inside;
-        out.report.crossed += piece.march.report.crossed;
-        out.report.snapped += piece.march.report.snapped;
-        out.report.freed += piece.march.report.freed;
-        out.open.insert(out.open.end(), piece.march.open.begin(), piece.march.open.end());
+        const MarchReport& report = piece.march.made.report;
+        const std::vector<TetraFace>& open = piece.march.made.open;
+        out.report.inside += report.inside;
+        out.report.crossed += report.crossed;
+        out.report.snapped += report.snapped;
+        out.report.freed += report.freed;
+        out.open.insert(out.open.end(), open.begin(), open.end());
         places.insert(places.end(), piece.march.places.begin(), piece.march.places.end());
     }
     // Where the surface leaves the tetrahedra, no more is said of it.

@@ -19,12 +19,10 @@ namespace coppice::cuda {
 
 /// What a piece adds to a surface, on the host. Tetrahedra are numbered as in the piece.
 struct PieceMarch {
-    TriMesh mesh;                        ///< [m] the triangles in its own tetrahedra
+    MarchResult made;                    ///< in its own tetrahedra
     std::vector<SurfacePlace> vertices;  ///< where those of the mesh lie
     std::uint32_t moved = 0;             ///< so many of them lie in fine vertices, and the others in edges
-    std::vector<TetraFace> open;         ///< see DeviceMarch
     std::vector<Vec3> places;            ///< see DeviceMarch
-    MarchReport report;                  ///< see DeviceMarch
     int rounds = 0;                      ///< see DeviceMarch
 };
 
@@ -49,12 +47,13 @@ class MarchPieces {
   private:
     struct Piece {
         IndexRange regions;
-        int rings = -1;                   // it was marched with; none at first
-        bool is_closed = false;           // see TetraPiece
-        std::vector<std::uint64_t> keys;  // of its vertices: see key_of()
-        PieceMarch march;
+        int rings = -1;                        // it was marched with; none at first
+        bool is_closed = false;                // see TetraPiece
+        std::vector<std::uint64_t> keys = {};  // of its vertices: see key_of()
+        PieceMarch march = {};
     };
 
+    int rings() const { return TetraPiece::rings_for(rounds_, whole_.levels()); }
     bool is_done(const Piece& piece) const;
     std::size_t middle_of(IndexRange regions) const;
     std::uint64_t key_of(const SurfacePlace& place, bool is_cut) const;
@@ -70,16 +69,8 @@ class MarchPieces {
 /// What marching a piece made, copied to the host. Waits.
 template <class Exec>
 PieceMarch downloaded_piece(Exec& exec, const DeviceRefinement& refinement, const DeviceMarch& made) {
-    PieceMarch out;
-    out.vertices = name_vertices(exec, refinement, made.vertices);
-    out.moved = made.vertices.moved.count;
-    MarchResult march = downloaded(exec, made);
-    out.mesh = std::move(march.mesh);
-    out.open = std::move(march.open);
-    out.places = made.places;
-    out.report = march.report;
-    out.rounds = made.rounds;
-    return out;
+    return {downloaded(exec, made), name_vertices(exec, refinement, made.vertices), made.vertices.moved.count,
+            made.places, made.rounds};
 }
 
 /// Marches in one piece; `boxes` are those of the whole's regions. Takes all of the executor. Waits.

@@ -18,12 +18,12 @@ struct DeviceQuads::Impl {
     cuda::CudaExecutor exec;
     cuda::QuadRun<cuda::CudaExecutor> run;
 
-    explicit Impl(const Context& ctx) : exec(ctx), run(exec, ctx) {}
+    Impl(const Context& ctx, std::size_t most) : exec(ctx, most), run(exec, ctx) {}
 };
 
-DeviceQuads::DeviceQuads(const Context& ctx) {
+DeviceQuads::DeviceQuads(const Context& ctx, std::size_t most) {
     require_device();
-    impl_ = std::make_unique<Impl>(ctx);
+    impl_ = std::make_unique<Impl>(ctx, most);
 }
 DeviceQuads::~DeviceQuads() = default;
 DeviceQuads::DeviceQuads(DeviceQuads&&) noexcept = default;

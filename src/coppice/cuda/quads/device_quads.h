@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -22,8 +23,9 @@ namespace coppice {
 /// in rounds.
 class DeviceQuads {
   public:
-    /// Throws DeviceError where there is no card, or this build has no kernels.
-    explicit DeviceQuads(const Context& ctx = {});
+    /// Takes `most` bytes of the card at most. Throws DeviceError where there is no card, or this build has
+    /// no kernels.
+    explicit DeviceQuads(const Context& ctx = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
     ~DeviceQuads();                                  ///< gives the memory back
     DeviceQuads(DeviceQuads&&) noexcept;             ///< leaves the other one empty
     DeviceQuads& operator=(DeviceQuads&&) noexcept;  ///< leaves the other one empty

@@ -4,7 +4,7 @@ namespace coppice {
 
 struct DeviceQuads::Impl {};
 
-DeviceQuads::DeviceQuads(const Context&) { require_device(); }
+DeviceQuads::DeviceQuads(const Context&, std::size_t) { require_device(); }
 DeviceQuads::~DeviceQuads() = default;
 DeviceQuads::DeviceQuads(DeviceQuads&&) noexcept = default;
 DeviceQuads& DeviceQuads::operator=(DeviceQuads&&) noexcept = default;

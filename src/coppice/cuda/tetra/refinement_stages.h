@@ -47,6 +47,9 @@ struct DeviceRefinement {
     /// @{
     std::uint32_t own_begin = 0, own_end = ~0u;
     bool is_piece() const { return own_begin > 0 || own_end != ~0u; }
+    COPPICE_HOST_DEVICE bool is_own(std::uint32_t coarse) const {
+        return own_begin <= coarse && coarse < own_end;
+    }
     /// @}
 
     /// Of a fine tetrahedron the coarse one, and its number there: those of a coarse one follow each other.
@@ -67,8 +70,7 @@ struct DeviceRefinement {
     }
     /// Whether a wanted tetrahedron is the first that has a fine vertex.
     COPPICE_HOST_DEVICE bool owns(std::uint32_t vertex) const {
-        const std::uint32_t t = owner(view.vertices.place(vertex)).tetra;
-        return own_begin <= t && t < own_end;
+        return is_own(owner(view.vertices.place(vertex)).tetra);
     }
 };
 
@@ -107,8 +109,7 @@ struct KeepOwnTetra {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t w) const {
         std::uint64_t kept = 0;
         for (std::uint32_t i = 0; i < 64; ++i) {
-            const std::uint32_t t = refinement.tetra_of(64 * w + i);
-            if (refinement.own_begin <= t && t < refinement.own_end) kept |= std::uint64_t{1} << i;
+            if (refinement.is_own(refinement.tetra_of(64 * w + i))) kept |= std::uint64_t{1} << i;
         }
         marks[w] &= kept;
     }

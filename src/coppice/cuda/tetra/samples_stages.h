@@ -89,7 +89,7 @@ std::vector<TetraFace> open_faces(Exec& exec, const DeviceRefinement& refinement
     exec.download(list, std::span(found));
     std::vector<TetraFace> out;
     for (const std::uint32_t i : found) {
-        if (refinement.own_begin <= i / 4 && i / 4 < refinement.own_end) out.push_back({i / 4, i % 4});
+        if (refinement.is_own(i / 4)) out.push_back({i / 4, i % 4});
     }
     return out;
 }
