@@ -2,6 +2,7 @@
 # installer puts it. Sets COPPICE_HAS_CUDA. A program with kernels also runs where there is no card and no driver.
 set(COPPICE_CUDA AUTO CACHE STRING "Build the kernels for graphics cards (needs nvcc): ON, OFF, or AUTO = where nvcc is found")
 set(COPPICE_CUDA_ARCHITECTURES 75-real 80-real 90 CACHE STRING "Cards to compile kernels for; later ones take the last")
+option(COPPICE_QUICK_KERNELS "Compile kernels sooner, for one kind of card and hardly optimised: where nobody runs them" OFF)
 
 set(COPPICE_HAS_CUDA OFF)
 if(COPPICE_CUDA)
@@ -13,6 +14,9 @@ if(COPPICE_CUDA)
   endif()
   if(CMAKE_CUDA_COMPILER OR DEFINED ENV{CUDACXX} OR COPPICE_CUDA STREQUAL ON)
     set(CMAKE_CUDA_ARCHITECTURES ${COPPICE_CUDA_ARCHITECTURES})
+    if(COPPICE_QUICK_KERNELS)
+      set(CMAKE_CUDA_ARCHITECTURES 75)
+    endif()
     enable_language(CUDA)
     if(CMAKE_CUDA_COMPILER_VERSION VERSION_LESS 12 AND COPPICE_CUDA STREQUAL AUTO)
       message(STATUS "nvcc ${CMAKE_CUDA_COMPILER_VERSION} is too old for the kernels, which need 12")
@@ -29,6 +33,9 @@ function(coppice_cuda_sources target)
   # CMake 3.25 does not know how this nvcc is asked for C++20. Quotients and roots that are right to the last bit cost more than
   # the field does.
   set(options -std=c++20 --expt-relaxed-constexpr -prec-div=false -prec-sqrt=false -Werror=all-warnings)
+  if(COPPICE_QUICK_KERNELS AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.9)
+    list(APPEND options --Ofast-compile=max)
+  endif()
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:${options}>")
   set_property(TARGET ${target} PROPERTY CUDA_STANDARD_REQUIRED OFF)
   target_link_libraries(${target} PRIVATE CUDA::cudart_static)

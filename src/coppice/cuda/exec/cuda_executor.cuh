@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -14,6 +11,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/arena.cuh"
+#include "coppice/cuda/exec/cub_calls.cuh"
 #include "coppice/cuda/exec/kernel_time.h"
 #include "coppice/cuda/exec/recording.cuh"
 #include "coppice/cuda/exec/staging.cuh"
@@ -199,8 +197,7 @@ class CudaExecutor {
         const int size = checked<int>(counts.size());
         launch("scan", [&] {
             with_scratch([&](void* scratch, std::size_t& bytes) {
-                return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), out.data(), size,
-                                                     stream_);
+                return exclusive_sum(scratch, bytes, counts.data(), out.data(), size, stream_);
             });
         });
     }
@@ -208,15 +205,15 @@ class CudaExecutor {
     void sort_pairs(std::span<Key> keys, std::span<std::uint32_t> values, int bits = 8 * sizeof(Key)) {
         if (keys.empty()) return;
         const int size = checked<int>(keys.size());
-        cub::DoubleBuffer<Key> key(keys.data(), array<Key>(keys.size()).data());
-        cub::DoubleBuffer<std::uint32_t> value(values.data(), array<std::uint32_t>(values.size()).data());
+        TwoArrays<Key> key{keys.data(), array<Key>(keys.size()).data()};
+        TwoArrays<std::uint32_t> value{values.data(), array<std::uint32_t>(values.size()).data()};
         launch("sort", [&] {
             with_scratch([&](void* scratch, std::size_t& bytes) {
-                return cub::DeviceRadixSort::SortPairs(scratch, bytes, key, value, size, 0, bits, stream_);
+                return radix_sort(scratch, bytes, key, value, size, bits, stream_);
             });
         });
-        copy_within(key.Current(), keys);
-        copy_within(value.Current(), values);
+        copy_within(key.current, keys);
+        copy_within(value.current, values);
     }
     template <class Work>
     void replay(Recording& recording, const Work& work) {
