@@ -12,6 +12,7 @@ const kArguments = [
     "--no-sandbox",
     "--use-angle=gl-egl", // Mesa's own rasterizer: three times as fast as SwiftShader
     "--ignore-gpu-blocklist",
+    "--disable-gpu-compositing", // the page around it is drawn without: a fifth of the time less
     "--disable-quic",
     "--webgl-antialiasing-mode=none", // as its cost
     "--no-first-run",
