@@ -57,7 +57,7 @@ std::string GrowthRelay::offer(Skeleton skeleton) {
     std::string key = fmt::format("grown-{}", count_);
     blobs_.offer(key, [growth = std::weak_ptr(newest_)]() -> std::optional<std::string> {
         const std::shared_ptr<Newest> newest = growth.lock();
-        if (!newest) return std::nullopt;
+        if (!newest) return std::string();  // another growth has begun: who is late has done no wrong
         std::unique_lock lock(newest->mutex);
         const ObjectPtr object = newest->object;
         const GeometryHead head{ObjectKind::skeleton, {}, newest->version, {}};

@@ -15,8 +15,8 @@
 namespace coppice::studio_internal {
 
 /// Hands out what growth has so far as blobs, without holding it up: at most ten times a second, and in at
-/// most a fiftieth of the time. One thread's; the blobs are encoded by those who fetch them, until the next
-/// growth begins.
+/// most a fiftieth of the time. One thread's; the blobs are encoded by those who fetch them, and are
+/// empty once the next growth has begun.
 class GrowthRelay {
   public:
     using Tell = std::function<void(const StudioGrown&)>;  ///< told that there is more

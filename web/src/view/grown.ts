@@ -53,7 +53,7 @@ export class Grown {
             await this.turn(); // newer ones that wait already come first
             const { wanted, round } = this;
             this.wanted = null;
-            const geometry = wanted && (await this.engine.blob(wanted).catch(() => null)); // null: another growth has begun
+            const geometry = wanted && (await this.engine.blob(wanted).catch(() => null)); // null: it is empty, since another growth has begun
             if (geometry && round === this.round) {
                 this.draw(geometry, theme);
             }
