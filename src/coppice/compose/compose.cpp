@@ -10,7 +10,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
-#include "coppice/compose/growing_tree_internal.h"
+#include "coppice/compose/composed_tree_internal.h"
 
 namespace coppice {
 namespace {
@@ -186,7 +186,7 @@ class Composing {
     const ComposeOptions& options_;
     const SolidField* crown_;
     Draws draws_;
-    GrowingTree tree_;
+    ComposedTree tree_;
     ComposeReport report_;
     std::vector<std::uint32_t> children_;
     std::vector<const Entry*> matching_;

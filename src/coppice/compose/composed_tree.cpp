@@ -1,4 +1,4 @@
-#include "coppice/compose/growing_tree_internal.h"
+#include "coppice/compose/composed_tree_internal.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ constexpr double kNear = 2;  // [radii of the host] about a branch node, where b
 
 }  // namespace
 
-GrowingTree::GrowingTree(const Skeleton& host, const ComposeOptions& options)
+ComposedTree::ComposedTree(const Skeleton& host, const ComposeOptions& options)
     : origin_(host.origin()),
       clearance_(double{options.clearance}),
       most_nodes_(static_cast<std::uint32_t>(options.max_nodes)) {
@@ -34,7 +34,7 @@ GrowingTree::GrowingTree(const Skeleton& host, const ComposeOptions& options)
     for (std::uint32_t n = 0; n < size(); ++n) place_segment(n);
 }
 
-std::uint32_t GrowingTree::add(Node node) {
+std::uint32_t ComposedTree::add(Node node) {
     const std::uint32_t n = size();
     node.child = node.next = kNone;
     nodes_.push_back(node);
@@ -47,7 +47,7 @@ std::uint32_t GrowingTree::add(Node node) {
 
 // A segment that begins at a branch node has its own radius there, as in a Skeleton; where it leads it has
 // the host's, which matters only near the node, where nothing is looked for.
-void GrowingTree::place_segment(std::uint32_t n) {
+void ComposedTree::place_segment(std::uint32_t n) {
     const Node& node = nodes_[n];
     if (clearance_ <= 0 || node.parent == kNone) return;
     const Node& from = nodes_[node.parent];
@@ -57,14 +57,14 @@ void GrowingTree::place_segment(std::uint32_t n) {
     segments_.add(n, cone, capsule_box(from.position, node.position, static_cast<float>(most)));
 }
 
-void GrowingTree::children(std::uint32_t n, std::vector<std::uint32_t>& out) const {
+void ComposedTree::children(std::uint32_t n, std::vector<std::uint32_t>& out) const {
     out.clear();
     for (std::uint32_t c = nodes_[n].child; c != kNone; c = nodes_[c].next) {
         if (!nodes_[c].gone) out.push_back(c);
     }
 }
 
-std::uint32_t GrowingTree::leader(std::uint32_t n) const {
+std::uint32_t ComposedTree::leader(std::uint32_t n) const {
     std::uint32_t best = kNone;
     for (std::uint32_t c = nodes_[n].child; c != kNone; c = nodes_[c].next) {
         if (!nodes_[c].gone && (best == kNone || nodes_[c].radius > nodes_[best].radius)) best = c;
@@ -72,7 +72,7 @@ std::uint32_t GrowingTree::leader(std::uint32_t n) const {
     return best;
 }
 
-Place GrowingTree::place(std::uint32_t node, std::uint32_t first) const {
+Place ComposedTree::place(std::uint32_t node, std::uint32_t first) const {
     const Node& at = nodes_[node];
     Place out{.node = node, .first = first};
     out.position = Vec3d(at.position);
@@ -97,8 +97,8 @@ Place GrowingTree::place(std::uint32_t node, std::uint32_t first) const {
     return out;
 }
 
-bool GrowingTree::crosses(const Place& place, const Skeleton& tree, std::span<const Vec3> positions,
-                          std::span<const float> radii) {
+bool ComposedTree::crosses(const Place& place, const Skeleton& tree, std::span<const Vec3> positions,
+                           std::span<const float> radii) {
     if (clearance_ <= 0) return false;
     Box3 all;
     for (std::size_t i = 0; i < positions.size(); ++i)
@@ -125,7 +125,7 @@ bool GrowingTree::crosses(const Place& place, const Skeleton& tree, std::span<co
     return found;
 }
 
-void GrowingTree::find_axes_at(const Place& place) {
+void ComposedTree::find_axes_at(const Place& place) {
     at_node_.clear();
     const auto is_near = [&](std::uint32_t n) {
         return distance(Vec3d(nodes_[n].position), place.position) < kNear * place.radius;
@@ -141,7 +141,7 @@ void GrowingTree::find_axes_at(const Place& place) {
     std::ranges::sort(at_node_);
 }
 
-void GrowingTree::take_out(const Place& place) {
+void ComposedTree::take_out(const Place& place) {
     taken_.assign(1, place.first);
     for (std::size_t i = 0; i < taken_.size(); ++i) {
         nodes_[taken_[i]].gone = true;
@@ -152,13 +152,13 @@ void GrowingTree::take_out(const Place& place) {
     find_axes_at(place);
 }
 
-void GrowingTree::put_back() {
+void ComposedTree::put_back() {
     for (const std::uint32_t n : taken_) nodes_[n].gone = false;
 }
 
-void GrowingTree::put_in(const Place& place, const Skeleton& tree, std::span<const double> length,
-                         std::span<const std::uint32_t> orders, std::span<const Vec3> positions,
-                         std::span<const float> radii) {
+void ComposedTree::put_in(const Place& place, const Skeleton& tree, std::span<const double> length,
+                          std::span<const std::uint32_t> orders, std::span<const Vec3> positions,
+                          std::span<const float> radii) {
     if (size() + tree.size() > most_nodes_) {
         throw InvalidInput(fmt::format(
             "compose: the tree gets more than {} nodes; use a smaller library, depth or tolerance",
@@ -181,7 +181,7 @@ void GrowingTree::put_in(const Place& place, const Skeleton& tree, std::span<con
     for (std::uint32_t n = before + 1; n < size(); ++n) place_segment(n);
 }
 
-Skeleton GrowingTree::skeleton(const ComposeOptions& options) const {
+Skeleton ComposedTree::skeleton(const ComposeOptions& options) const {
     std::vector<std::uint32_t> number(size(), kNone);
     std::vector<NodeId> parents;
     std::vector<Vec3> positions;

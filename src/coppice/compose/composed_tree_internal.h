@@ -27,7 +27,7 @@ struct Place {
 };
 
 /// A skeleton whose branches are replaced; parents keep preceding their children.
-class GrowingTree {
+class ComposedTree {
   public:
     struct Node {
         std::uint32_t parent = 0;  ///< kNone for a root
@@ -43,7 +43,7 @@ class GrowingTree {
     };
     static constexpr std::uint32_t kNone = 0xffffffffu;
 
-    GrowingTree(const Skeleton& host, const ComposeOptions& options);
+    ComposedTree(const Skeleton& host, const ComposeOptions& options);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
     const Node& operator[](std::uint32_t n) const { return nodes_[n]; }
