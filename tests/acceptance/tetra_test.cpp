@@ -33,13 +33,17 @@ MeshOptions polyhedron(float edge) {
     return options;
 }
 
+PolygonMesh surface_of(const Skeleton& skeleton, const MeshOptions& options) {
+    return to_polygons(mesh_skeleton(skeleton, options).tetrahedra().mesh);
+}
+
 SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = tetrahedra()) {
-    return check_surface(to_polygons(mesh_skeleton(skeleton, options).tetrahedra().mesh), &skeleton);
+    return check_surface(surface_of(skeleton, options), &skeleton);
 }
 
 /// Of the surface alone, which takes half of the time.
 SurfaceReport judge_alone(const Skeleton& skeleton, const MeshOptions& options) {
-    return check_surface(to_polygons(mesh_skeleton(skeleton, options).tetrahedra().mesh), nullptr);
+    return check_surface(surface_of(skeleton, options), nullptr);
 }
 
 /// Closed, manifold, oriented, not inside out, and never through itself.
@@ -149,8 +153,7 @@ TEST(AcceptanceTetra, FlatEndsLieInTheirPlanes) {
     const double cylinder = 3.14159265 * 0.25 * 0.25 * 2;
     EXPECT_NEAR(r.shape.signed_volume / cylinder, 1, 0.02);
     options.control = {.base = BaseShape::round};
-    const SurfaceReport round =
-        check_surface(to_polygons(mesh_skeleton(bar, options).tetrahedra().mesh), nullptr);
+    const SurfaceReport round = judge_alone(bar, options);
     const double ball = 4.0 / 3 * 3.14159265 * 0.25 * 0.25 * 0.25;
     EXPECT_NEAR(round.shape.signed_volume / (cylinder + ball), 1, 0.04);
 }
