@@ -27,7 +27,7 @@ using GivenOptions = std::vector<const Option*>;
 /// Throws what the library throws, and UsageError.
 struct Command {
     std::string name;
-    std::string help;
+    std::string help;  ///< one sentence without a full stop, which the help adds
     OptionList options;
     std::function<ExitCode(Run&, const GivenOptions&)> run;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -129,15 +130,17 @@ Option option_of(const OptionField& field, const std::string& group) {
     option.unit = field.field.unit;
     option.low = field.field.low;
     option.high = field.field.high;
+    option.common = field.field.common;
     return option;
 }
 
 Option option_of(const OptionTarget& target, const std::string& type, const std::string& help,
-                 const std::string& group) {
+                 const HelpPlace& place) {
     Option option;
     option.help = help;
     option.type = type;
-    option.group = group;
+    option.group = place.group;
+    option.common = place.common;
     option.target = target;
     return option;
 }
@@ -156,19 +159,19 @@ void OptionList::add(Option option, const std::string& names) {
 }
 
 void OptionList::file(const std::string& names, const std::string& type, std::filesystem::path& target,
-                      const std::string& help, const std::string& group) {
-    add(option_of(&target, type, help, group), names);
+                      const std::string& help, const HelpPlace& place) {
+    add(option_of(&target, type, help, place), names);
 }
 
 void OptionList::files(const std::string& names, const std::string& type,
                        std::vector<std::filesystem::path>& target, const std::string& help,
-                       const std::string& group) {
-    add(option_of(&target, type, help, group), names);
+                       const HelpPlace& place) {
+    add(option_of(&target, type, help, place), names);
 }
 
 void OptionList::flag(const std::string& names, bool& target, const std::string& help,
-                      const std::string& group) {
-    add(option_of(&target, {}, help, group), names);
+                      const HelpPlace& place) {
+    add(option_of(&target, {}, help, place), names);
 }
 
 void OptionList::value(const OptionField& field, const std::string& group) {
@@ -186,6 +189,7 @@ void OptionList::add_fields(std::span<const OptionField> fields, const std::stri
         }
         Option option = option_of(field, group);
         option.field = at;
+        if (names.common) option.common = std::ranges::find(*names.common, at) != names.common->end();
         add(std::move(option), name_of_field(names, at, field.field));
     }
 }
@@ -198,8 +202,14 @@ std::string flag_name(std::string_view field_name) {
 
 void store(const Option& option, const std::string& word) { std::visit(Store{option, word}, option.target); }
 
+std::string sentence(std::string text) {
+    text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+    if (text.back() != '.') text += '.';
+    return text;
+}
+
 std::string help_text(const Option& option) {
-    return option.help + std::visit(HelpEnd{option}, option.target);
+    return sentence(option.help) + std::visit(HelpEnd{option}, option.target);
 }
 
 }  // namespace coppice::cli

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,22 +29,34 @@ using OptionTarget = std::variant<std::filesystem::path*, std::vector<std::files
 struct Option {
     std::string name;    ///< "--output"; a file that needs no flag before it has no dashes: "input"
     std::string letter;  ///< "-o", or none
-    std::string help;    ///< one sentence without a full stop
+    std::string help;    ///< one sentence without a full stop, which the help adds
     std::string type;    ///< what the value is called in the help: "FILE"; none for a switch
     std::string group;   ///< heading in the help; none stands first
     std::string field;   ///< path of the member that it sets: "project.method"; none for others
     Unit unit = Unit::none;
     double low = 0, high = 0;  ///< of numbers, both included, where low < high
+    bool common = true;        ///< shown by --help, not only by --help-all
     OptionTarget target;
 };
+
+/// Members of an option struct by their paths, as "restore.reach".
+using MemberNames = std::vector<std::string_view>;
 
 /// How the members of an option struct are called on the command line where not after themselves, as
 /// wire_width is --wire-width.
 struct FlagNames {
     std::string_view prefix;  ///< goes before all of them: "b" makes --b-scale
     std::vector<std::pair<std::string_view, std::string_view>>
-        names;                              ///< {"restore.reach", "--restore-reach"}
-    std::vector<std::string_view> without;  ///< members that get no option
+        names;            ///< {"restore.reach", "--restore-reach"}
+    MemberNames without;  ///< members that get no option
+    /// Members that --help shows; without a value those that the fields mark as common.
+    std::optional<MemberNames> common = std::nullopt;
+};
+
+/// Where the help shows an option that belongs to no option struct.
+struct HelpPlace {
+    std::string group = {};  ///< see Option
+    bool common = true;      ///< see Option
 };
 
 /// The options of one command, in the order of its help. Every name is declared once: one that is taken
@@ -52,12 +65,12 @@ class OptionList {
   public:
     /// "input" or "-o,--output"; `type` is what the help calls the file.
     void file(const std::string& names, const std::string& type, std::filesystem::path& target,
-              const std::string& help, const std::string& group = {});
+              const std::string& help, const HelpPlace& place = {});
     /// The same for files: after a flag that may be repeated, or as many as there are.
     void files(const std::string& names, const std::string& type, std::vector<std::filesystem::path>& target,
-               const std::string& help, const std::string& group = {});
+               const std::string& help, const HelpPlace& place = {});
     /// Off unless given.
-    void flag(const std::string& names, bool& target, const std::string& help, const std::string& group = {});
+    void flag(const std::string& names, bool& target, const std::string& help, const HelpPlace& place = {});
     /// One value that belongs to no option struct.
     void value(const OptionField& field, const std::string& group = {});
 
@@ -85,7 +98,10 @@ std::string flag_name(std::string_view field_name);
 /// for switches.
 void store(const Option& option, const std::string& word);
 
-/// The help of an option with its unit, range and default.
+/// A text as a sentence of the help: with a capital and a full stop.
+std::string sentence(std::string text);
+
+/// The help of an option, a sentence with its unit, range and default.
 std::string help_text(const Option& option);
 
 }  // namespace coppice::cli

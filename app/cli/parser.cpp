@@ -13,20 +13,29 @@ std::string names_of(const Option& option) {
     return option.letter.empty() ? option.name : option.letter + "," + option.name;
 }
 
-/// A switch is understood both ways, but only the way that changes something is shown.
+/// A switch that is the member of an option struct may be turned on and off.
+bool is_two_way(const Option& option) {
+    return std::holds_alternative<bool*>(option.target) && !option.field.empty();
+}
+
+/// "--flat" -> "--no-flat"
+std::string off_name(const Option& option) { return "--no-" + option.name.substr(2); }
+
+/// Of a switch that may be turned on and off, only the way that changes something is shown.
 void add_switch(CLI::App& app, const Option& option, bool* value) {
-    if (option.field.empty()) {
-        CLI::Option* const added = app.add_flag(names_of(option), *value, option.help);
+    if (!is_two_way(option)) {
+        CLI::Option* const added = app.add_flag(names_of(option), *value, sentence(option.help));
         if (!option.group.empty()) added->group(option.group);
         return;
     }
-    const std::string off = "--no-" + option.name.substr(2);
     const auto turn_on = [value](std::int64_t) { *value = true; };
     const auto turn_off = [value](std::int64_t) { *value = false; };
     CLI::Option* const on_option =
-        app.add_flag_function(option.name, turn_on, option.help + " [default off]")->group(option.group);
+        app.add_flag_function(option.name, turn_on, sentence(option.help) + " [default off]")
+            ->group(option.group);
     CLI::Option* const off_option =
-        app.add_flag_function(off, turn_off, "not: " + option.help + " [default on]")->group(option.group);
+        app.add_flag_function(off_name(option), turn_off, "Turn off: " + option.help + ". [default on]")
+            ->group(option.group);
     (*value ? on_option : off_option)->group("");
 }
 
@@ -60,6 +69,15 @@ std::vector<std::string> flag_names(const CLI::App& app) {
         for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     }
     return names;
+}
+
+/// Leaves out of the help what only few users need.
+void hide_uncommon(CLI::App& app, const Command& command) {
+    for (const Option& option : command.options.all()) {
+        if (option.common) continue;
+        app.get_option(option.name)->group("");
+        if (is_two_way(option)) app.get_option(off_name(option))->group("");
+    }
 }
 
 /// Throws a UsageError for words that nothing has taken.
@@ -111,33 +129,58 @@ Parser::Parser(std::span<const Command> commands) : program_(std::make_unique<Pr
     app.allow_extras();
     app.require_subcommand(0, 1);  // a file behind a command may be called as another command
     app.set_version_flag("--version", "coppice " + std::string(kVersion));
-    app.footer("coppice help COMMAND lists the options of a command.");
+    app.set_help_flag("-h,--help", "Print the options that are used most.");
+    app.set_help_all_flag("--help-all", "Print all options.");
+    app.footer("coppice help COMMAND explains a command, coppice help COMMAND --all every option of it.");
     for (const Command& command : commands) {
-        CLI::App* const sub = app.add_subcommand(command.name, command.help);
+        CLI::App* const sub = app.add_subcommand(command.name, sentence(command.help));
         sub->allow_extras();  // parse() names them, with the nearest spelling
         for (const Option& option : command.options.all()) add_option(*sub, option);
     }
-    app.add_subcommand("help", "Explain a command: coppice help COMMAND");
+    app.add_subcommand("help", "Print the help of a command.");
 }
 
 Parser::~Parser() = default;
 
-std::string Parser::help_of(const std::string& topic) const {
-    const CLI::App& app = program_->app;
-    return topic.empty() ? app.help() : app.get_subcommand(program_->command(topic).name)->help("coppice");
+std::string Parser::help_of(const std::string& topic, bool all) {
+    if (topic.empty()) return program_->app.help();
+    const Command& command = program_->command(topic);
+    CLI::App& app = *program_->app.get_subcommand(command.name);
+    app.footer(all ? ""
+                   : fmt::format("coppice {} --help-all prints all {} options.", command.name,
+                                 command.options.all().size()));
+    if (!all) hide_uncommon(app, command);
+    return app.help("coppice");
+}
+
+std::string Parser::help_on(std::span<const char* const> words) {
+    std::string topic;
+    bool all = false;
+    for (const std::string word : words) {
+        if (word == "--all") {
+            all = true;
+        } else if (topic.empty() && !word.starts_with("-")) {
+            topic = word;
+        } else {
+            throw UsageError(fmt::format("help takes a command and --all, not '{}'", word));
+        }
+    }
+    return help_of(topic, all);
 }
 
 Parser::Request Parser::parse(std::span<const char* const> arguments) {
     CLI::App& app = program_->app;
     const std::string first = arguments.size() > 1 ? arguments[1] : "";
     // The parser would take the topic for a second command, and print a help whatever the command.
-    if (first == "help") return {.text = help_of(arguments.size() > 2 ? arguments[2] : "")};
+    if (first == "help") return {.text = help_on(arguments.subspan(2))};
     const Command* const command =
         first.empty() || first.starts_with("-") ? nullptr : &program_->command(first);
     try {
         app.parse(static_cast<int>(arguments.size()), arguments.data());
     } catch (const CLI::CallForHelp&) {
-        return {.text = help_of(topic_of(arguments))};
+        return {.text = help_of(topic_of(arguments), false)};
+    } catch (const CLI::CallForAllHelp&) {
+        return {.text = help_of(topic_of(arguments), true)};
     } catch (const CLI::Success& request) {
         return {.text = std::string(request.what()) + "\n"};
     } catch (const CLI::ParseError& error) {

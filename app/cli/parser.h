@@ -29,7 +29,11 @@ class Parser {
 
   private:
     struct Program;
-    std::string help_of(const std::string& topic) const;
+    /// The help of a command, with all options or the common ones, after which nothing can be parsed; of the
+    /// whole program where the topic is empty.
+    std::string help_of(const std::string& topic, bool all);
+    /// The same for the words after `coppice help`.
+    std::string help_on(std::span<const char* const> words);
 
     std::unique_ptr<Program> program_;
 };

@@ -19,7 +19,8 @@ namespace coppice::cli {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr Field kThreads{"threads", "threads to use; 0 takes all of the machine", Unit::none, 0, 1024};
+constexpr Field kThreads =
+    common_field("threads", "Number of threads; 0 uses all cores", Unit::none, 0, 1024);
 constexpr Field kMaxMemory{"max_memory",
                            "MiB of memory that may be used; 0 takes all of the machine, for scenes 4096",
                            Unit::none, 0, 1e6};
@@ -45,8 +46,8 @@ void add_common_options(OptionList& options, CommonFlags& flags) {
     options.value({kThreads, &flags.threads}, group);
     options.value({kMaxMemory, &flags.max_memory}, group);
     options.file("--report", "FILE", flags.report,
-                 "write times, counts, repairs and peak memory to this file as JSON", group);
-    options.flag("--quiet", flags.quiet, "no progress and no summary", group);
+                 "Write times, counts, repairs and peak memory to this file as JSON", {.group = group});
+    options.flag("--quiet", flags.quiet, "no progress and no summary", {.group = group, .common = false});
 }
 
 Run::Run(std::string command, CommonFlags flags, Signals& signals)

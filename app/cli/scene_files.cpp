@@ -49,11 +49,14 @@ void check_known(const std::string& name, const std::vector<std::string>& known)
 
 void add_scene_options(OptionList& options, SceneFlags& flags) {
     options.value(
-        {{"set", "NAME=VALUE: a variable of the scene, instead of what its first let says; may be repeated"},
+        {common_field(
+             "set",
+             "Value of a variable of the scene as NAME=VALUE, instead of its first let; may be repeated"),
          &flags.set});
-    options.value({{"seed", "seed of all in the scene that is random and comes before a set seed of its own",
-                    Unit::none, 0, 2147483647},
-                   &flags.seed});
+    options.value(
+        {common_field("seed", "Seed of all random numbers of the scene, until a set seed of its own",
+                      Unit::none, 0, 2147483647),
+         &flags.seed});
 }
 
 std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths) {

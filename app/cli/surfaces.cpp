@@ -195,9 +195,9 @@ void write_surface(const std::filesystem::path& path, const MeshResult& result,
 
 void add_mesh_write_options(OptionList& options, MeshWriteOptions& write) {
     options.flag("--normals", write.normals, "also write smooth normals into .obj; .glb and .usda have them",
-                 "Writing a mesh");
+                 {.group = "Writing a mesh", .common = false});
     options.value(
-        {{"output_up", "axis that points up in the written file; .glb and .usda say which theirs is"},
+        {common_field("output_up", "Axis that points up in the written file; .glb and .usda define theirs"),
          choice_of(write.up)},
         "Writing a mesh");
 }

@@ -1,10 +1,15 @@
 #!/usr/bin/env python3
-"""Every option that the help of a command names is in `coppice schema`, and the other way round."""
+"""Every option that the help of a command names is in `coppice schema`, and the other way round. Without --help-all the help has
+few options, those that are common in the schema, each explained by a sentence."""
 
 import json
 import re
 import subprocess
 import sys
+
+
+MAX_SHOWN = 15  # options in the help of a command
+COLUMN = 30  # where the help explains an option
 
 
 def output(program, *words):
@@ -16,16 +21,35 @@ def commands_in_help(program):
     return set(re.findall(r"^  (\w+) ", listed, re.MULTILINE)) - {"help"}
 
 
-def options_in_help(program, command):
-    """The first word of each line of the list, without the letter before it: "input" or "--output"."""
-    names = re.findall(r"^  (?:-\w,)?((?:--)?[a-z][\w-]*)", output(program, "help", command), re.MULTILINE)
-    return set(names) - {"--help"}
+def options_in(text):
+    """What is said of every option: "input" or "--output", without the letter before it. Texts begin at one column, if need be a line
+    below the option."""
+    lines, options = text.splitlines(), {}
+    for line, after in zip(lines, [*lines[1:], ""]):
+        name = re.match(r"  (?:-\w,)?((?:--)?[a-z][\w-]*)", line)
+        if name and name[1] not in ("--help", "--help-all"):
+            options[name[1]] = after.strip() if after.startswith(" " * COLUMN) else line[COLUMN:]
+    return options
 
 
 def options_in_schema(entries):
     # A switch that is on is shown by what turns it off.
     on = [e["name"] for e in entries if e["type"] == "bool" and e["default"]]
     return {e["name"] for e in entries} - set(on) | {"--no-" + name[2:] for name in on}
+
+
+def faults_of_short_help(program, command, entries):
+    text = output(program, command, "--help")
+    shown = options_in(text)
+    if set(shown) != options_in_schema([e for e in entries if e["common"]]):
+        yield f"shows {sorted(shown)}, which are not the common options of the schema"
+    if len(shown) > MAX_SHOWN:
+        yield f"shows {len(shown)} options, more than {MAX_SHOWN}"
+    if text.splitlines()[-1] != f"coppice {command} --help-all prints all {len(entries)} options.":
+        yield "ends without a line that names --help-all"
+    for name, explained in shown.items():
+        if not re.match(r"[A-Z0-9].*[^.]\.( \[.*\])?$", explained):
+            yield f"{name} is not explained by one sentence: {explained}"
 
 
 def members(fields, path=""):
@@ -49,10 +73,13 @@ def main():
     wrong = []
     if commands_in_help(program) != set(schema["commands"]):
         wrong.append(f"commands: {commands_in_help(program) ^ set(schema['commands'])}")
-    for command, entries in schema["commands"].items():
-        differing = options_in_help(program, command) ^ options_in_schema(entries)
-        if differing:
-            wrong.append(f"{command}: {sorted(differing)}")
+    for command, described in schema["commands"].items():
+        entries = described["options"]
+        for words in ((command, "--help-all"), ("help", command, "--all")):
+            differing = options_in(output(program, *words)).keys() ^ options_in_schema(entries)
+            if differing:
+                wrong.append(f"{' '.join(words)}: {sorted(differing)}")
+        wrong += [f"{command} --help: {fault}" for fault in faults_of_short_help(program, command, entries)]
         fields = {e["field"] for e in entries if "field" in e} | {e["name"].lstrip("-") for e in entries}
         for struct in STRUCTS.get(command, ()):
             wrong += [f"{command}: no option for {struct}.{path}" for path, _ in members(schema[struct])

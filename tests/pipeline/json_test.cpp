@@ -43,7 +43,7 @@ struct Sample {
 template <class Self, class Visitor>
 requires SameOptions<Self, Sample>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"count", "how many", Unit::none, 1, 9}, o.count);
+    visit(common_field("count", "how many", Unit::none, 1, 9), o.count);
     visit(Field{"open", "whether it is open"}, o.open);
     visit(Field{"shade", "which shade"}, o.shade);
     visit(Field{"inner", "what is inside"}, o.inner);
@@ -118,13 +118,15 @@ TEST(Json, TheSchemaHasWhatAFrontEndNeeds) {
     ASSERT_EQ(schema.size(), 6u);
     EXPECT_EQ(
         schema[0].dump(),
-        R"({"name":"count","help":"how many","type":"int","unit":"none","low":1.0,"high":9.0,"default":3})");
+        R"({"name":"count","help":"how many","common":true,"type":"int","unit":"none","low":1.0,"high":9.0,"default":3})");
     EXPECT_EQ(
         schema[2].dump(),
-        R"({"name":"shade","help":"which shade","type":"choice","choices":["light","dark"],"default":"dark"})");
+        R"({"name":"shade","help":"which shade","common":false,"type":"choice","choices":["light","dark"],"default":"dark"})");
     EXPECT_EQ(schema[3]["fields"][0]["default"].dump(), "0.1");
-    EXPECT_EQ(schema[4].dump(), R"({"name":"place","help":"where it stands","type":"place","default":null})");
-    EXPECT_EQ(schema[5].dump(), R"({"name":"words","help":"what it is called","type":"texts","default":[]})");
+    EXPECT_EQ(schema[4].dump(),
+              R"({"name":"place","help":"where it stands","common":false,"type":"place","default":null})");
+    EXPECT_EQ(schema[5].dump(),
+              R"({"name":"words","help":"what it is called","common":false,"type":"texts","default":[]})");
 }
 
 }  // namespace

@@ -135,6 +135,7 @@ ExitCode animate(Run& run, const AnimateFlags& flags) {
 FlagNames animated_surface_flag_names() {
     FlagNames surface = surface_flag_names();
     surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
+    surface.common = MemberNames{};
     return surface;
 }
 
@@ -143,25 +144,26 @@ FlagNames animated_surface_flag_names() {
 Command animate_command() {
     const auto flags = std::make_shared<AnimateFlags>();
     OptionList options;
-    options.file("tree", "TREE", flags->tree, "skeleton to animate");
+    options.file("tree", "TREE", flags->tree, "Skeleton to animate");
     options.files("-o,--output", "FRAMES", flags->outputs,
-                  "what to write: .png, .ply, .obj, .stl (a file each frame: NAME_0000.png), .gif, .mp4 (by "
-                  "ffmpeg), .glb, .usda; may "
-                  "be repeated");
-    options.file(
-        "--keys", "FILE", flags->keys,
-        "keys, one a line: seconds, perhaps an easing, a colon and edits, as in 2 out: bend near(0,0,3) 20");
-    options.files("--key", "KEY", flags->more_keys, "a key as text, after those of --keys; may be repeated");
+                  "Animation to write: .gif, .mp4 (by ffmpeg), .glb, .usda, or one file per frame: .png, "
+                  ".ply, .obj, .stl (NAME_0000.png); may be repeated");
+    options.file("--keys", "FILE", flags->keys,
+                 "File of keys, one per line: seconds, an optional easing, a colon and edits, as in 2 out: "
+                 "bend near(0,0,3) 20");
+    options.files("--key", "KEY", flags->more_keys,
+                  "One key as text, added after those of --keys; may be repeated");
     options.flag("--grow", flags->how.grow,
-                 "grow the tree up from its root, with a surface of its own in every frame");
+                 "Let the tree grow from its root, with a new surface in every frame");
     options.fields(flags->how.run, "Time");
     options.fields(flags->how.growing, "Growth", {.prefix = "grow"});
     options.fields(flags->how.wind, "Wind", {.prefix = "wind"});
     options.fields(flags->how.mesh, "Surface", animated_surface_flag_names());
-    options.fields(flags->how.picture, "Picture");
-    options.fields(flags->read, "Reading the skeleton");
-    return {"animate", "Move a tree by keys or in the wind, with one surface for all frames, or let it grow",
-            options, [flags](Run& run, const GivenOptions&) { return animate(run, *flags); }};
+    options.fields(flags->how.picture, "Picture",
+                   {.common = MemberNames{"width", "height", "azimuth", "elevation"}});
+    options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});
+    return {"animate", "Animate a tree by keys, wind or growth", options,
+            [flags](Run& run, const GivenOptions&) { return animate(run, *flags); }};
 }
 
 }  // namespace coppice::cli

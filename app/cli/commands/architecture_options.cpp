@@ -28,10 +28,12 @@ std::vector<double> ArchitectureFlags::limits() const {
 
 void add_architecture_options(OptionList& options, ArchitectureFlags& flags) {
     options.file("--diameters", "LIST", flags.diameters,
-                 "limits of the classes of diameter, in the units of the files, as in 0.01,0.05,0.1");
-    options.value({{"sholl_step", "between the spheres whose crossings are counted; 0 = 1 % of the reach",
-                    Unit::metre, 0, 1e9},
-                   &flags.sholl_step});
+                 "Limits of the diameter classes, in the units of the files, as in 0.01,0.05,0.1");
+    options.value(
+        {common_field("sholl_step",
+                      "Distance between the spheres of the Sholl analysis; 0 takes 1 % of the reach",
+                      Unit::metre, 0, 1e9),
+         &flags.sholl_step});
 }
 
 }  // namespace coppice::cli

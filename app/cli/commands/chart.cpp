@@ -161,16 +161,19 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
 Command chart_command() {
     const auto flags = std::make_shared<ChartFlags>();
     OptionList options;
-    options.file("kind", "taper|orders|diameters|sholl", flags->kind, "what to draw");
+    options.file("kind", "taper|orders|diameters|sholl", flags->kind, "Chart to draw");
     options.files("files", "FILES", flags->files,
-                  "skeletons, and for taper also points: a line, or bars, for each");
-    options.file("-o,--output", "CHART", flags->output, "chart to write (.svg, .png)");
-    options.value({{"of", "what bars say of orders and classes of diameter"}, choice_of(flags->of)});
+                  "Skeletons, and for taper also points; each is one line or one set of bars");
+    options.file("-o,--output", "CHART", flags->output, "Chart to write (.svg, .png)");
+    options.value({common_field("of", "Quantity shown by the bars of orders and diameter classes"),
+                   choice_of(flags->of)});
     add_architecture_options(options, flags->architecture);
-    options.value({{"width", "width of the chart in pixels", Unit::none, 200, 16384}, &flags->width});
-    options.value({{"height", "height of the chart in pixels", Unit::none, 150, 16384}, &flags->height});
+    options.value(
+        {common_field("width", "Width of the chart in pixels", Unit::none, 200, 16384), &flags->width});
+    options.value(
+        {common_field("height", "Height of the chart in pixels", Unit::none, 150, 16384), &flags->height});
     options.fields(flags->read, "Reading a skeleton");
-    return {"chart", "Draw the taper of stems, axes by order, classes of diameter or Sholl crossings",
+    return {"chart", "Draw the taper of stems, axes by order, diameter classes or Sholl intersections",
             options, [flags](Run& run, const GivenOptions&) { return chart(run, *flags); }};
 }
 

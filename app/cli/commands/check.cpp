@@ -137,19 +137,21 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
 Command check_command() {
     const auto flags = std::make_shared<CheckFlags>();
     OptionList options;
-    options.file("mesh", "MESH", flags->mesh, "mesh to judge (.obj, .ply, .off, .stl, .glb)");
-    options.file("-s,--skeleton", "FILE", flags->skeleton, "skeleton to hold its radii against");
+    options.file("mesh", "MESH", flags->mesh, "Mesh to check (.obj, .ply, .off, .stl, .glb)");
+    options.file("-s,--skeleton", "FILE", flags->skeleton,
+                 "Skeleton to compare the radii and the volume with");
     options.file("--cloud", "POINTS", flags->cloud,
-                 "points to measure from the mesh, and the mesh from them (.ply, .las, .laz, .xyz, .pcd)");
-    options.flag("--json", flags->json, "print JSON instead of a table");
+                 "Points to compare the mesh with, in both directions (.ply, .las, .laz, .xyz, .pcd)");
+    options.flag("--json", flags->json, "Print JSON instead of a table");
     options.fields(flags->check, "Checks");
     options.file("--distances", "PLY", flags->distances,
-                 "also write the points with their distances and colours for them", kCloudGroup);
+                 "Also write the points with their distances from the mesh as values and colours",
+                 {.group = kCloudGroup});
     options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
     options.fields(flags->read, "Reading the skeleton");
     return {"check",
-            "Judge a mesh: watertight, manifold, self-intersections, shape, radii; exit code 1 when it is "
-            "not sound",
+            "Check a mesh: watertight, manifold, self-intersections, face shape, radii; exit code 1 when it "
+            "is not sound",
             options, [flags](Run& run, const GivenOptions& given) { return check(run, given, *flags); }};
 }
 

@@ -48,13 +48,13 @@ ExitCode compare_files(Run& run, const CompareFlags& flags) {
 Command compare_command() {
     const auto flags = std::make_shared<CompareFlags>();
     OptionList options;
-    options.file("a", "A", flags->reference, "the reference");
-    options.file("b", "B", flags->found, "the skeleton to judge");
-    options.flag("--json", flags->json, "print JSON instead of a table");
+    options.file("a", "A", flags->reference, "Reference skeleton");
+    options.file("b", "B", flags->found, "Skeleton to compare with the reference");
+    options.flag("--json", flags->json, "Print JSON instead of a table");
     options.fields(flags->compare, "Comparison");
     options.fields(flags->read_reference, "Reading A");
-    options.fields(flags->read_found, "Reading B", {.prefix = "b"});
-    return {"compare", "Hold a skeleton against a reference: length, volume, axes, tips, junctions, radii",
+    options.fields(flags->read_found, "Reading B", {.prefix = "b", .common = MemberNames{}});
+    return {"compare", "Compare a skeleton with a reference: length, volume, axes, tips, junctions, radii",
             options, [flags](Run& run, const GivenOptions&) { return compare_files(run, *flags); }};
 }
 

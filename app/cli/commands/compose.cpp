@@ -203,29 +203,33 @@ ExitCode compose(Run& run, const ComposeFlags& flags) {
 Command compose_command() {
     const auto flags = std::make_shared<ComposeFlags>();
     OptionList options;
-    options.file("template", "TEMPLATE", flags->host, "skeleton whose branches are replaced");
+    options.file("template", "TEMPLATE", flags->host, "Skeleton with the branches to replace");
     options.file("-o,--output", "SKELETON", flags->output,
-                 "skeleton to write; of several, tree.swc becomes tree_001.swc, tree_002.swc, ...");
-    options.file("--library", "LIBRARY", flags->library, "branches to put in, as coppice library keeps them");
-    options.value(
-        {{"seed", "of the first tree; each further one has the next", Unit::none, 0, 2e9}, &flags->seed});
-    options.value({{"count", "number of trees to make", Unit::none, 1, 1e6}, &flags->count});
+                 "Skeleton to write; several are numbered tree_001.swc, tree_002.swc and so on");
+    options.file("--library", "LIBRARY", flags->library,
+                 "Library of branches to insert, as written by coppice library");
+    options.value({common_field("seed", "Seed of the first tree; each further tree takes the next number",
+                                Unit::none, 0, 2e9),
+                   &flags->seed});
+    options.value({common_field("count", "Number of trees to make", Unit::none, 1, 1e6), &flags->count});
     options.file("--crown", "SCENE[:SOLID]", flags->crown,
-                 "no branch that is put in may leave this solid of a scene, as crown.coppice:s; else the one "
-                 "made last");
-    options.file("--sheet", "PNG", flags->sheet, "also draw all trees on one sheet");
+                 "Solid of a scene that inserted branches must not leave, as crown.coppice:s; without a name "
+                 "the last one");
+    options.file("--sheet", "PNG", flags->sheet, "Also draw all trees on one sheet");
     options.value(
         {{"picture_size", "width and height of each picture on the sheet in pixels", Unit::none, 16, 4096},
          &flags->picture_size});
     options.file("--then-mesh", "MESH", flags->mesh_output,
-                 "also turn every tree into a surface; numbered as -o is");
+                 "Also write the surface of every tree, numbered like --output");
     options.fields(flags->compose, "Composing");
-    options.fields(flags->which, "Which trees of the library", library_flag_names());
-    options.fields(flags->read, "Reading the template");
+    FlagNames which = library_flag_names();
+    which.common = MemberNames{"ids", "tags"};
+    options.fields(flags->which, "Which trees of the library", which);
+    options.fields(flags->read, "Reading the template", {.common = MemberNames{}});
     options.fields(flags->write, "Writing",
                    {.names = {{"format", "--output-format"}, {"up", "--output-up"}}, .without = {"units"}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"compose", "Make new trees of a template by replacing branches by those of a library", options,
+    return {"compose", "Make variants of a tree by replacing branches with those of a library", options,
             [flags](Run& run, const GivenOptions&) { return compose(run, *flags); }};
 }
 

@@ -71,14 +71,14 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
 Command convert_command() {
     const auto flags = std::make_shared<ConvertFlags>();
     OptionList options;
-    options.file("input", "IN", flags->input, "skeleton, mesh or points to read");
-    options.file("-o,--output", "OUT", flags->output, "file to write; its ending tells the format");
+    options.file("input", "IN", flags->input, "Skeleton, mesh or points to read");
+    options.file("-o,--output", "OUT", flags->output, "File to write; its extension selects the format");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->write, "Writing a skeleton",
                    {.names = {{"format", "--output-format"}}, .without = {"units", "up"}});
     add_mesh_write_options(options, flags->mesh);
-    return {"convert", "Turn a file of a skeleton, a mesh or points into another kind of file of the same",
-            options, [flags](Run& run, const GivenOptions&) { return convert(run, *flags); }};
+    return {"convert", "Convert a skeleton, mesh or point file to another format of the same kind", options,
+            [flags](Run& run, const GivenOptions&) { return convert(run, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -101,23 +101,26 @@ ExitCode edit(Run& run, const EditFlags& flags) {
 Command edit_command() {
     const auto flags = std::make_shared<EditFlags>();
     OptionList options;
-    options.file("tree", "TREE", flags->tree, "skeleton to edit");
+    options.file("tree", "TREE", flags->tree, "Skeleton to edit");
     options.files("commands", "COMMANDS", flags->commands,
-                  "edits as text, with semicolons between them: 'bend subtree(12) 30; prune radius=0.002'");
+                  "Edits as text, separated by semicolons: 'bend subtree(12) 30; prune radius=0.002'");
     options.files("-o,--output", "OUT", flags->outputs,
-                  "skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
-    options.files("--script", "FILE", flags->scripts, "edits from a file, one a line; before COMMANDS");
-    options.files("--scene", "SCENE", flags->scenes, "scene to run first, for the solids that edits name");
-    options.files(
-        "--edits", "FILE", flags->edits,
-        "saved edits to make again first, where they bind; the others are warned of, and the exit code is 1");
+                  "Skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
+    options.files("--script", "FILE", flags->scripts,
+                  "File of edits, one per line, made before COMMANDS; may be repeated");
+    options.files("--scene", "SCENE", flags->scenes, "scene to run first, for the solids that edits name",
+                  {.common = false});
+    options.files("--edits", "FILE", flags->edits,
+                  "saved edits to make again first, where they bind; the others are warned of, and the exit "
+                  "code is 1",
+                  {.common = false});
     options.file("--save-edits", "FILE", flags->save_edits,
-                 "write all edits with the places of the nodes they name");
-    options.file("--then-mesh", "MESH", flags->mesh_output, "also turn the edited tree into a surface");
-    options.flag("--reference", flags->reference, "print the reference page of the edits");
+                 "write all edits with the places of the nodes they name", {.common = false});
+    options.file("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the edited tree");
+    options.flag("--reference", flags->reference, "Print the reference page of the edits");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"edit", "Edit a tree by commands: cut, bend, graft, draw, thicken branches, with ids that stay",
+    return {"edit", "Edit a tree by commands: cut, bend, graft, draw and thicken branches; node ids are kept",
             options, [flags](Run& run, const GivenOptions&) { return edit(run, *flags); }};
 }
 

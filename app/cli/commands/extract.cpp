@@ -252,32 +252,37 @@ Command extract_command() {
     const auto flags = std::make_shared<ExtractFlags>();
     OptionList options;
     options.file("input", "FILE", flags->input,
-                 "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
-                 ".pcd, .las, .laz)");
+                 "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
+                 ".pcd, .las, .laz) to read");
     options.file("-o,--output", "SKELETON", flags->output,
-                 "skeleton to write, its ending tells the format; or a folder for the trees of a plot");
+                 "Skeleton to write, its extension selects the format; or a folder for the trees of a plot");
     options.file(
         "--then-mesh", "MESH", flags->mesh_output,
-        "also turn the skeleton into a surface, and write that; of a plot each, with this ending (.ply)");
+        "Also write the surface of the skeleton; of every tree of a plot, with this extension (.ply)");
     // Of both kinds of input, and so not among the options of either.
-    options.value({{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
-                    Unit::metre},
-                   &flags->from_mesh.root});
+    options.value(
+        {common_field("root",
+                      "Place of the root, taken at the closest point of the tree; by default the lowest end",
+                      Unit::metre),
+         &flags->from_mesh.root});
     options.value({kFileUpField, choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
     options.file("--mapping", "PLY", flags->mapping,
                  "also write the vertices, those of each node of the skeleton in a colour of its own",
-                 kMeshGroup);
+                 {.group = kMeshGroup, .common = false});
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
     options.file("--leaf-points", "POINTS", flags->leaf_output,
-                 "also write the points that are left out as leaves, if any", kCloudGroup);
+                 "also write the points that are left out as leaves, if any",
+                 {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
     options.file("--tree-points", "PLY", flags->tree_points,
-                 "also write all points, those of each tree in a colour of its own", kPlotGroup);
+                 "also write all points, those of each tree in a colour of its own",
+                 {.group = kPlotGroup, .common = false});
     options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
-    return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree, or each of a plot",
+    return {"extract",
+            "Extract a skeleton with radii from the mesh or scan of a tree, or of each tree of a plot",
             options, [flags](Run& run, const GivenOptions& given) { return extract(run, given, *flags); }};
 }
 

@@ -248,12 +248,12 @@ ExitCode info(Run& run, const InfoFlags& flags) {
 Command info_command() {
     const auto flags = std::make_shared<InfoFlags>();
     OptionList options;
-    options.file("file", "FILE", flags->file, "skeleton, mesh or points");
-    options.flag("--json", flags->json, "print JSON instead of a table");
+    options.file("file", "FILE", flags->file, "Skeleton, mesh or points to read");
+    options.flag("--json", flags->json, "Print JSON instead of a table");
     options.flag("--forestry", flags->forestry,
-                 "also say the height of the tree, the diameter of its stem at 1.3 m, and how it tapers");
+                 "Also print the height of the tree, its diameter at breast height (1.3 m) and its taper");
     options.fields(flags->read, "Reading a skeleton");
-    return {"info", "Say what a file of a skeleton, a mesh or points holds", options,
+    return {"info", "Print what a skeleton, mesh or point file contains", options,
             [flags](Run& run, const GivenOptions&) { return info(run, *flags); }};
 }
 

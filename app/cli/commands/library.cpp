@@ -224,26 +224,29 @@ FlagNames library_flag_names() { return {.names = {{"ids", "--id"}, {"tags", "--
 Command library_command() {
     const auto flags = std::make_shared<LibraryFlags>();
     OptionList options;
-    options.file("action", "ACTION", flags->action, "add, list, tag, remove or draw");
-    options.file("library", "LIBRARY", flags->library,
-                 "the library: one file, which 'add' makes where it is missing");
-    options.files("trees", "TREE", flags->trees, "skeletons to take branches of (add)");
+    options.file("action", "ACTION", flags->action, "Action: add, list, tag, remove or draw");
+    options.file("library", "LIBRARY", flags->library, "Library file; add creates it if it is missing");
+    options.files("trees", "TREE", flags->trees, "Skeletons with the branches to add (add)");
     options.file("-o,--output", "PNG", flags->output,
-                 "a sheet of pictures (.png), or a folder for one of each (draw)");
+                 "Sheet of pictures (.png), or a folder for one picture per tree (draw)");
     options.value(
-        {{"node", "take the branch that begins at this node, numbered from 0 as in reports; may be repeated"},
+        {common_field(
+             "node",
+             "Add the branch that begins at this node, numbered from 0 as in reports; may be repeated"),
          &flags->nodes},
         kAddGroup);
     options.fields(flags->take, kAddGroup, {.names = {{"least_length", "--take-least-length"}}});
-    options.value({{"set_tag", "gives the trees this tag; may be repeated"}, &flags->set_tags}, kTagGroup);
-    options.value({{"clear_tag", "takes this tag from the trees; may be repeated"}, &flags->clear_tags},
+    options.value({common_field("set_tag", "Tag to set on the trees; may be repeated"), &flags->set_tags},
                   kTagGroup);
+    options.value(
+        {common_field("clear_tag", "Tag to remove from the trees; may be repeated"), &flags->clear_tags},
+        kTagGroup);
     options.value({{"picture_size", "width and height of each picture in pixels", Unit::none, 16, 4096},
                    &flags->picture_size},
                   kDrawGroup);
     options.fields(flags->which, kWhichGroup, library_flag_names());
     options.fields(flags->read, "Reading a skeleton");
-    return {"library", "Keep branches of trees in a library, to compose new trees of", options,
+    return {"library", "Manage a library of branches, from which new trees are composed", options,
             [flags](Run& run, const GivenOptions& given) { return use_library(run, given, *flags); }};
 }
 

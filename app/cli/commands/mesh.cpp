@@ -188,6 +188,7 @@ FlagNames then_mesh_flag_names() {
     surface.names.insert(
         surface.names.end(),
         {{"method", "--mesh-method"}, {"fit", "--mesh-fit"}, {"prepare.tolerance", "--prepare-tolerance"}});
+    surface.common = MemberNames{};
     return surface;
 }
 
@@ -195,22 +196,25 @@ Command mesh_command() {
     const auto flags = std::make_shared<MeshFlags>();
     OptionList options;
     options.file("skeleton", "SKELETON", flags->skeleton,
-                 "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg)");
+                 "Skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg)");
     options.files("-o,--output", "MESH", flags->outputs,
-                  "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
+                  "Mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
     options.file("--cage", "FILE", flags->cage,
-                 "also write the control cage, for subdivision elsewhere (.usda)");
+                 "Also write the control cage, for subdivision in other programs (.usda)");
     options.file("--volume", "FILE", flags->volume,
-                 "also write the tetrahedra inside, for finite elements (.vtu, .msh)");
+                 "also write the tetrahedra inside, for finite elements (.vtu, .msh)", {.common = false});
     options.file("--constraints", "POINTS", flags->constraints,
                  "points that global weights are fitted to, or a mesh, whose vertices they are (.xyz, .ply, "
-                 ".obj)");
+                 ".obj)",
+                 {.common = false});
     options.flag("--constraint-edges", flags->constraint_edges,
-                 "also fit global weights to the middles of the edges of that mesh");
+                 "also fit global weights to the middles of the edges of that mesh", {.common = false});
     options.file("--restore", "MESH", flags->original,
-                 "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)");
+                 "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)",
+                 {.common = false});
     options.file("--offsets", "FILE", flags->offsets,
-                 "also write how far --restore moved each vertex along its normal, in metres, line by line");
+                 "also write how far --restore moved each vertex along its normal, in metres, line by line",
+                 {.common = false});
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");

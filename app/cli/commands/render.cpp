@@ -257,17 +257,18 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
 Command render_command() {
     const auto flags = std::make_shared<RenderFlags>();
     OptionList options;
-    options.file("input", "IN", flags->input, "mesh, cloud of points or skeleton");
+    options.file("input", "IN", flags->input, "Mesh, points or skeleton to draw");
     options.file("second", "IN2", flags->second,
-                 "what else is to be seen: points over a mesh, or the skeleton of either");
-    options.file("-o,--output", "PNG", flags->output, "picture to write");
-    options.file(
-        "--distance-to", "MESH", flags->distance_to,
-        "colour the points, or else the mesh, by the distance from this mesh: inside blue, outside red");
+                 "Second object to draw: points over a mesh, or the skeleton of either");
+    options.file("-o,--output", "PNG", flags->output, "Picture to write (.png)");
+    options.file("--distance-to", "MESH", flags->distance_to,
+                 "Colour the points, or without points the mesh, by the distance from this mesh: inside "
+                 "blue, outside red");
     options.file("--camera", "SKETCH:VIEW", flags->camera,
-                 "the camera of a view of a sketch, as tree.sketch.json:front; else the object is framed");
+                 "the camera of a view of a sketch, as tree.sketch.json:front; else the object is framed",
+                 {.common = false});
     options.file("--over", "PHOTO", flags->over,
-                 "draws in magenta over this picture (.png, .jpg), which the camera took");
+                 "draws in magenta over this picture (.png, .jpg), which the camera took", {.common = false});
     options.value({{"opacity", "of what is drawn over a picture", Unit::none, 0, 1}, &flags->opacity},
                   "Picture");
     options.value(
@@ -280,8 +281,8 @@ Command render_command() {
          &flags->point_size},
         "Picture");
     options.fields(flags->render, "Picture");
-    options.fields(flags->read, "Reading a skeleton");
-    return {"render", "Draw a mesh or points, a skeleton, or both with sun and sky light", options,
+    options.fields(flags->read, "Reading a skeleton", {.common = MemberNames{}});
+    return {"render", "Draw a mesh or points, a skeleton, or both, with sun and sky light", options,
             [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
 }
 

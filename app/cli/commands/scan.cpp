@@ -36,10 +36,10 @@ ExitCode scan_file(Run& run, const ScanFlags& flags) {
 Command scan_command() {
     const auto flags = std::make_shared<ScanFlags>();
     OptionList options;
-    options.file("mesh", "MESH", flags->mesh, "mesh to look at");
-    options.file("-o,--output", "POINTS", flags->output, "points to write; the ending tells the format");
+    options.file("mesh", "MESH", flags->mesh, "Mesh to scan");
+    options.file("-o,--output", "POINTS", flags->output, "Points to write; the extension selects the format");
     options.fields(flags->scan, "Scan");
-    return {"scan", "Make the points that a laser scanner would see of a mesh", options,
+    return {"scan", "Simulate a laser scan of a mesh", options,
             [flags](Run& run, const GivenOptions&) { return scan_file(run, *flags); }};
 }
 

@@ -85,24 +85,24 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
 Command run_command() {
     const auto flags = std::make_shared<RunFlags>();
     OptionList options;
-    options.files("scenes", "SCENE", flags->scenes, "scenes to run, one after the other (.coppice)");
+    options.files("scenes", "SCENE", flags->scenes, "Scenes to run, one after the other (.coppice)");
     options.files("-o,--output", "FILE", flags->outputs,
-                  "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
+                  "File for the last mesh, skeleton or points made, by its extension; may be repeated");
     add_scene_options(options, flags->given);
-    options.flag("--reference", flags->reference, "print the reference page of all commands");
-    return {"run", "Run scenes: crowns, points, growth and meshes by commands, one a line", options,
+    options.flag("--reference", flags->reference, "Print the reference page of all scene commands");
+    return {"run", "Run scenes: crowns, points, growth and meshes by commands, one per line", options,
             [flags](Run& run, const GivenOptions&) { return run_scenes(run, *flags); }};
 }
 
 Command grow_command() {
     const auto flags = std::make_shared<GrowFlags>();
     OptionList options;
-    options.file("scene", "SCENE", flags->scene, "scene to run (.coppice)");
+    options.file("scene", "SCENE", flags->scene, "Scene to run (.coppice)");
     options.files("-o,--output", "SKELETON", flags->outputs,
-                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+                  "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
     add_scene_options(options, flags->given);
-    return {"grow", "Run a scene and write the tree that it grows last; it draws and saves nothing", options,
-            [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
+    return {"grow", "Run a scene and write the tree that it grows last, without its own pictures and files",
+            options, [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -52,7 +52,11 @@ struct DescribeTarget {
 Json options_of(const Command& command) {
     Json out = Json::array();
     for (const Option& option : command.options.all()) {
-        Json entry{{"name", option.name}, {"help", option.help}};
+        Json entry{{"name", option.name},
+                   {"help", option.help},
+                   {"text", help_text(option)},
+                   {"common", option.common}};
+        if (!option.type.empty()) entry["value_name"] = option.type;
         if (!option.letter.empty()) entry["letter"] = option.letter;
         if (!option.field.empty()) entry["field"] = option.field;
         if (!option.group.empty()) entry["group"] = option.group;
@@ -65,7 +69,8 @@ Json options_of(const Command& command) {
 ExitCode schema(Run& run) {
     CommonFlags common;
     Json commands = Json::object();
-    for (const Command& command : all_commands(common)) commands[command.name] = options_of(command);
+    for (const Command& command : all_commands(common))
+        commands[command.name] = {{"help", command.help}, {"options", options_of(command)}};
     const Json all{{"mesh", described<MeshOptions>()},
                    {"restore", described<RestoreOptions>()},
                    {"extract_mesh", described<FromMeshOptions>()},
@@ -98,7 +103,7 @@ ExitCode schema(Run& run) {
 
 Command schema_command() {
     return {"schema",
-            "Print every option with type, unit, range and default as JSON",
+            "Print every option with its type, unit, range and default as JSON",
             {},
             [](Run& run, const GivenOptions&) { return schema(run); }};
 }

@@ -81,9 +81,9 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
 Command shell_command() {
     const auto flags = std::make_shared<ShellFlags>();
     OptionList options;
-    options.files("scenes", "SCENE", flags->scenes, "scenes to run first (.coppice)");
+    options.files("scenes", "SCENE", flags->scenes, "Scenes to run first (.coppice)");
     add_scene_options(options, flags->given);
-    return {"shell", "Take commands of scenes one by one, with history and completion", options,
+    return {"shell", "Run scene commands interactively, with history and completion", options,
             [flags](Run& run, const GivenOptions&) { return shell(run, *flags); }};
 }
 

@@ -192,19 +192,21 @@ ExitCode sketch_file(Run& run, const GivenOptions& given, const SketchFlags& fla
 Command sketch_command() {
     const auto flags = std::make_shared<SketchFlags>();
     OptionList options;
-    options.file("input", "FILE", flags->input, "sketch (.sketch.json), or a skeleton to draw one of");
-    options.file("-o,--output", "FILE", flags->output, "skeleton to write, or sketch");
-    options.flag("--trace", flags->trace,
-                 "propose strokes from the silhouettes of the sketch's images, to be corrected");
+    options.file("input", "FILE", flags->input,
+                 "Sketch to read (.sketch.json), or a skeleton to make a sketch of");
+    options.file("-o,--output", "FILE", flags->output, "Skeleton or sketch to write");
+    options.flag(
+        "--trace", flags->trace,
+        "Propose strokes from the silhouettes in the pictures of the sketch, for correction by hand");
     options.fields(flags->sketch, kSketchGroup);
     options.fields(flags->write, "Writing the skeleton",
                    {.names = {{"format", "--output-format"}, {"up", "--output-up"}}, .without = {"units"}});
     options.fields(flags->draw, kDrawGroup);
     options.fields(flags->read, "Reading a skeleton");
-    return {"sketch",
-            "Make a skeleton of a tree that was drawn in two views or more; or such a drawing of a skeleton",
-            options,
-            [flags](Run& run, const GivenOptions& given) { return sketch_file(run, given, *flags); }};
+    return {
+        "sketch",
+        "Reconstruct a skeleton from strokes drawn in two or more views, or draw a skeleton as such strokes",
+        options, [flags](Run& run, const GivenOptions& given) { return sketch_file(run, given, *flags); }};
 }
 
 }  // namespace coppice::cli

@@ -100,15 +100,15 @@ Command sprout_command() {
     const auto flags = std::make_shared<SproutFlags>();
     OptionList options;
     options.files("-o,--output", "SKELETON", flags->outputs,
-                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
-    options.value({{"root",
-                    "X,Y,Z where a tree starts, or X,Y,Z,DX,DY,DZ to say which way; may be repeated, and "
-                    "the trees share the light; 0,0,0 unless given"},
+                  "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.value({common_field("root",
+                                "Start of a tree as X,Y,Z, or X,Y,Z,DX,DY,DZ with its direction; may be "
+                                "repeated for trees that share the light; 0,0,0 unless given"),
                    &flags->roots});
-    options.file(
-        "--guard", "SCENE", flags->guard,
-        "a scene whose last solid, or FILE:NAME, no segment may enter, or leave (--guard-side inside)");
-    options.file("--then-mesh", "MESH", flags->mesh_output, "also turn the trees into a surface");
+    options.file("--guard", "SCENE", flags->guard,
+                 "Scene with a solid, the last one or FILE:NAME, that no segment may enter, or leave with "
+                 "--guard-side inside");
+    options.file("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the trees");
     options.fields(flags->sprout, "Rules");
     options.fields(flags->radii, "Radii by the pipe model");
     options.fields(flags->guarded, "Keeping to a solid");

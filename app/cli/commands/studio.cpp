@@ -126,20 +126,21 @@ Command studio_command() {
     const auto flags = std::make_shared<StudioFlags>();
     OptionList options;
     options.file("opened", "FOLDER|FILE", flags->opened,
-                 "folder to work in, or a scene in it (.coppice), or another file to begin with; else the "
+                 "Folder to work in, scene in it (.coppice), or another file to start with; by default the "
                  "current folder");
     options.value(
-        {{"port", "port of this machine to serve at; 0 takes one that is free", Unit::none, 0, 65535},
+        {common_field("port", "Port to serve the page at; 0 takes a free one", Unit::none, 0, 65535),
          &flags->port});
-    options.flag("--no-browser", flags->no_browser, "open no browser; say what to open");
+    options.flag("--no-browser", flags->no_browser, "Do not open a browser; print the address to open");
     options.flag("--print-address", flags->print_address,
-                 "print the address with its token, for a browser that is reached through a tunnel");
+                 "Print the address with its token, for a browser that connects through a tunnel");
     options.files("--menu", "FILE", flags->menus,
-                  "own menu beside that in the configuration folder, coppice/studio.menu; may be repeated");
-    options.value({{"max_upload", "MiB of a file that is dropped onto the page", Unit::none, 1, 1e6},
+                  "Menu file, added to coppice/studio.menu of the configuration folder; may be repeated");
+    options.value({common_field("max_upload", "Maximum size in MiB of a file that is dropped onto the page",
+                                Unit::none, 1, 1e6),
                    &flags->max_upload});
-    options.file("--page", "FOLDER", flags->page,
-                 "serve the page from a folder, while it is being worked on");
+    options.file("--page", "FOLDER", flags->page, "serve the page from a folder, while it is being worked on",
+                 {.common = false});
     return {"studio", "Model trees by hand in a browser: crowns, growth, branches, sketches", options,
             [flags](Run& run, const GivenOptions&) { return run_studio(run, *flags); }};
 }

@@ -275,13 +275,14 @@ ExitCode table(Run& run, const TableFlags& flags) {
 Command table_command() {
     const auto flags = std::make_shared<TableFlags>();
     OptionList options;
-    options.files("files", "FILES", flags->files, "skeletons, points, meshes, and folders of them");
+    options.files("files", "FILES", flags->files, "Skeletons, points and meshes, or folders of them");
     options.file("-o,--output", "TABLE", flags->output,
-                 "table to write, .csv or .json; without it CSV is printed");
-    options.flag("--no-surfaces", flags->no_surfaces, "do not make surfaces, which takes most of the time");
+                 "Table to write (.csv, .json); by default CSV is printed");
+    options.flag("--no-surfaces", flags->no_surfaces,
+                 "Do not compute surfaces, which takes most of the time");
     add_architecture_options(options, flags->architecture);
     options.fields(flags->read, "Reading a skeleton");
-    return {"table", "Measure many files: a row for each, with lengths, volumes, forks, orders and crown",
+    return {"table", "Measure many files: one row each, with lengths, volumes, forks, orders and crown",
             options, [flags](Run& run, const GivenOptions&) { return table(run, *flags); }};
 }
 

@@ -119,6 +119,7 @@ ExitCode view(Run& run, const GivenOptions& given, const ViewFlags& flags) {
 FlagNames viewed_surface_flag_names() {
     FlagNames surface = surface_flag_names();
     surface.names.insert(surface.names.end(), {{"field.width", "--field-width"}});
+    surface.common = MemberNames{"method", "levels"};
     return surface;
 }
 
@@ -127,18 +128,19 @@ FlagNames viewed_surface_flag_names() {
 Command view_command() {
     const auto flags = std::make_shared<ViewFlags>();
     OptionList options;
-    options.file("tree", "TREE", flags->tree, "skeleton whose surface is drawn");
-    options.file("-o,--output", "PNG", flags->output, "picture to write; with --edit-demo of the last frame");
+    options.file("tree", "TREE", flags->tree, "Skeleton with the surface to draw");
+    options.file("-o,--output", "PNG", flags->output,
+                 "Picture to write (.png); with --edit-demo of the last frame");
     options.flag(
         "--edit-demo", flags->edit_demo,
-        "drag a branch to and fro, make the surface anew in every frame, and say how long that takes");
-    options.file("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet");
+        "Drag a branch to and fro, compute the surface in every frame, and print the time per frame");
+    options.file("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet",
+                 {.common = false});
     options.fields(flags->demo, "Dragging");
     options.fields(flags->view, "Picture");
     options.fields(flags->mesh, "Surface", viewed_surface_flag_names());
     options.fields(flags->read, "Reading the skeleton");
-    return {"view",
-            "Draw the surface of a tree by OpenGL, without a window, or time the dragging of a branch",
+    return {"view", "Draw the surface of a tree by OpenGL without a window, or time the dragging of a branch",
             options, [flags](Run& run, const GivenOptions& given) { return view(run, given, *flags); }};
 }
 

@@ -14,9 +14,10 @@ struct AnimateOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, AnimateOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"duration", "seconds that it lasts; 0 = as long as its keys, or else 4", Unit::none, 0, 3600},
+    visit(common_field("duration", "Duration in seconds; 0 takes the duration of the keys, or 4 without keys",
+                       Unit::none, 0, 3600),
           o.duration);
-    visit(Field{"rate", "frames a second", Unit::none, 1, 240}, o.rate);
+    visit(common_field("rate", "Number of frames per second", Unit::none, 1, 240), o.rate);
     visit(Field{"gif_colors", "colours of a GIF; fewer make it smaller", Unit::none, 2, 255}, o.gif_colors);
 }
 

@@ -22,12 +22,14 @@ struct WindOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, WindOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"speed", "mean speed of the wind in metres a second; 0 = calm", Unit::none, 0, 60}, o.speed);
+    visit(common_field("speed", "Mean wind speed in metres per second; 0 is calm", Unit::none, 0, 60),
+          o.speed);
     visit(Field{"azimuth", "where the wind blows to, counter-clockwise from +x seen from above", Unit::radian,
                 -6.2832, 6.2832},
           o.azimuth);
     visit(Field{"gusts", "how much the speed varies, as a part of it", Unit::none, 0, 1}, o.gusts);
-    visit(Field{"flexibility", "times as much as green wood of those radii bends", Unit::none, 0, 1000},
+    visit(common_field("flexibility", "Factor on the bending of green wood with the given radii", Unit::none,
+                       0, 1000),
           o.flexibility);
     visit(Field{"load", "times the wood's own width that catches the wind, by leaves and twigs", Unit::none,
                 0, 1000},

@@ -13,11 +13,18 @@ enum class Unit { none, metre, radian, radius, second };
 /// What a front end has to know of one member of an option struct; the default is the member's own.
 struct Field {
     std::string_view name;   ///< snake_case; the command line writes it with dashes
-    std::string_view help;   ///< one sentence without a full stop
+    std::string_view help;   ///< one sentence without a full stop, which the help adds
     Unit unit = Unit::none;  ///< `radius` = multiples of the local radius
     double low = 0;          ///< least and greatest value allowed, both included; unused for bool and enums
     double high = 0;         ///< see `low`
+    bool common = false;     ///< among the few that most users need, which the short help shows
 };
+
+/// A field that the short help shows.
+constexpr Field common_field(std::string_view name, std::string_view help, Unit unit = Unit::none,
+                             double low = 0, double high = 0) {
+    return {name, help, unit, low, high, true};
+}
 
 /// The names of an enum's values, in the order of the values from 0: specialise `EnumNames` beside the enum.
 template <class E>

@@ -31,10 +31,12 @@ struct ControlOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, ControlOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"sides", "quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders",
-                Unit::none, 3, 32},
+    visit(common_field(
+              "sides",
+              "Number of quads around a branch before subdivision: 4, 8 or 16, or 3 to 32 for cylinders",
+              Unit::none, 3, 32),
           o.sides);
-    visit(Field{"tips", "how branches end"}, o.tips);
+    visit(common_field("tips", "Shape of the ends of branches"), o.tips);
     visit(Field{"base", "how a tree ends at a root with one child"}, o.base);
 }
 

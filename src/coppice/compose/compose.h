@@ -61,11 +61,15 @@ struct ComposeOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, ComposeOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"probability", "that a branch on a main axis is replaced", Unit::none, 0, 1}, o.probability);
+    visit(
+        common_field("probability", "Probability that a branch on a main axis is replaced", Unit::none, 0, 1),
+        o.probability);
     visit(Field{"probability_falloff", "of each order more, over that of the order before", Unit::none, 0, 1},
           o.probability_falloff);
-    visit(Field{"depth", "how often: 1 replaces branches of the template, 2 branches of these too, and so on",
-                Unit::none, 1, 20},
+    visit(common_field("depth",
+                       "Number of replacement passes: 1 replaces branches of the template, 2 also branches "
+                       "of the inserted ones, and so on",
+                       Unit::none, 1, 20),
           o.depth);
     visit(Field{"tolerance", "how much longer or shorter than what it replaces, as a part of that",
                 Unit::none, 0, 100},
@@ -79,8 +83,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.roll);
     visit(Field{"phototropism", "part of the way from their direction to straight up", Unit::none, 0, 1},
           o.phototropism);
-    visit(Field{"radii",
-                "scaled to those of the branch replaced, by what hangs on every node, or by the pipe model"},
+    visit(common_field("radii",
+                       "Radii of inserted branches: scaled to the branch replaced, by what each node "
+                       "carries, or by the pipe model"),
           o.radii);
     visit(Field{"pipe_exponent", "of the pipe model, for scaled radii and pipes", Unit::none, 2, 3},
           o.pipe_exponent);

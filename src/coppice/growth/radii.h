@@ -17,7 +17,7 @@ struct RadiiOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, RadiiOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"tip_radius", "Radius of tips", Unit::metre, 1e-6, 1e4}, o.tip_radius);
+    visit(common_field("tip_radius", "Radius of tips", Unit::metre, 1e-6, 1e4), o.tip_radius);
     visit(Field{"pipe_exponent", "Exponent of the radii that add up at forks", Unit::none, 2, 3},
           o.pipe_exponent);
     visit(Field{"leaf_share", "What every segment adds to the pipes, as a part of a tip", Unit::none, 0, 1},

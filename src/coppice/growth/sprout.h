@@ -53,26 +53,29 @@ struct SproutOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, SproutOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"seasons", "Times that buds sprout", Unit::none, 0, 1000}, o.seasons);
-    visit(Field{"internode", "Length of the stem's segments", Unit::metre, 1e-4, 1e3}, o.internode);
+    visit(common_field("seasons", "Number of seasons in which buds sprout", Unit::none, 0, 1000), o.seasons);
+    visit(common_field("internode", "Length of the segments of the stem", Unit::metre, 1e-4, 1e3),
+          o.internode);
     visit(Field{"internode_decay", "Length of segments, of an order of branching over the one before",
                 Unit::none, 0.1, 1},
           o.internode_decay);
     visit(Field{"max_internodes", "Segments that a bud makes in a season at most", Unit::none, 1, 1000},
           o.max_internodes);
-    visit(Field{"branching_angle", "Angle of branches to what they leave, on average", Unit::radian, 0, 3.1},
+    visit(common_field("branching_angle", "Mean angle between a branch and its parent axis", Unit::radian, 0,
+                       3.1),
           o.branching_angle);
     visit(Field{"branching_spread", "Standard deviation of that", Unit::radian, 0, 1.5}, o.branching_spread);
-    visit(Field{"phyllotaxis", "Angle about an axis from the buds of a node to those of the next",
-                Unit::radian, -6.3, 6.3},
+    visit(common_field("phyllotaxis", "Angle about the axis from the buds of one node to those of the next",
+                       Unit::radian, -6.3, 6.3),
           o.phyllotaxis);
-    visit(Field{"buds", "Lateral buds of a node, evenly about it", Unit::none, 0, 16}, o.buds);
+    visit(common_field("buds", "Number of lateral buds per node, evenly spaced around it", Unit::none, 0, 16),
+          o.buds);
     visit(Field{"whorls", "Only the last node of a season's shoot has lateral buds"}, o.whorls);
     visit(Field{"vigour", "Segments that grow for each leaf in full light", Unit::none, 0, 100}, o.vigour);
-    visit(Field{"apical_control",
-                "Share of what goes on straight against one lateral of as much light: more makes a straight "
-                "leader",
-                Unit::none, 0, 1},
+    visit(common_field("apical_control",
+                       "Share of growth that continues straight on, against one lateral with as much light: "
+                       "larger values give a straight leader",
+                       Unit::none, 0, 1),
           o.apical_control);
     visit(Field{"apical_dominance", "Nodes below a living tip whose lateral buds wait", Unit::none, 0, 1000},
           o.apical_dominance);
@@ -106,7 +109,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.shade_depth);
     visit(Field{"shade_cell", "Edge of a cell; 0 = two internodes", Unit::metre, 0, 1e4}, o.shade_cell);
     visit(Field{"max_nodes", "Number of nodes at which growth stops", Unit::none, 1, 1e8}, o.max_nodes);
-    visit(Field{"seed", "Seed of all that is random", Unit::none, 0, 2147483647}, o.seed);
+    visit(common_field("seed", "Seed of all random numbers", Unit::none, 0, 2147483647), o.seed);
 }
 
 /// Where trees sprout, and what is in their way.

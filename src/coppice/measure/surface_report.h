@@ -29,7 +29,7 @@ struct CheckOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, CheckOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"intersections", "look for self-intersections: faces that cross"}, o.intersections);
+    visit(common_field("intersections", "Find pairs of faces that cross each other"), o.intersections);
     visit(Field{"most_intersections", "stop looking after so many crossing pairs", Unit::none, 0, 1e9},
           o.most_intersections);
     visit(Field{"most_places", "name so many of the places where faces cross, the largest first", Unit::none,

@@ -155,7 +155,7 @@ void describe_value(Json& entry, const OptionField& field) {
 Json schema_of(std::span<const OptionField> fields) {
     Json out = Json::array();
     for (const OptionField& field : fields) {
-        Json entry{{"name", field.field.name}, {"help", field.field.help}};
+        Json entry{{"name", field.field.name}, {"help", field.field.help}, {"common", field.field.common}};
         describe_value(entry, field);
         out.push_back(std::move(entry));
     }

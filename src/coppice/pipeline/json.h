@@ -30,8 +30,8 @@ Json to_json(std::span<const OptionField> fields);
 /// the nearest valid spelling), wrong types, values out of range. `where` says where the object stands.
 void from_json(const Json& object, std::span<const OptionField> fields, const std::string& where);
 
-/// Describes every field: name, help, and what `describe_value` adds. Nested structs have the type "options"
-/// and their own list of "fields". `fields` are `option_fields` of default options.
+/// Describes every field: name, help, whether it is common, and what `describe_value` adds. Nested structs
+/// have the type "options" and their own list of "fields". `fields` are `option_fields` of default options.
 Json schema_of(std::span<const OptionField> fields);
 
 /// Adds the type of a field, its unit, least and greatest value, choices, and its value as the default.

@@ -103,7 +103,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "what is cut into tetrahedra: an octree about the branches, or a polyhedron around them, a "
                 "handful for each segment, cut in eight as often as edge asks for"},
           o.base);
-    visit(Field{"edge", "length of the triangles' edges, about", Unit::radius, 0.05, 4}, o.edge);
+    visit(common_field("edge", "Approximate edge length of the triangles of the method tetrahedra",
+                       Unit::radius, 0.05, 4),
+          o.edge);
     visit(Field{"tetra_levels", "times the tetrahedra of an octree are cut into eight", Unit::none, 0, 4},
           o.march.levels);
     visit_accuracy_fields(o.march, visit);
@@ -133,19 +135,20 @@ struct MeshOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, MeshOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"method",
-                "quads along the branches, triangles wherever the field leads, a tube for every axis, quads "
-                "by ramification units, or quads on metaballs"},
+    visit(common_field("method",
+                       "Kind of surface: quads along the branches, triangles of the level set, one tube per "
+                       "axis, quads of ramification units, or quads on metaballs"),
           o.method);
-    visit(Field{"levels", "times the cage is subdivided; each makes four quads of one", Unit::none, 0, 6},
+    visit(common_field("levels", "Number of subdivisions of the control cage; each divides a quad into four",
+                       Unit::none, 0, 6),
           o.levels);
-    visit(Field{"fit",
-                "what the surface keeps: its vertices on the field, or the volume of the skeleton's rounded "
-                "cones"},
+    visit(common_field("fit",
+                       "What the surface preserves: vertices on the level set of the field, or the volume of "
+                       "the rounded cones of the skeleton"),
           o.fit);
-    visit(Field{"overlaps",
-                "what becomes of branches that run through each other: one springs from the other, those of "
-                "different trees are bent apart, both become one body, or both are left as they are"},
+    visit(common_field("overlaps",
+                       "Treatment of branches that overlap: one is grafted onto the other, different trees "
+                       "are bent apart, both are fused into one body, or the overlap is kept"),
           o.overlaps);
     visit(Field{"graft",
                 "branches whose axes come nearer than this times the sum of their radii are grafted; 0 = off",

@@ -92,13 +92,13 @@ struct RenderOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, RenderOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"width", "width of the picture in pixels", Unit::none, 16, 16384}, o.width);
-    visit(Field{"height", "height of the picture in pixels", Unit::none, 16, 16384}, o.height);
+    visit(common_field("width", "Width of the picture in pixels", Unit::none, 16, 16384), o.width);
+    visit(common_field("height", "Height of the picture in pixels", Unit::none, 16, 16384), o.height);
     visit(Field{"samples", "rays per pixel; more is slower and less noisy", Unit::none, 1, 4096}, o.samples);
-    visit(Field{"azimuth", "where the camera stands, counter-clockwise from +x seen from above", Unit::radian,
-                -6.2832, 6.2832},
+    visit(common_field("azimuth", "Direction of the camera, counter-clockwise from +x seen from above",
+                       Unit::radian, -6.2832, 6.2832),
           o.azimuth);
-    visit(Field{"elevation", "height of the camera above the horizon", Unit::radian, -1.5708, 1.5708},
+    visit(common_field("elevation", "Height of the camera above the horizon", Unit::radian, -1.5708, 1.5708),
           o.elevation);
     visit(Field{"field_of_view", "opening of the camera across the longer side", Unit::radian, 0.01, 2.5},
           o.field_of_view);
@@ -107,18 +107,18 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
         Field{"look_at", "point that stands in the middle of the picture, as 0.5,-2,13; else the object does",
               Unit::metre},
         o.look_at);
-    visit(Field{"zoom", "how many times larger things are than where the whole object fills the picture",
-                Unit::none, 0.01, 10000},
+    visit(common_field("zoom", "Magnification; 1 fits the whole object into the picture", Unit::none, 0.01,
+                       10000),
           o.zoom);
     visit(Field{"sun_azimuth", "where the sun stands, counter-clockwise from the camera", Unit::radian,
                 -6.2832, 6.2832},
           o.sun_azimuth);
     visit(Field{"sun_elevation", "height of the sun above the horizon", Unit::radian, 0.05, 1.5708},
           o.sun_elevation);
-    visit(Field{"color",
-                "what the colour of the surface shows; signal is magenta, as pictures of trees are nowhere; "
-                "deviation and distance: inside blue, outside red; evidence, of a skeleton: measured radii "
-                "blue, presumed ones red"},
+    visit(common_field("color",
+                       "Colour of the surface: plain, magenta for overlays (signal), or a quantity: "
+                       "deviation and distance are blue inside and red outside, evidence is blue where radii "
+                       "were measured and red where they were estimated"),
           o.color);
     visit(Field{"deviation_range", "deviation from the radius drawn in full colour", Unit::radius, 1e-4, 10},
           o.deviation_range);
@@ -126,7 +126,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "distance drawn in full colour; 0 takes what 98 % of the vertices or points keep below",
                 Unit::metre, 0, 1e6},
           o.distance_range);
-    visit(Field{"wireframe", "draws the edges of the faces"}, o.wireframe);
+    visit(common_field("wireframe", "Draw the edges of the faces"), o.wireframe);
     visit(Field{"wire_width", "width of those edges in pixels", Unit::none, 0.2, 20}, o.wire_width);
     visit(Field{"flat", "shows faces as they are, without smoothing across edges"}, o.flat);
     visit(Field{"ground", "a ground that receives the shadow"}, o.ground);

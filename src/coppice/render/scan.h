@@ -36,21 +36,29 @@ struct ScanOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, ScanOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"pattern", "as a scanner sees it, or points all over"}, o.pattern);
-    visit(Field{"points", "about how many", Unit::none, 1, 1e8}, o.points);
-    visit(Field{"positions", "places the scanner stands at, evenly around", Unit::none, 1, 1000},
+    visit(common_field(
+              "pattern",
+              "Distribution of the points: as a laser scanner measures them, or uniform on the surface"),
+          o.pattern);
+    visit(common_field("points", "Approximate number of points", Unit::none, 1, 1e8), o.points);
+    visit(common_field("positions", "Number of scanner positions, evenly spaced around the object",
+                       Unit::none, 1, 1000),
           o.positions);
-    visit(
-        Field{"distance", "from the scanner to the vertical axis through the middle", Unit::metre, 1e-3, 1e6},
-        o.distance);
+    visit(common_field("distance",
+                       "Distance of the scanner from the vertical axis through the centre of the object",
+                       Unit::metre, 1e-3, 1e6),
+          o.distance);
     visit(Field{"height", "of the scanner above the lowest point", Unit::metre, -1e6, 1e6}, o.height);
     visit(Field{"azimuth", "where the first scanner stands, counter-clockwise from +x seen from above",
                 Unit::radian, -6.2832, 6.2832},
           o.azimuth);
-    visit(Field{"noise", "standard deviation of the range, or of each coordinate if uniform", Unit::metre, 0,
-                1e3},
+    visit(common_field(
+              "noise",
+              "Standard deviation of the measured range, or of each coordinate for the uniform pattern",
+              Unit::metre, 0, 1e3),
           o.noise);
-    visit(Field{"seed", "another seed gives other noise and other beams", Unit::none, 0, 2147483647}, o.seed);
+    visit(common_field("seed", "Seed of the noise and of the beam directions", Unit::none, 0, 2147483647),
+          o.seed);
 }
 
 /// Points on a surface as a terrestrial laser scanner sees them. Each position sends beams at equal steps of

@@ -14,8 +14,8 @@ namespace coppice {
 // What `coppice extract` and the command of scenes have in common.
 
 /// Of both kinds of input, and so not among the options of either.
-inline constexpr Field kFileUpField{
-    "up", "axis of the file that points up; y as in games and in OBJ files of Blender"};
+inline constexpr Field kFileUpField =
+    common_field("up", "Axis of the file that points up; y for OBJ files from Blender and games");
 /// See parse_wood_classes().
 inline constexpr Field kWoodClassesField{
     "wood_classes",

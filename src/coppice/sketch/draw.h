@@ -24,10 +24,11 @@ struct DrawSketchOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, DrawSketchOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"projection", "what kind of camera both views have"}, o.projection);
-    visit(Field{"angle", "between the two views, counter-clockwise seen from above", Unit::radian, 0.01, 3.1},
+    visit(common_field("projection", "Projection of the cameras of both views"), o.projection);
+    visit(common_field("angle", "Angle between the two views, counter-clockwise seen from above",
+                       Unit::radian, 0.01, 3.1),
           o.angle);
-    visit(Field{"size", "width and height of the pictures in pixels", Unit::none, 16, 16384}, o.size);
+    visit(common_field("size", "Width and height of the pictures in pixels", Unit::none, 16, 16384), o.size);
     visit(Field{"spacing", "pixels between the points of a stroke; nodes are points as well", Unit::none, 0.5,
                 1000},
           o.spacing);

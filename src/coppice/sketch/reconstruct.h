@@ -32,8 +32,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"bend", "turn of a branch from start to tip that is usual; less is smoother", Unit::radian,
                 0.01, 10},
           o.bend);
-    visit(Field{"max_error", "pixels that a branch may be off its strokes, as root mean square", Unit::none,
-                0.1, 1000},
+    visit(common_field("max_error",
+                       "Maximum distance in pixels of a branch from its strokes, as root mean square",
+                       Unit::none, 0.1, 1000),
           o.max_error);
     visit(
         Field{"least_angle", "angle between views below which strokes are refused", Unit::radian, 1e-3, 1.5},

@@ -18,15 +18,15 @@ struct ViewOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, ViewOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"width", "width of the picture in pixels", Unit::none, 16, 16384}, o.width);
-    visit(Field{"height", "height of the picture in pixels", Unit::none, 16, 16384}, o.height);
+    visit(common_field("width", "Width of the picture in pixels", Unit::none, 16, 16384), o.width);
+    visit(common_field("height", "Height of the picture in pixels", Unit::none, 16, 16384), o.height);
     visit(Field{"smoothing", "samples per pixel along edges, as far as the device has them; 1 = none",
                 Unit::none, 1, 16},
           o.smoothing);
-    visit(Field{"azimuth", "where the camera stands, counter-clockwise from +x seen from above", Unit::radian,
-                -6.2832, 6.2832},
+    visit(common_field("azimuth", "Direction of the camera, counter-clockwise from +x seen from above",
+                       Unit::radian, -6.2832, 6.2832),
           o.azimuth);
-    visit(Field{"elevation", "height of the camera above the horizon", Unit::radian, -1.5708, 1.5708},
+    visit(common_field("elevation", "Height of the camera above the horizon", Unit::radian, -1.5708, 1.5708),
           o.elevation);
     visit(Field{"field_of_view", "opening of the camera across the longer side", Unit::radian, 0.01, 2.5},
           o.field_of_view);
@@ -43,9 +43,12 @@ struct EditDemoOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, EditDemoOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"frames", "frames that are drawn while the branch is dragged", Unit::none, 1, 1000000},
-          o.frames);
-    visit(Field{"segments", "segments of the branch that is dragged, about", Unit::none, 1, 1e9}, o.segments);
+    visit(
+        common_field("frames", "Number of frames drawn while the branch is dragged", Unit::none, 1, 1000000),
+        o.frames);
+    visit(common_field("segments", "Approximate number of segments of the branch that is dragged", Unit::none,
+                       1, 1e9),
+          o.segments);
     visit(Field{"swing", "how far the branch is dragged to both sides", Unit::radian, 0, 1.5708}, o.swing);
 }
 

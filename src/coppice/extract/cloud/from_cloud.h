@@ -60,13 +60,14 @@ struct CloudOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, CloudOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"ground", "What is left out as ground: what looks like it, nothing, or all below a height"},
+    visit(common_field("ground",
+                       "Points to remove as ground: those that look like it, none, or all below a height"),
           o.ground);
     visit(Field{"ground_height", "Height below which points are ground", Unit::metre, -1e6, 1e6},
           o.ground_height);
-    visit(
-        Field{"voxel", "Edge of the voxels of which one point is kept; 0 = all points", Unit::metre, 0, 1e6},
-        o.voxel);
+    visit(common_field("voxel", "Edge length of the voxels that keep one point each; 0 keeps all points",
+                       Unit::metre, 0, 1e6),
+          o.voxel);
     visit(Field{"max_points", "Number of points above which they are downsampled", Unit::none, 100, 1e8},
           o.max_points);
     visit(Field{"neighbours", "Number of neighbours that paths may go to", Unit::none, 4, 64}, o.neighbours);
@@ -74,7 +75,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "Points so many times farther off than their neighbours are outliers, left out; 0 = none",
                 Unit::none, 0, 1e6},
           o.outlier_factor);
-    visit(Field{"leaves", "Leaves: left out where the cloud shows some, kept as wood, or always left out"},
+    visit(common_field(
+              "leaves",
+              "Treatment of leaves: removed where the cloud has some, kept as wood, or always removed"),
           o.leaves);
     visit(
         Field{"detail",
@@ -89,7 +92,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"twig", "Height above the rest of the surface that makes a twig, in spacings of the points",
                 Unit::none, 0, 100},
           o.twig);
-    visit(Field{"max_trees", "Number of trees that are kept; 0 = all", Unit::none, 0, 100000}, o.max_trees);
+    visit(common_field("max_trees", "Maximum number of trees to keep; 0 keeps all", Unit::none, 0, 100000),
+          o.max_trees);
     visit(Field{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
                 Unit::metre},
           o.root);

@@ -66,7 +66,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                 "it; the fit goes on from there"},
           o.thickness);
     visit(Field{"fit", "fit the segments to the vertices by least squares"}, o.fit);
-    visit(Field{"prune", "ends that rise less above their fork go", Unit::radius, 0, 10}, o.prune);
+    visit(common_field("prune", "Minimum height of a branch above its fork; shorter ends are removed",
+                       Unit::radius, 0, 10),
+          o.prune);
     visit(Field{"join", "pieces whose end is nearer to another's axis are attached to it; 0 = none",
                 Unit::radius, 0, 10},
           o.join);
@@ -74,7 +76,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
           o.tolerance);
     visit(Field{"keep_loops", "lead an end cut off a loop on to where it was cut off"}, o.keep_loops);
     visit(Field{"up", "axis that points up in the mesh: roots are the lowest ends"}, o.up);
-    visit(Field{"wood", "only faces whose group or material has this in its name; may be repeated"},
+    visit(common_field("wood",
+                       "Read only faces whose group or material has this text in its name; may be repeated"),
           o.clean.wood);
     visit(Field{"cards", "leave out flat pieces, as leaves are drawn"}, o.clean.cards);
     visit(Field{"weld", "share of the mesh's size to which places are told apart", Unit::none, 0, 0.01},

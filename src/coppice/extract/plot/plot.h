@@ -27,8 +27,9 @@ struct PlotOptions {
 template <class Self, class Visitor>
 requires SameOptions<Self, PlotOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"least_diameter", "Diameter at breast height below which stems are understorey", Unit::metre,
-                0.01, 1},
+    visit(common_field("least_diameter",
+                       "Minimum diameter at breast height of a tree; thinner stems are understorey",
+                       Unit::metre, 0.01, 1),
           o.least_diameter);
     visit(Field{"greatest_diameter", "Diameter above which nothing is a stem", Unit::metre, 0.05, 20},
           o.greatest_diameter);

@@ -41,9 +41,11 @@ struct LibraryFilter {
 template <class Self, class Visitor>
 requires SameOptions<Self, LibraryFilter>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
-    visit(Field{"ids", "the tree of this number; may be repeated"}, o.ids);
-    visit(Field{"tags", "trees with this tag; repeated, with all of them"}, o.tags);
-    visit(Field{"from", "trees from this file, as the list calls it; may be repeated"}, o.from);
+    visit(common_field("ids", "Select the tree with this number; may be repeated"), o.ids);
+    visit(common_field("tags", "Select trees with this tag; if repeated, trees with all of the tags"),
+          o.tags);
+    visit(common_field("from", "Select trees from this source file, named as in the list; may be repeated"),
+          o.from);
     visit(Field{"least_length", "trees whose segments are together as long as this", Unit::metre, 0, 1e9},
           o.least_length);
     visit(Field{"most_length", "trees that are no longer; 0 = any", Unit::metre, 0, 1e9}, o.most_length);

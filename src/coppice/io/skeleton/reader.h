@@ -34,10 +34,11 @@ template <class Self, class Visitor>
 requires SameOptions<Self, ReadSkeletonOptions>
 constexpr void visit_fields(Self& options, Visitor&& visit) {
     visit(Field{"format", "kind of the skeleton file"}, options.format);
-    visit(Field{"scale", "multiplies positions and radii, to turn the units of the file into metres",
-                Unit::none, 1e-12, 1e12},
-          options.scale);
-    visit(Field{"up", "axis of the file that points up; y as in games and in OBJ files of Blender"},
+    visit(
+        common_field("scale", "Factor that converts positions and radii from the units of the file to metres",
+                     Unit::none, 1e-12, 1e12),
+        options.scale);
+    visit(common_field("up", "Axis of the file that points up; y for OBJ files from Blender and games"),
           options.up);
     visit(
         Field{"units",

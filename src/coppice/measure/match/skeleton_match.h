@@ -23,8 +23,11 @@ template <class Self, class Visitor>
 requires SameOptions<Self, CompareOptions>
 constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"step", "distance of the samples along an axis", Unit::radius, 0.01, 100}, o.step);
-    visit(Field{"within", "what lies nearer to an axis is covered", Unit::radius, 1e-3, 100}, o.within);
-    visit(Field{"tip_reach", "greatest distance of tips that match", Unit::radius, 1e-3, 100}, o.tip_reach);
+    visit(common_field("within", "Maximum distance from an axis at which it counts as covered", Unit::radius,
+                       1e-3, 100),
+          o.within);
+    visit(common_field("tip_reach", "Maximum distance between tips that match", Unit::radius, 1e-3, 100),
+          o.tip_reach);
     visit(Field{"fork_reach", "greatest distance of junctions that match", Unit::radius, 1e-3, 100},
           o.fork_reach);
 }
