@@ -23,6 +23,11 @@ build(${WORK}/examples ${SOURCE}/examples -D CMAKE_PREFIX_PATH=${prefix} -D CMAK
 run(${WORK}/examples/mesh_a_tree ${SOURCE}/examples/oak.swc ${WORK}/oak.ply)
 run(${PYTHON} ${SOURCE}/tests/tour_test.py ${SOURCE} ${WORK}/examples/tour)
 run(${prefix}/bin/coppice check ${WORK}/oak.ply --no-intersections)
+foreach(file man/man1/coppice-mesh.1 bash-completion/completions/coppice applications/coppice-studio.desktop)
+  if(NOT EXISTS ${prefix}/share/${file})
+    message(FATAL_ERROR "share/${file} is not installed")
+  endif()
+endforeach()
 
 # Skeletons need nothing of what meshes, pictures and files need.
 foreach(package embree PNG ZLIB EXPAT hwy Eigen3 nanoflann nlohmann_json)
