@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; the library's
-modules are listed; README.md's commands run; every figure that check and info print is explained.
+modules are listed; README.md's commands run; every command, and every figure that check and info print,
+is explained.
 
 Commands are those of the README that begin with "coppice "; they run in a folder of their own beside a copy of examples/.
 """
@@ -110,6 +111,20 @@ def failing_commands(root, program):
                 yield f"README.md: '{line}' ended with {done.returncode}: {done.stderr.strip()}"
 
 
+def unexplained_commands(root, program):
+    """Commands of `coppice help` without a section or without a row in the table of command-line.md."""
+    page = root / "docs/user/command-line.md"
+    text = CODE.sub("", page.read_text())
+    sections = set(re.findall(r"^## (\w+)$", text, re.MULTILINE))
+    rows = set(re.findall(r"^\| \[(\w+)\]\(#\1\) \|", text, re.MULTILINE))
+    listed = subprocess.run([program, "help"], capture_output=True, text=True, check=True).stdout.split("Subcommands:")[1]
+    commands = set(re.findall(r"^  (\w+) ", listed, re.MULTILINE)) - {"help"}
+    if not commands:
+        yield "coppice help: lists no commands"
+    for command in sorted(commands - (sections & rows)):
+        yield f"{page.relative_to(root)}: needs a section and a row for 'coppice {command}'"
+
+
 def names_in(figures):
     """The names of all figures in a report of JSON, in whatever depth."""
     if isinstance(figures, dict):
@@ -145,7 +160,7 @@ def main():
     faults = [*missing_sources(root), *broken_links(root), *pictures(root), *missing_modules(root)]
     if len(sys.argv) > 2:
         program = os.path.abspath(sys.argv[2])
-        faults += [*failing_commands(root, program), *unexplained_figures(root, program)]
+        faults += [*failing_commands(root, program), *unexplained_commands(root, program), *unexplained_figures(root, program)]
     print("\n".join(faults))
     sys.exit(1 if faults else 0)
 
