@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """docs_test.py SOURCE_DIR [PROGRAM]: keys of cited sources and links to files exist; pictures are used and small; the library's
-modules are listed; README.md's commands run; every command, and every figure that check and info print,
+modules are listed; measured tables are dated; README.md's commands run; every command, and every figure that check and info print,
 is explained.
 
 Commands are those of the README that begin with "coppice "; they run in a folder of their own beside a copy of examples/.
@@ -86,6 +86,14 @@ def missing_modules(root):
         yield f"docs/library/README.md: lists the modules {' '.join(rows)}, layers.txt {' '.join(libraries)}"
 
 
+def undated_tables(root):
+    """Tables that a script has measured begin with the day and the commit."""
+    for path, text in texts(root):
+        for name, first in re.findall(r"^<!-- (\w+) begin: written by .*-->\n(.*)$", text, re.MULTILINE):
+            if path.suffix == ".md" and not re.match(r"Measured on \d{4}-\d\d-\d\d at commit [0-9a-f]{7}", first):
+                yield f"{path.relative_to(root)}: the tables {name} do not say when they were measured"
+
+
 def run_studio(command, folder):
     """The studio ends when it is told to: once it says where it is. `true` stands for the browser."""
     environment = dict(os.environ, BROWSER="true", XDG_STATE_HOME=folder)
@@ -157,7 +165,7 @@ def unexplained_figures(root, program):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    faults = [*missing_sources(root), *broken_links(root), *pictures(root), *missing_modules(root)]
+    faults = [*missing_sources(root), *broken_links(root), *pictures(root), *missing_modules(root), *undated_tables(root)]
     if len(sys.argv) > 2:
         program = os.path.abspath(sys.argv[2])
         faults += [*failing_commands(root, program), *unexplained_commands(root, program), *unexplained_figures(root, program)]
