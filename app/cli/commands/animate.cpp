@@ -62,7 +62,7 @@ FrameSinks open_sinks(const AnimateFlags& flags, const FrameSeries& series) {
     return sinks;
 }
 
-Figures figures_of(const HeldFrame& held) {
+Figures figures_of_held(const HeldFrame& held) {
     Figures out;
     out["frame"] = held.frame;
     out["time"] = held.time;
@@ -81,7 +81,7 @@ void count(Figures& counts, const MotionReport& report) {
     counts["not_converged"] = report.not_converged;
     if (report.first.empty()) return;
     Figure::List held;
-    for (const HeldFrame& frame : report.first) held.emplace_back(figures_of(frame));
+    for (const HeldFrame& frame : report.first) held.emplace_back(figures_of_held(frame));
     counts["held"] = held;
 }
 
