@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include "streams.h"
 
 namespace coppice::cli {
 
@@ -23,6 +23,6 @@ std::string printable(std::string_view text) {
     return out;
 }
 
-void say(std::string_view message) { fmt::print(stderr, "coppice: {}\n", printable(message)); }
+void say(std::string_view message) { print_error(fmt::format("coppice: {}\n", printable(message))); }
 
 }  // namespace coppice::cli

@@ -7,6 +7,7 @@
 
 #include "coppice/io/file.h"
 #include "coppice/pipeline/spelling.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -90,7 +91,7 @@ void run_scene(Run& run, Scene& scene, const SceneFile& file) {
                 all += scene.run(line.text, fmt::format("{}:{}", source, line.number), ctx);
             return all;
         });
-        fmt::print("{}", said);
+        print(said);
     }
 }
 

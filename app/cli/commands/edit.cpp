@@ -8,6 +8,7 @@
 #include "files.h"
 #include "options.h"
 #include "scene_files.h"
+#include "streams.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -62,7 +63,7 @@ void write_results(Run& run, const EditFlags& flags, const SkeletonFile& file, c
 
 ExitCode edit(Run& run, const EditFlags& flags) {
     if (flags.reference) {
-        fmt::print("{}", scene_reference("Editing trees"));
+        print(scene_reference("Editing trees"));
         run.finish("reference printed");
         return kDone;
     }
@@ -82,7 +83,7 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     for (const auto& path : flags.edits) unbound += replay(run, session, path);
     run_files(flags.scripts, "edit", [&](const auto&... all) { return session.run_text(all...); });
     for (const auto& commands : flags.commands) {
-        fmt::print("{}", run.stage("edit", [&](const Context& ctx) {
+        print(run.stage("edit", [&](const Context& ctx) {
             return session.run_text(commands.string(), "COMMANDS", ctx);
         }));
     }

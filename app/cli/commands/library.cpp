@@ -11,6 +11,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -130,7 +131,7 @@ ExitCode list(Run& run, const LibraryFlags& flags) {
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
     });
-    fmt::print("{}", table_of(entries));
+    print(table_of(entries));
     Figure::List figures;
     for (const LibraryEntry& e : entries) figures.emplace_back(figures_of(e));
     run.counts()["trees"] = entries.size();

@@ -9,6 +9,7 @@
 #include "files.h"
 #include "options.h"
 #include "scene_files.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -21,7 +22,7 @@ struct RunFlags {
 
 ExitCode run_scenes(Run& run, const RunFlags& flags) {
     if (flags.reference) {
-        fmt::print("{}", scene_reference());
+        print(scene_reference());
         run.finish("reference printed");
         return kDone;
     }

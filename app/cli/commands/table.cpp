@@ -20,6 +20,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -258,7 +259,7 @@ ExitCode table(Run& run, const TableFlags& flags) {
         text = csv_of(rows);
     }
     if (flags.output.empty()) {
-        fmt::print("{}", text);
+        print(text);
     } else {
         write_file(flags.output, text);
     }

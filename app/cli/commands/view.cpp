@@ -11,6 +11,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "streams.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -88,7 +89,7 @@ ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
     run.counts().append(said);
     run.counts()["seconds"] = cli::figures_of(result.seconds);
     said.append(milliseconds_of(result.seconds));
-    fmt::print("{}", figures_text(said));
+    print(figures_text(said));
     run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} a second", flags.tree.string(),
                            grouped(result.frames), grouped(result.segments), result.frames_per_second));
     return kDone;
