@@ -7,6 +7,7 @@
 #include "coppice/io/file.h"
 #include "memory.h"
 #include "messages.h"
+#include "outputs.h"
 #include "parser.h"
 #include "signals.h"
 #include "streams.h"
@@ -22,6 +23,7 @@ ExitCode run_command_line(std::span<const char* const> arguments, Signals& signa
         print(request.text);
         return kDone;
     }
+    check_outputs(request.given);
     Run run(request.command->name, common, signals);
     return request.command->run(run, request.given);
 }

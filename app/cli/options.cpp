@@ -144,7 +144,7 @@ Option option_of(const OptionTarget& target, const std::string& type, const std:
 
 }  // namespace
 
-void OptionList::add(Option option, const std::string& names) {
+Option& OptionList::add(Option option, const std::string& names) {
     const std::size_t comma = names.find(',');
     option.name = comma == names.npos ? names : names.substr(comma + 1);
     if (comma != names.npos) option.letter = names.substr(0, comma);
@@ -152,7 +152,7 @@ void OptionList::add(Option option, const std::string& names) {
         COPPICE_ASSERT(other.name != option.name);
         COPPICE_ASSERT(option.letter.empty() || other.letter != option.letter);
     }
-    options_.push_back(std::move(option));
+    return options_.emplace_back(std::move(option));
 }
 
 void OptionList::file(const std::string& names, const std::string& type, std::filesystem::path& target,
@@ -164,6 +164,23 @@ void OptionList::files(const std::string& names, const std::string& type,
                        std::vector<std::filesystem::path>& target, const std::string& help,
                        const std::string& group) {
     add(option_of(&target, type, help, group), names);
+}
+
+void OptionList::output(const std::string& names, const std::string& type, std::filesystem::path& target,
+                        const std::string& help, const std::string& group) {
+    add(option_of(&target, type, help, group), names).is_output = true;
+}
+
+void OptionList::outputs(const std::string& names, const std::string& type,
+                         std::vector<std::filesystem::path>& target, const std::string& help,
+                         const std::string& group) {
+    add(option_of(&target, type, help, group), names).is_output = true;
+}
+
+void OptionList::may_replace(const std::string& output, const std::string& input) {
+    const auto named = std::ranges::find(options_, output, &Option::name);
+    COPPICE_ASSERT(named != options_.end());
+    named->replaces = input;
 }
 
 void OptionList::flag(const std::string& names, bool& target, const std::string& help,

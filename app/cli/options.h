@@ -34,6 +34,8 @@ struct Option {
     std::string field;   ///< path of the member that it sets: "project.method"; none for others
     Unit unit = Unit::none;
     double low = 0, high = 0;  ///< of numbers, both included, where low < high
+    bool is_output = false;    ///< names files that are written
+    std::string replaces;      ///< of outputs: the option with the input that may be overwritten, or none
     OptionTarget target;
 };
 
@@ -56,6 +58,14 @@ class OptionList {
     /// The same for files: after a flag that may be repeated, or as many as there are.
     void files(const std::string& names, const std::string& type, std::vector<std::filesystem::path>& target,
                const std::string& help, const std::string& group = {});
+    /// The same for files that are written; see check_outputs().
+    void output(const std::string& names, const std::string& type, std::filesystem::path& target,
+                const std::string& help, const std::string& group = {});
+    void outputs(const std::string& names, const std::string& type,
+                 std::vector<std::filesystem::path>& target, const std::string& help,
+                 const std::string& group = {});
+    /// Lets an output of this name overwrite the file that the option `input` names.
+    void may_replace(const std::string& output, const std::string& input);
     /// Off unless given.
     void flag(const std::string& names, bool& target, const std::string& help, const std::string& group = {});
     /// One value that belongs to no option struct.
@@ -71,7 +81,7 @@ class OptionList {
     std::span<const Option> all() const { return options_; }
 
   private:
-    void add(Option option, const std::string& names);
+    Option& add(Option option, const std::string& names);
     void add_fields(std::span<const OptionField> fields, const std::string& group, const std::string& path,
                     const FlagNames& names);
 

@@ -176,6 +176,7 @@ def make_inputs():
     write("loops.coppice", "for i in 1..2\nsphere s${i}\nend\nlist\nrepeat 2\n")
     os.mkfifo("never.ply")
     os.mkdir("folder")
+    os.symlink("folder", "linked")
     os.mkdir("folder.ply")
 
 

@@ -144,10 +144,12 @@ Command animate_command() {
     const auto flags = std::make_shared<AnimateFlags>();
     OptionList options;
     options.file("tree", "TREE", flags->tree, "skeleton to animate");
-    options.files("-o,--output", "FRAMES", flags->outputs,
-                  "what to write: .png, .ply, .obj, .stl (a file each frame: NAME_0000.png), .gif, .mp4 (by "
-                  "ffmpeg), .glb, .usda; may "
-                  "be repeated");
+    options.outputs(
+        "-o,--output", "FRAMES", flags->outputs,
+        "what to write: .png, .ply, .obj, .stl (a file each frame: NAME_0000.png), .gif, .mp4 (by "
+        "ffmpeg), .glb, .usda; may "
+        "be repeated");
+    options.may_replace("--output", "tree");  // the frames are numbered
     options.file(
         "--keys", "FILE", flags->keys,
         "keys, one a line: seconds, perhaps an easing, a colon and edits, as in 2 out: bend near(0,0,3) 20");

@@ -164,7 +164,7 @@ Command chart_command() {
     options.file("kind", "taper|orders|diameters|sholl", flags->kind, "what to draw");
     options.files("files", "FILES", flags->files,
                   "skeletons, and for taper also points: a line, or bars, for each");
-    options.file("-o,--output", "CHART", flags->output, "chart to write (.svg, .png)");
+    options.output("-o,--output", "CHART", flags->output, "chart to write (.svg, .png)");
     options.value({{"of", "what bars say of orders and classes of diameter"}, choice_of(flags->of)});
     add_architecture_options(options, flags->architecture);
     options.value({{"width", "width of the chart in pixels", Unit::none, 200, 16384}, &flags->width});

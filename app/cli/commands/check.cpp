@@ -144,8 +144,8 @@ Command check_command() {
                  "points to measure from the mesh, and the mesh from them (.ply, .las, .laz, .xyz, .pcd)");
     options.flag("--json", flags->json, "print JSON instead of a table");
     options.fields(flags->check, "Checks");
-    options.file("--distances", "PLY", flags->distances,
-                 "also write the points with their distances and colours for them", kCloudGroup);
+    options.output("--distances", "PLY", flags->distances,
+                   "also write the points with their distances and colours for them", kCloudGroup);
     options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
     options.fields(flags->read, "Reading the skeleton");
     return {"check",

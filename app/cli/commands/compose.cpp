@@ -204,8 +204,9 @@ Command compose_command() {
     const auto flags = std::make_shared<ComposeFlags>();
     OptionList options;
     options.file("template", "TEMPLATE", flags->host, "skeleton whose branches are replaced");
-    options.file("-o,--output", "SKELETON", flags->output,
-                 "skeleton to write; of several, tree.swc becomes tree_001.swc, tree_002.swc, ...");
+    options.output("-o,--output", "SKELETON", flags->output,
+                   "skeleton to write; of several, tree.swc becomes tree_001.swc, tree_002.swc, ...");
+    options.may_replace("--output", "template");
     options.file("--library", "LIBRARY", flags->library, "branches to put in, as coppice library keeps them");
     options.value(
         {{"seed", "of the first tree; each further one has the next", Unit::none, 0, 2e9}, &flags->seed});
@@ -213,12 +214,12 @@ Command compose_command() {
     options.file("--crown", "SCENE[:SOLID]", flags->crown,
                  "no branch that is put in may leave this solid of a scene, as crown.coppice:s; else the one "
                  "made last");
-    options.file("--sheet", "PNG", flags->sheet, "also draw all trees on one sheet");
+    options.output("--sheet", "PNG", flags->sheet, "also draw all trees on one sheet");
     options.value(
         {{"picture_size", "width and height of each picture on the sheet in pixels", Unit::none, 16, 4096},
          &flags->picture_size});
-    options.file("--then-mesh", "MESH", flags->mesh_output,
-                 "also turn every tree into a surface; numbered as -o is");
+    options.output("--then-mesh", "MESH", flags->mesh_output,
+                   "also turn every tree into a surface; numbered as -o is");
     options.fields(flags->compose, "Composing");
     options.fields(flags->which, "Which trees of the library", library_flag_names());
     options.fields(flags->read, "Reading the template");

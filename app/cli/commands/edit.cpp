@@ -105,16 +105,18 @@ Command edit_command() {
     options.file("tree", "TREE", flags->tree, "skeleton to edit");
     options.files("commands", "COMMANDS", flags->commands,
                   "edits as text, with semicolons between them: 'bend subtree(12) 30; prune radius=0.002'");
-    options.files("-o,--output", "OUT", flags->outputs,
-                  "skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
+    options.outputs("-o,--output", "OUT", flags->outputs,
+                    "skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
     options.files("--script", "FILE", flags->scripts, "edits from a file, one a line; before COMMANDS");
     options.files("--scene", "SCENE", flags->scenes, "scene to run first, for the solids that edits name");
     options.files(
         "--edits", "FILE", flags->edits,
         "saved edits to make again first, where they bind; the others are warned of, and the exit code is 1");
-    options.file("--save-edits", "FILE", flags->save_edits,
-                 "write all edits with the places of the nodes they name");
-    options.file("--then-mesh", "MESH", flags->mesh_output, "also turn the edited tree into a surface");
+    options.output("--save-edits", "FILE", flags->save_edits,
+                   "write all edits with the places of the nodes they name");
+    options.may_replace("--output", "tree");
+    options.may_replace("--save-edits", "--edits");
+    options.output("--then-mesh", "MESH", flags->mesh_output, "also turn the edited tree into a surface");
     options.flag("--reference", flags->reference, "print the reference page of the edits");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());

@@ -254,9 +254,9 @@ Command extract_command() {
     options.file("input", "FILE", flags->input,
                  "mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
                  ".pcd, .las, .laz)");
-    options.file("-o,--output", "SKELETON", flags->output,
-                 "skeleton to write, its ending tells the format; or a folder for the trees of a plot");
-    options.file(
+    options.output("-o,--output", "SKELETON", flags->output,
+                   "skeleton to write, its ending tells the format; or a folder for the trees of a plot");
+    options.output(
         "--then-mesh", "MESH", flags->mesh_output,
         "also turn the skeleton into a surface, and write that; of a plot each, with this ending (.ply)");
     // Of both kinds of input, and so not among the options of either.
@@ -265,16 +265,16 @@ Command extract_command() {
                    &flags->from_mesh.root});
     options.value({kFileUpField, choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
-    options.file("--mapping", "PLY", flags->mapping,
-                 "also write the vertices, those of each node of the skeleton in a colour of its own",
-                 kMeshGroup);
+    options.output("--mapping", "PLY", flags->mapping,
+                   "also write the vertices, those of each node of the skeleton in a colour of its own",
+                   kMeshGroup);
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
-    options.file("--leaf-points", "POINTS", flags->leaf_output,
-                 "also write the points that are left out as leaves, if any", kCloudGroup);
+    options.output("--leaf-points", "POINTS", flags->leaf_output,
+                   "also write the points that are left out as leaves, if any", kCloudGroup);
     options.fields(flags->from_plot, kPlotGroup);
-    options.file("--tree-points", "PLY", flags->tree_points,
-                 "also write all points, those of each tree in a colour of its own", kPlotGroup);
+    options.output("--tree-points", "PLY", flags->tree_points,
+                   "also write all points, those of each tree in a colour of its own", kPlotGroup);
     options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"extract", "Read a skeleton with radii off the mesh or the scan of a tree, or each of a plot",

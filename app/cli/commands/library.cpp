@@ -174,6 +174,9 @@ ExitCode draw(Run& run, const LibraryFlags& flags) {
         throw UsageError("name a sheet or a folder: coppice library draw LIBRARY -o SHEET.png");
     const bool sheet = is_png_name(flags.output);
     check_output_folder(flags.output);
+    if (!sheet && std::filesystem::is_regular_file(flags.output))
+        throw UsageError(fmt::format("'{}' is a file; name a sheet that ends in .png, or a folder",
+                                     flags.output.string()));
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);
     });
@@ -229,8 +232,8 @@ Command library_command() {
     options.file("library", "LIBRARY", flags->library,
                  "the library: one file, which 'add' makes where it is missing");
     options.files("trees", "TREE", flags->trees, "skeletons to take branches of (add)");
-    options.file("-o,--output", "PNG", flags->output,
-                 "a sheet of pictures (.png), or a folder for one of each (draw)");
+    options.output("-o,--output", "PNG", flags->output,
+                   "a sheet of pictures (.png), or a folder for one of each (draw)");
     options.value(
         {{"node", "take the branch that begins at this node, numbered from 0 as in reports; may be repeated"},
          &flags->nodes},

@@ -196,12 +196,12 @@ Command mesh_command() {
     OptionList options;
     options.file("skeleton", "SKELETON", flags->skeleton,
                  "skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg)");
-    options.files("-o,--output", "MESH", flags->outputs,
-                  "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
-    options.file("--cage", "FILE", flags->cage,
-                 "also write the control cage, for subdivision elsewhere (.usda)");
-    options.file("--volume", "FILE", flags->volume,
-                 "also write the tetrahedra inside, for finite elements (.vtu, .msh)");
+    options.outputs("-o,--output", "MESH", flags->outputs,
+                    "mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
+    options.output("--cage", "FILE", flags->cage,
+                   "also write the control cage, for subdivision elsewhere (.usda)");
+    options.output("--volume", "FILE", flags->volume,
+                   "also write the tetrahedra inside, for finite elements (.vtu, .msh)");
     options.file("--constraints", "POINTS", flags->constraints,
                  "points that global weights are fitted to, or a mesh, whose vertices they are (.xyz, .ply, "
                  ".obj)");
@@ -209,8 +209,9 @@ Command mesh_command() {
                  "also fit global weights to the middles of the edges of that mesh");
     options.file("--restore", "MESH", flags->original,
                  "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)");
-    options.file("--offsets", "FILE", flags->offsets,
-                 "also write how far --restore moved each vertex along its normal, in metres, line by line");
+    options.output(
+        "--offsets", "FILE", flags->offsets,
+        "also write how far --restore moved each vertex along its normal, in metres, line by line");
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");

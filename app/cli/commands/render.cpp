@@ -260,7 +260,7 @@ Command render_command() {
     options.file("input", "IN", flags->input, "mesh, cloud of points or skeleton");
     options.file("second", "IN2", flags->second,
                  "what else is to be seen: points over a mesh, or the skeleton of either");
-    options.file("-o,--output", "PNG", flags->output, "picture to write");
+    options.output("-o,--output", "PNG", flags->output, "picture to write");
     options.file(
         "--distance-to", "MESH", flags->distance_to,
         "colour the points, or else the mesh, by the distance from this mesh: inside blue, outside red");

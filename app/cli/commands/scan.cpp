@@ -37,7 +37,7 @@ Command scan_command() {
     const auto flags = std::make_shared<ScanFlags>();
     OptionList options;
     options.file("mesh", "MESH", flags->mesh, "mesh to look at");
-    options.file("-o,--output", "POINTS", flags->output, "points to write; the ending tells the format");
+    options.output("-o,--output", "POINTS", flags->output, "points to write; the ending tells the format");
     options.fields(flags->scan, "Scan");
     return {"scan", "Make the points that a laser scanner would see of a mesh", options,
             [flags](Run& run, const GivenOptions&) { return scan_file(run, *flags); }};

@@ -87,8 +87,9 @@ Command run_command() {
     const auto flags = std::make_shared<RunFlags>();
     OptionList options;
     options.files("scenes", "SCENE", flags->scenes, "scenes to run, one after the other (.coppice)");
-    options.files("-o,--output", "FILE", flags->outputs,
-                  "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
+    options.outputs(
+        "-o,--output", "FILE", flags->outputs,
+        "write what was made last and suits the ending: mesh, skeleton or points; may be repeated");
     add_scene_options(options, flags->given);
     options.flag("--reference", flags->reference, "print the reference page of all commands");
     return {"run", "Run scenes: crowns, points, growth and meshes by commands, one a line", options,
@@ -99,8 +100,8 @@ Command grow_command() {
     const auto flags = std::make_shared<GrowFlags>();
     OptionList options;
     options.file("scene", "SCENE", flags->scene, "scene to run (.coppice)");
-    options.files("-o,--output", "SKELETON", flags->outputs,
-                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.outputs("-o,--output", "SKELETON", flags->outputs,
+                    "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
     add_scene_options(options, flags->given);
     return {"grow", "Run a scene and write the tree that it grows last; it draws and saves nothing", options,
             [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};

@@ -193,7 +193,7 @@ Command sketch_command() {
     const auto flags = std::make_shared<SketchFlags>();
     OptionList options;
     options.file("input", "FILE", flags->input, "sketch (.sketch.json), or a skeleton to draw one of");
-    options.file("-o,--output", "FILE", flags->output, "skeleton to write, or sketch");
+    options.output("-o,--output", "FILE", flags->output, "skeleton to write, or sketch");
     options.flag("--trace", flags->trace,
                  "propose strokes from the silhouettes of the sketch's images, to be corrected");
     options.fields(flags->sketch, kSketchGroup);

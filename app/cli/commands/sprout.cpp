@@ -99,8 +99,8 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
 Command sprout_command() {
     const auto flags = std::make_shared<SproutFlags>();
     OptionList options;
-    options.files("-o,--output", "SKELETON", flags->outputs,
-                  "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.outputs("-o,--output", "SKELETON", flags->outputs,
+                    "skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
     options.value({{"root",
                     "X,Y,Z where a tree starts, or X,Y,Z,DX,DY,DZ to say which way; may be repeated, and "
                     "the trees share the light; 0,0,0 unless given"},
@@ -108,7 +108,7 @@ Command sprout_command() {
     options.file(
         "--guard", "SCENE", flags->guard,
         "a scene whose last solid, or FILE:NAME, no segment may enter, or leave (--guard-side inside)");
-    options.file("--then-mesh", "MESH", flags->mesh_output, "also turn the trees into a surface");
+    options.output("--then-mesh", "MESH", flags->mesh_output, "also turn the trees into a surface");
     options.fields(flags->sprout, "Rules");
     options.fields(flags->radii, "Radii by the pipe model");
     options.fields(flags->guarded, "Keeping to a solid");

@@ -277,8 +277,8 @@ Command table_command() {
     const auto flags = std::make_shared<TableFlags>();
     OptionList options;
     options.files("files", "FILES", flags->files, "skeletons, points, meshes, and folders of them");
-    options.file("-o,--output", "TABLE", flags->output,
-                 "table to write, .csv or .json; without it CSV is printed");
+    options.output("-o,--output", "TABLE", flags->output,
+                   "table to write, .csv or .json; without it CSV is printed");
     options.flag("--no-surfaces", flags->no_surfaces, "do not make surfaces, which takes most of the time");
     add_architecture_options(options, flags->architecture);
     options.fields(flags->read, "Reading a skeleton");

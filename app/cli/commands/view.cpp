@@ -129,11 +129,12 @@ Command view_command() {
     const auto flags = std::make_shared<ViewFlags>();
     OptionList options;
     options.file("tree", "TREE", flags->tree, "skeleton whose surface is drawn");
-    options.file("-o,--output", "PNG", flags->output, "picture to write; with --edit-demo of the last frame");
+    options.output("-o,--output", "PNG", flags->output,
+                   "picture to write; with --edit-demo of the last frame");
     options.flag(
         "--edit-demo", flags->edit_demo,
         "drag a branch to and fro, make the surface anew in every frame, and say how long that takes");
-    options.file("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet");
+    options.output("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet");
     options.fields(flags->demo, "Dragging");
     options.fields(flags->view, "Picture");
     options.fields(flags->mesh, "Surface", viewed_surface_flag_names());
