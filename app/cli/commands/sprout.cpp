@@ -11,6 +11,7 @@
 #include "coppice/pipeline/quantity.h"
 #include "coppice/skeleton/measure.h"
 #include "files.h"
+#include "memory.h"
 #include "options.h"
 #include "scene_files.h"
 #include "surfaces.h"
@@ -69,7 +70,7 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
         solid.emplace(solid_of_scene(run, flags.guard.string()));
         guard.emplace(FieldRef(*solid), flags.guarded);
     }
-    const double mebibytes = run.max_memory(0);
+    const double mebibytes = run.max_memory(memory_of_machine());
     const SproutInput input{.roots = roots,
                             .guard = guard ? &*guard : nullptr,
                             .origin = {},
