@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/quote.h"
 #include "coppice/pipeline/json.h"
 #include "coppice/pipeline/quantity.h"
 #include "coppice/pipeline/spelling.h"
@@ -24,9 +25,10 @@ double parse_number(const Option& option, const std::string& word, bool whole) {
         const double value = in_library_unit(option.unit, *number);
         return ranged ? std::clamp(value, option.low, option.high) : value;
     }
-    throw UsageError(fmt::format(
-        "{} takes a {}, not '{}'", option.name,
-        quantity_text(whole ? "whole number" : "number", option.unit, option.low, option.high), word));
+    throw UsageError(
+        fmt::format("{} takes a {}, not {}", option.name,
+                    quantity_text(whole ? "whole number" : "number", option.unit, option.low, option.high),
+                    quote(word)));
 }
 
 /// "1,2.5,-3"
@@ -39,7 +41,7 @@ Vec3d parse_place(const Option& option, const std::string& word) {
         const bool separated = axis == 2 ? next == end : next != end && *next == ',';
         if (error != std::errc() || !separated || !std::isfinite(p[axis])) {
             throw UsageError(
-                fmt::format("{} takes three numbers such as 1,2.5,0, not '{}'", option.name, word));
+                fmt::format("{} takes three numbers such as 1,2.5,0, not {}", option.name, quote(word)));
         }
         at = next + 1;
     }
@@ -51,8 +53,8 @@ std::size_t parse_choice(const Option& option, std::span<const std::string_view>
     const auto found = std::ranges::find(names, word);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
     const std::vector<std::string> known(names.begin(), names.end());
-    throw UsageError(fmt::format("{} takes one of {}, not '{}'{}", option.name, fmt::join(names, ", "), word,
-                                 did_you_mean(word, known)));
+    throw UsageError(fmt::format("{} takes one of {}, not {}{}", option.name, fmt::join(names, ", "),
+                                 quote(word), did_you_mean(word, known)));
 }
 
 /// Stores a word where the option says.

@@ -138,7 +138,7 @@ void Run::finish(const std::string& summary) {
     if (!terminal_) return;
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
-    print_error(fmt::format("{}\n{:.2f} s ({}), {} MB at most\n", printable(summary), total,
+    print_error(fmt::format("{}\n{:.2f} s ({}), {} MB at most\n", one_line(summary), total,
                             fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000));
 }
 

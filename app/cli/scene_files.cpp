@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "coppice/base/quote.h"
 #include "coppice/io/file.h"
 #include "coppice/pipeline/spelling.h"
 #include "streams.h"
@@ -43,7 +44,7 @@ void check_known(const std::string& name, const std::vector<std::string>& known)
         hint = known.empty() ? "; it has none (they stand after let)"
                              : fmt::format("; it has {}", fmt::join(known, ", "));
     }
-    throw UsageError(fmt::format("--set: the scene has no variable '{}'{}", name, hint));
+    throw UsageError(fmt::format("--set: the scene has no variable {}{}", quote(name), hint));
 }
 
 }  // namespace
@@ -72,7 +73,7 @@ SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const 
     for (const std::string& word : flags.set) {
         const std::size_t sign = word.find('=');
         if (sign == word.npos || sign == 0)
-            throw UsageError(fmt::format("--set takes NAME=VALUE, not '{}'", word));
+            throw UsageError(fmt::format("--set takes NAME=VALUE, not {}", quote(word)));
         const std::string name = word.substr(0, sign);
         check_known(name, known);
         settings.variables[name] = word.substr(sign + 1);
@@ -128,7 +129,7 @@ Solid solid_of_scene(Run& run, const std::string& named) {
     const auto found = scene.state().objects.find({ObjectKind::solid, name});
     if (found == scene.state().objects.end()) {
         throw InvalidInput(name.empty() ? fmt::format("{}: the scene makes no solid", file)
-                                        : fmt::format("{}: the scene makes no solid '{}'", file, name));
+                                        : fmt::format("{}: the scene makes no solid {}", file, quote(name)));
     }
     return std::get<Solid>(found->second->value);
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "command.h"
+#include "coppice/base/quote.h"
 #include "coppice/io/library/tree_library.h"
 #include "coppice/render/png.h"
 #include "files.h"
@@ -66,7 +67,7 @@ std::vector<NodeId> nodes_of(const LibraryFlags& flags) {
         const auto [at, error] = std::from_chars(word.data(), end, n);
         if (error != std::errc{} || at != end)
             throw UsageError(
-                fmt::format("--node takes the number of a node, as in --node 12, and not '{}'", word));
+                fmt::format("--node takes the number of a node, as in --node 12, and not {}", quote(word)));
         out.emplace_back(n);
     }
     return out;

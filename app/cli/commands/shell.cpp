@@ -29,13 +29,13 @@ ExitCode code_of(Work&& work) {
         std::forward<Work>(work)();
         return kDone;
     } catch (const Cancelled& error) {
-        print_error(printable(error.what()) + "\n");
+        print_error(one_line(error.what()) + "\n");
         return kInterrupted;
     } catch (const IoError& error) {
-        print_error(printable(error.what()) + "\n");
+        print_error(one_line(error.what()) + "\n");
         return kFileTrouble;
     } catch (const Error& error) {
-        print_error(printable(error.what()) + "\n");
+        print_error(one_line(error.what()) + "\n");
         return kBadInput;
     }
 }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "command.h"
+#include "coppice/base/quote.h"
 #include "coppice/growth/radii.h"
 #include "coppice/growth/sprout.h"
 #include "coppice/implicit/solid/solid_field.h"
@@ -53,7 +54,7 @@ Root root_of(const std::string& text) {
     }
     const auto commas = static_cast<std::size_t>(std::ranges::count(text, ','));
     if (n.size() != commas + 1 || (n.size() != 3 && n.size() != 6))
-        throw UsageError(fmt::format("--root takes X,Y,Z, or X,Y,Z,DX,DY,DZ, not '{}'", text));
+        throw UsageError(fmt::format("--root takes X,Y,Z, or X,Y,Z,DX,DY,DZ, not {}", quote(text)));
     Root root{{n[0], n[1], n[2]}, {}};
     if (n.size() == 6) root.direction = {n[3], n[4], n[5]};
     return root;
