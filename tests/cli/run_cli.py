@@ -145,6 +145,9 @@ def make_inputs():
     write("cut.laz", bytes(las))
     with open(os.path.join(os.path.dirname(__file__), "../io/laz/format7.laz"), "rb") as scan:
         write("scan.laz", scan.read())
+    write("cell.asc", "; a cell\n( (Color Blue)\n  (Axon)\n  (1 2 3 0.5)\n)\n")
+    write("grid.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n3 4\n")
+    write("cell.h5", b"\x89HDF\r\n\x1a\n points structure")
     write("comma.swc", "1 1 0,0 0,5 0,0 0,1 -1\n2 1 0,0 0,5 1,0 0,1 1\n")
     write("scan.e57", b"ASTM-E57\1\0\0\0")
     write("scan.las.gz", b"\x1f\x8b\x08\0")

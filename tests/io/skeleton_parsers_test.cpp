@@ -468,6 +468,15 @@ TEST(Mat, FilesWithoutCylindersAndDamagedFiles) {
     EXPECT_NE(error_of<InvalidInput>([&] { read_mat(path, 0); }).find("no cylinders in it"),
               std::string::npos);
 
+    MatWriter toolbox("toolbox");
+    std::size_t dims[2]{1, 1};
+    const char* fields[]{"dA", "X", "Y", "Z", "D"};
+    matvar_t* cells = Mat_VarCreate("trees", MAT_C_CELL, MAT_T_CELL, 2, dims, nullptr, 0);
+    Mat_VarSetCell(cells, 0, Mat_VarCreateStruct("tree", 2, dims, fields, 5));
+    toolbox.add(cells);
+    const auto tree = toolbox.close();
+    EXPECT_NE(error_of<Unsupported>([&] { read_mat(tree, 0); }).find("a tree of the TREES toolbox"),
+              std::string::npos);
 
     const auto garbage = std::filesystem::path(testing::TempDir()) / "garbage.mat";
     std::ofstream(garbage) << "this is no MATLAB file at all";
