@@ -8,6 +8,7 @@
 #include "coppice/base/quote.h"
 #include "coppice/io/file.h"
 #include "coppice/pipeline/spelling.h"
+#include "files.h"
 #include "streams.h"
 
 namespace coppice::cli {
@@ -58,10 +59,17 @@ void add_scene_options(OptionList& options, SceneFlags& flags) {
                    &flags.seed});
 }
 
+std::string read_commands(const std::filesystem::path& path, std::string_view what) {
+    const auto kind = kind_of_file(path);
+    const bool may_be_text = path.extension() == ".txt" && kind == FileKind::points;
+    if (kind && !may_be_text) throw UsageError(remedy_for(path, *kind, what));
+    return read_file(path, kLargestScene);
+}
+
 std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths) {
     return run.stage("read", [&](const Context&) {
         std::vector<SceneFile> scenes;
-        for (const auto& path : paths) scenes.push_back({path, read_file(path, kLargestScene)});
+        for (const auto& path : paths) scenes.push_back({path, read_commands(path, "a scene")});
         return scenes;
     });
 }

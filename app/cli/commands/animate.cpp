@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "command.h"
-#include "coppice/io/file.h"
 #include "coppice/scene/animation/animation.h"
 #include "files.h"
 #include "options.h"
@@ -48,8 +47,7 @@ std::optional<Keyframes> load_keys(Run& run, const AnimateFlags& flags, const Sk
     std::string text, source = "--key";
     if (!flags.keys.empty()) {
         source = flags.keys.string();
-        text =
-            run.stage("read", [&](const Context& ctx) { return read_file(flags.keys, kLargestScene, ctx); });
+        text = run.stage("read", [&](const Context&) { return read_commands(flags.keys, "a list of keys"); });
     }
     for (const auto& key : flags.more_keys) text.append(key.string()).append(1, '\n');
     if (text.empty() && flags.keys.empty()) return {};

@@ -72,16 +72,18 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
     EditSession session(file.skeleton, {.max_memory = run.max_memory(SceneSettings{}.max_memory)});
     const auto run_files = [&](const std::vector<std::filesystem::path>& files, const char* stage,
-                               auto&& text) {
+                               std::string_view what, auto&& text) {
         for (const auto& path : files)
-            fmt::print("{}", run.stage(stage, [&](const Context& ctx) {
-                return text(read_file(path, kLargestScene), path.string(), ctx);
+            print(run.stage(stage, [&](const Context& ctx) {
+                return text(read_commands(path, what), path.string(), ctx);
             }));
     };
-    run_files(flags.scenes, "scene", [&](const auto&... all) { return session.run_scene(all...); });
+    run_files(flags.scenes, "scene", "a scene",
+              [&](const auto&... all) { return session.run_scene(all...); });
     std::size_t unbound = 0;
     for (const auto& path : flags.edits) unbound += replay(run, session, path);
-    run_files(flags.scripts, "edit", [&](const auto&... all) { return session.run_text(all...); });
+    run_files(flags.scripts, "edit", "a list of edits",
+              [&](const auto&... all) { return session.run_text(all...); });
     for (const auto& commands : flags.commands) {
         print(run.stage("edit", [&](const Context& ctx) {
             return session.run_text(commands.string(), "COMMANDS", ctx);
