@@ -90,20 +90,17 @@ ExitCode add(Run& run, const LibraryFlags& flags) {
         if (trees.back().empty())
             run.warn(fmt::format("{}: no branch is like that, so none was taken", path.string()));
     }
-    std::size_t added = 0;
-    std::uint32_t known = 0;
-    run.stage("write", [&](const Context& ctx) {
-        TreeLibrary library(flags.library, LibraryAccess::create, ctx);
-        for (std::size_t i = 0; i < trees.size(); ++i) {
-            const auto done = library.add(trees[i], flags.trees[i].filename().string(), flags.set_tags);
-            added += done.ids.size();
-            known += done.known;
-        }
+    std::vector<TreeLibrary::Batch> batches;
+    for (std::size_t i = 0; i < trees.size(); ++i)
+        batches.push_back({trees[i], flags.trees[i].filename().string()});
+    const TreeLibrary::Added done = run.stage("write", [&](const Context& ctx) {
+        return TreeLibrary(flags.library, LibraryAccess::create, ctx).add(batches, flags.set_tags);
     });
-    run.counts()["added"] = added;
-    run.counts()["known"] = known;
-    run.finish(fmt::format("{}: {} branches added{}", flags.library.string(), grouped(added),
-                           known > 0 ? fmt::format(", {} were there already", grouped(known)) : ""));
+    run.counts()["added"] = done.ids.size();
+    run.counts()["known"] = done.known;
+    run.finish(
+        fmt::format("{}: {} branches added{}", flags.library.string(), grouped(done.ids.size()),
+                    done.known > 0 ? fmt::format(", {} were there already", grouped(done.known)) : ""));
     return kDone;
 }
 
