@@ -7,6 +7,7 @@
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/reader.h"
 #include "coppice/io/points/reader.h"
+#include "coppice/io/sketch/sketch_file.h"
 #include "coppice/points/spacing.h"
 #include "options.h"
 
@@ -18,6 +19,8 @@ FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format)
     // A pipe may hold anything; the reader tells by what comes.
     if (!kind && !std::filesystem::is_regular_file(path)) return FileKind::skeleton;
     if (kind) return *kind;
+    if (path.extension() == ".coppice")
+        throw UsageError(fmt::format("'{0}' is a scene; run it with coppice run {0} -o FILE", path.string()));
     throw UsageError(
         fmt::format("'{}' is neither a skeleton nor a mesh nor points, as far as its name and content tell; "
                     "see coppice help convert",
@@ -36,6 +39,20 @@ std::string_view with_article(FileKind kind) {
     return kind == FileKind::skeleton ? "a skeleton"
            : kind == FileKind::mesh   ? "a mesh"
                                       : "a cloud of points";
+}
+
+std::string remedy_for(const std::filesystem::path& path, FileKind kind, std::string_view wanted) {
+    if (is_sketch_name(path)) {
+        return fmt::format(
+            "'{0}' is a sketch, not {1}; make a skeleton of it with coppice sketch {0} -o SKELETON",
+            path.string(), wanted);
+    }
+    if (kind == FileKind::skeleton) {
+        return fmt::format("'{0}' is a skeleton, not {1}; make a surface of it with coppice mesh {0} -o MESH",
+                           path.string(), wanted);
+    }
+    return fmt::format("'{0}' is {1}, not {2}; make a skeleton of it with coppice extract {0} -o SKELETON",
+                       path.string(), with_article(kind), wanted);
 }
 
 void check_output_folder(const std::filesystem::path& path) {
@@ -102,11 +119,9 @@ Figures joints_of(const RepairReport& r) {
 }
 
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options) {
-    if (const FileKind kind = kind_of_input(path, options.format); kind != FileKind::skeleton) {
-        throw UsageError(
-            fmt::format("'{0}' is {1}, not a skeleton; make one of it with coppice extract {0} -o SKELETON",
-                        path.string(), with_article(kind)));
-    }
+    const FileKind kind = kind_of_input(path, options.format);
+    if (kind != FileKind::skeleton || is_sketch_name(path))
+        throw UsageError(remedy_for(path, kind, "a skeleton"));
     SkeletonFile file =
         run.stage("read", [&](const Context& ctx) { return read_skeleton(path, options, ctx); });
     run.counts()["nodes"] = file.skeleton.size();

@@ -23,6 +23,9 @@ FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred);
 /// "a skeleton", "a mesh", "a cloud of points"
 std::string_view with_article(FileKind kind);
 
+/// Says that a file of this kind is not `wanted`, such as "a scene", and which command takes it.
+std::string remedy_for(const std::filesystem::path& path, FileKind kind, std::string_view wanted);
+
 /// Throws what writing would throw in the end, before hours of work: IoError when the folder does not exist.
 void check_output_folder(const std::filesystem::path& path);
 /// The same, and UsageError when the name is not that of a mesh that can be written.

@@ -1,13 +1,16 @@
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <filesystem>
 #include <new>
 
 #include "command.h"
+#include "coppice/io/file.h"
 #include "memory.h"
 #include "messages.h"
+#include "outputs.h"
 #include "parser.h"
 #include "signals.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -17,9 +20,10 @@ ExitCode run_command_line(std::span<const char* const> arguments, Signals& signa
     const std::vector<Command> commands = all_commands(common);
     const Parser::Request request = Parser(commands).parse(arguments);
     if (request.command == nullptr) {
-        fmt::print("{}", request.text);
+        print(request.text);
         return kDone;
     }
+    check_outputs(request.given);
     Run run(request.command->name, common, signals);
     return request.command->run(run, request.given);
 }
@@ -30,12 +34,11 @@ ExitCode fail(ExitCode code, const char* message) {
 }
 
 ExitCode run_program(std::span<const char* const> arguments) {
+    open_standard_streams();
     Signals signals;
     try {
         const ExitCode code = run_command_line(arguments, signals);
-        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-            return fail(kFileTrouble, "the standard output cannot be written");
-        }
+        flush_output();
         return code;
     } catch (const UsageError& error) {
         return fail(kWrongUsage, error.what());
@@ -45,6 +48,10 @@ ExitCode run_program(std::span<const char* const> arguments) {
         return fail(kFileTrouble, error.what());
     } catch (const Error& error) {
         return fail(kBadInput, error.what());
+    } catch (const std::filesystem::filesystem_error& error) {
+        return fail(kFileTrouble, fmt::format("cannot use {}: {}", error.path1().string(),
+                                              file_error_text(error.code().value()))
+                                      .c_str());
     } catch (const std::bad_alloc&) {
         return fail(kBadInput, out_of_memory_text());
     } catch (const std::exception& error) {

@@ -5,8 +5,9 @@
 
 namespace coppice::cli {
 
-/// A text as one line: control characters, which names of files may hold, are written as \n, \t or \x1b.
-std::string printable(std::string_view text);
+/// The text as one line: control characters are escaped, and words of more than 255 bytes, such as a path,
+/// lose their middle.
+std::string one_line(std::string_view text);
 
 /// One line on stderr that begins with "coppice: ".
 void say(std::string_view message);

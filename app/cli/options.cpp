@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "coppice/base/quote.h"
 #include "coppice/pipeline/json.h"
 #include "coppice/pipeline/quantity.h"
 #include "coppice/pipeline/spelling.h"
@@ -26,8 +27,8 @@ double parse_number(const Option& option, const std::string& word, bool whole) {
         return ranged ? std::clamp(value, option.low, option.high) : value;
     }
     throw UsageError(fmt::format(
-        "{} takes a {}, not '{}'", option.name,
-        quantity_text(whole ? "whole number" : "number", option.unit, option.low, option.high), word));
+        "{} takes a {}, not {}", option.name,
+        quantity_text(whole ? "whole number" : "number", option.unit, option.low, option.high), quote(word)));
 }
 
 /// "1,2.5,-3"
@@ -40,7 +41,7 @@ Vec3d parse_place(const Option& option, const std::string& word) {
         const bool separated = axis == 2 ? next == end : next != end && *next == ',';
         if (error != std::errc() || !separated || !std::isfinite(p[axis])) {
             throw UsageError(
-                fmt::format("{} takes three numbers such as 1,2.5,0, not '{}'", option.name, word));
+                fmt::format("{} takes three numbers such as 1,2.5,0, not {}", option.name, quote(word)));
         }
         at = next + 1;
     }
@@ -52,8 +53,8 @@ std::size_t parse_choice(const Option& option, std::span<const std::string_view>
     const auto found = std::ranges::find(names, word);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
     const std::vector<std::string> known(names.begin(), names.end());
-    throw UsageError(fmt::format("{} takes one of {}, not '{}'{}", option.name, fmt::join(names, ", "), word,
-                                 did_you_mean(word, known)));
+    throw UsageError(fmt::format("{} takes one of {}, not {}{}", option.name, fmt::join(names, ", "),
+                                 quote(word), did_you_mean(word, known)));
 }
 
 /// Stores a word where the option says.
@@ -147,7 +148,7 @@ Option option_of(const OptionTarget& target, const std::string& type, const std:
 
 }  // namespace
 
-void OptionList::add(Option option, const std::string& names) {
+Option& OptionList::add(Option option, const std::string& names) {
     const std::size_t comma = names.find(',');
     option.name = comma == names.npos ? names : names.substr(comma + 1);
     if (comma != names.npos) option.letter = names.substr(0, comma);
@@ -155,7 +156,7 @@ void OptionList::add(Option option, const std::string& names) {
         COPPICE_ASSERT(other.name != option.name);
         COPPICE_ASSERT(option.letter.empty() || other.letter != option.letter);
     }
-    options_.push_back(std::move(option));
+    return options_.emplace_back(std::move(option));
 }
 
 void OptionList::file(const std::string& names, const std::string& type, std::filesystem::path& target,
@@ -167,6 +168,23 @@ void OptionList::files(const std::string& names, const std::string& type,
                        std::vector<std::filesystem::path>& target, const std::string& help,
                        const HelpPlace& place) {
     add(option_of(&target, type, help, place), names);
+}
+
+void OptionList::output(const std::string& names, const std::string& type, std::filesystem::path& target,
+                        const std::string& help, const HelpPlace& place) {
+    add(option_of(&target, type, help, place), names).is_output = true;
+}
+
+void OptionList::outputs(const std::string& names, const std::string& type,
+                         std::vector<std::filesystem::path>& target, const std::string& help,
+                         const HelpPlace& place) {
+    add(option_of(&target, type, help, place), names).is_output = true;
+}
+
+void OptionList::may_replace(const std::string& output, const std::string& input) {
+    const auto named = std::ranges::find(options_, output, &Option::name);
+    COPPICE_ASSERT(named != options_.end());
+    named->replaces = input;
 }
 
 void OptionList::flag(const std::string& names, bool& target, const std::string& help,

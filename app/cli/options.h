@@ -36,6 +36,8 @@ struct Option {
     Unit unit = Unit::none;
     double low = 0, high = 0;  ///< of numbers, both included, where low < high
     bool common = true;        ///< shown by --help, not only by --help-all
+    bool is_output = false;    ///< names files that are written
+    std::string replaces;      ///< of outputs: the option with the input that may be overwritten, or none
     OptionTarget target;
 };
 
@@ -69,6 +71,14 @@ class OptionList {
     /// The same for files: after a flag that may be repeated, or as many as there are.
     void files(const std::string& names, const std::string& type, std::vector<std::filesystem::path>& target,
                const std::string& help, const HelpPlace& place = {});
+    /// The same for files that are written; see check_outputs().
+    void output(const std::string& names, const std::string& type, std::filesystem::path& target,
+                const std::string& help, const HelpPlace& place = {});
+    void outputs(const std::string& names, const std::string& type,
+                 std::vector<std::filesystem::path>& target, const std::string& help,
+                 const HelpPlace& place = {});
+    /// Lets an output of this name overwrite the file that the option `input` names.
+    void may_replace(const std::string& output, const std::string& input);
     /// Off unless given.
     void flag(const std::string& names, bool& target, const std::string& help, const HelpPlace& place = {});
     /// One value that belongs to no option struct.
@@ -84,7 +94,7 @@ class OptionList {
     std::span<const Option> all() const { return options_; }
 
   private:
-    void add(Option option, const std::string& names);
+    Option& add(Option option, const std::string& names);
     void add_fields(std::span<const OptionField> fields, const std::string& group, const std::string& path,
                     const FlagNames& names);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "coppice/base/quote.h"
 #include "coppice/pipeline/spelling.h"
 #include "coppice/version.h"
 
@@ -88,9 +89,9 @@ void check_extras(const CLI::App& app, const std::string& name) {
         if (!word.starts_with("-") || word == "-") continue;
         const std::string flag = word.substr(0, word.find('='));
         throw UsageError(
-            fmt::format("{} has no option {}{}", name, flag, did_you_mean(flag, flag_names(app))));
+            fmt::format("{} has no option {}{}", name, shortened(flag), did_you_mean(flag, flag_names(app))));
     }
-    throw UsageError(fmt::format("{} does not know what to do with '{}'", name, extras.front()));
+    throw UsageError(fmt::format("{} does not know what to do with {}", name, quote(extras.front())));
 }
 
 /// The first word that is no flag: what `coppice --help mesh` asks about, as `coppice mesh --help` does.
@@ -119,7 +120,7 @@ struct Parser::Program {
         for (const Command& command : commands)
             if (command.name == name) return command;
         throw UsageError(
-            fmt::format("there is no command '{}'{}", name, did_you_mean(name, names_of(commands))));
+            fmt::format("there is no command {}{}", quote(name), did_you_mean(name, names_of(commands))));
     }
 };
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <thread>
 
 #include "coppice/io/file.h"
@@ -14,6 +13,7 @@
 #include "files.h"
 #include "memory.h"
 #include "messages.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -45,8 +45,8 @@ void add_common_options(OptionList& options, CommonFlags& flags) {
     const std::string group = "Running";
     options.value({kThreads, &flags.threads}, group);
     options.value({kMaxMemory, &flags.max_memory}, group);
-    options.file("--report", "FILE", flags.report,
-                 "Write times, counts, repairs and peak memory to this file as JSON", {.group = group});
+    options.output("--report", "FILE", flags.report,
+                   "Write times, counts, repairs and peak memory to this file as JSON", {.group = group});
     options.flag("--quiet", flags.quiet, "no progress and no summary", {.group = group, .common = false});
 }
 
@@ -97,14 +97,12 @@ void Run::show_progress(const std::string& stage, float fraction) {
     if (percent == shown_percent_) return;
     shown_percent_ = percent;
     const std::string bar(static_cast<std::size_t>(percent * kBarWidth / 100), '#');
-    fmt::print(stderr, "\r{:<10} [{:<{}}] {:>3} %", stage, bar, kBarWidth, percent);
-    std::fflush(stderr);
+    print_error(fmt::format("\r{:<10} [{:<{}}] {:>3} %", stage, bar, kBarWidth, percent));
 }
 
 void Run::clear_progress() {
     if (!terminal_ || shown_percent_ < 0) return;
-    fmt::print(stderr, "\r\033[K");
-    std::fflush(stderr);
+    print_error("\r\033[K");
     shown_percent_ = -1;
 }
 
@@ -141,8 +139,8 @@ void Run::finish(const std::string& summary) {
     if (!terminal_) return;
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
-    fmt::print(stderr, "{}\n{:.2f} s ({}), {} MB at most\n", printable(summary), total,
-               fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000);
+    print_error(fmt::format("{}\n{:.2f} s ({}), {} MB at most\n", one_line(summary), total,
+                            fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000));
 }
 
 }  // namespace coppice::cli

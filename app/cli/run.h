@@ -45,7 +45,8 @@ class Run {
     /// Asked to stop by Ctrl-C, for work that has no end of its own.
     std::stop_token stop_token() const { return signals_.token(); }
 
-    /// [MiB] that the process may take: what --max-memory says, or `otherwise`, to which it is held then.
+    /// [MiB] that the process may take: what --max-memory says, or else `otherwise`, at least kLeastMemory.
+    /// It is held to that from now on.
     int max_memory(int otherwise);
 
     Figures& counts() { return counts_; }

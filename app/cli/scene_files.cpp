@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 
+#include "coppice/base/quote.h"
 #include "coppice/io/file.h"
 #include "coppice/pipeline/spelling.h"
+#include "files.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -42,7 +45,7 @@ void check_known(const std::string& name, const std::vector<std::string>& known)
         hint = known.empty() ? "; it has none (they stand after let)"
                              : fmt::format("; it has {}", fmt::join(known, ", "));
     }
-    throw UsageError(fmt::format("--set: the scene has no variable '{}'{}", name, hint));
+    throw UsageError(fmt::format("--set: the scene has no variable {}{}", quote(name), hint));
 }
 
 }  // namespace
@@ -59,10 +62,17 @@ void add_scene_options(OptionList& options, SceneFlags& flags) {
          &flags.seed});
 }
 
+std::string read_commands(const std::filesystem::path& path, std::string_view what) {
+    const auto kind = kind_of_file(path);
+    const bool may_be_text = path.extension() == ".txt" && kind == FileKind::points;
+    if (kind && !may_be_text) throw UsageError(remedy_for(path, *kind, what));
+    return read_file(path, kLargestScene);
+}
+
 std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths) {
     return run.stage("read", [&](const Context&) {
         std::vector<SceneFile> scenes;
-        for (const auto& path : paths) scenes.push_back({path, read_file(path, kLargestScene)});
+        for (const auto& path : paths) scenes.push_back({path, read_commands(path, "a scene")});
         return scenes;
     });
 }
@@ -74,7 +84,7 @@ SceneSettings scene_settings(Run& run, const SceneFlags& flags, std::span<const 
     for (const std::string& word : flags.set) {
         const std::size_t sign = word.find('=');
         if (sign == word.npos || sign == 0)
-            throw UsageError(fmt::format("--set takes NAME=VALUE, not '{}'", word));
+            throw UsageError(fmt::format("--set takes NAME=VALUE, not {}", quote(word)));
         const std::string name = word.substr(0, sign);
         check_known(name, known);
         settings.variables[name] = word.substr(sign + 1);
@@ -93,7 +103,7 @@ void run_scene(Run& run, Scene& scene, const SceneFile& file) {
                 all += scene.run(line.text, fmt::format("{}:{}", source, line.number), ctx);
             return all;
         });
-        fmt::print("{}", said);
+        print(said);
     }
 }
 
@@ -130,7 +140,7 @@ Solid solid_of_scene(Run& run, const std::string& named) {
     const auto found = scene.state().objects.find({ObjectKind::solid, name});
     if (found == scene.state().objects.end()) {
         throw InvalidInput(name.empty() ? fmt::format("{}: the scene makes no solid", file)
-                                        : fmt::format("{}: the scene makes no solid '{}'", file, name));
+                                        : fmt::format("{}: the scene makes no solid {}", file, quote(name)));
     }
     return std::get<Solid>(found->second->value);
 }

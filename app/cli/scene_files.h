@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "coppice/implicit/solid/solid.h"
@@ -29,7 +30,11 @@ struct SceneFile {
     std::string text;
 };
 
-/// All are read before any is run, and once: a pipe gives its text but once. Throws IoError.
+/// The text of a file with commands: `what` is "a scene", for one. Throws IoError; and UsageError for a file
+/// of another kind, with the command that takes it.
+std::string read_commands(const std::filesystem::path& path, std::string_view what);
+
+/// All are read before any is run, and once: a pipe gives its text but once. Throws as read_commands().
 std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths);
 
 /// The settings of the scenes that are to be run. Throws UsageError for what is no NAME=VALUE, or names no

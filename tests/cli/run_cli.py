@@ -145,6 +145,10 @@ def make_inputs():
     write("cut.laz", bytes(las))
     with open(os.path.join(os.path.dirname(__file__), "../io/laz/format7.laz"), "rb") as scan:
         write("scan.laz", scan.read())
+    write("cell.asc", "; a cell\n( (Color Blue)\n  (Axon)\n  (1 2 3 0.5)\n)\n")
+    write("grid.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n3 4\n")
+    write("cell.h5", b"\x89HDF\r\n\x1a\n points structure")
+    write("comma.swc", "1 1 0,0 0,5 0,0 0,1 -1\n2 1 0,0 0,5 1,0 0,1 1\n")
     write("scan.e57", b"ASTM-E57\1\0\0\0")
     write("scan.las.gz", b"\x1f\x8b\x08\0")
     write("scan.pts", "3\n0 0 0 -700 1 2 3\n1 0 0 800 1 2 3\n1 2 3 0 1 2 3\n")
@@ -176,6 +180,7 @@ def make_inputs():
     write("loops.coppice", "for i in 1..2\nsphere s${i}\nend\nlist\nrepeat 2\n")
     os.mkfifo("never.ply")
     os.mkdir("folder")
+    os.symlink("folder", "linked")
     os.mkdir("folder.ply")
 
 

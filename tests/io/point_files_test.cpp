@@ -164,12 +164,14 @@ TEST(PointText, RowNamesOfRArePassedOver) {
 }
 
 TEST(PointText, DecimalCommasAreRefused) {
-    for (const char* text : {"1,5;2,25;3\n", "1,5 2,25 3\n", "x;y;z\n1,5;2,25;3,0\n", "0 0 0\n1,5\t2\t3\n"})
+    for (const char* text : {"1,5;2,25;3\n", "1,5 2,25 3\n", "x;y;z\n1,5;2,25;3,0\n", "0 0 0\n1,5\t2\t3\n",
+                             "x,y,z\n1,5,2,25,3,0\n"})
         EXPECT_NE(error_of(text).find("commas for decimal points"), std::string::npos) << text;
     PointSet expected;
     expected.positions = {{1, 2, 3}};
     EXPECT_EQ(parse_points("1,2,3,2026-01-02 10:11:12\n", "p"), expected);
     EXPECT_EQ(parse_points("1, 2, 3\n", "p"), expected);
+    EXPECT_EQ(parse_points("x,y,z\n1,2,3,4.5,5,6\n", "p"), expected);
 }
 
 TEST(PointText, ColumnsWithNamesAreKept) {

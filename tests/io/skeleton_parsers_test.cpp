@@ -56,43 +56,6 @@ TEST(Text, CellsWithQuotes) {
     EXPECT_EQ(cells, (std::vector<std::string_view>{"\"open", "x"}));
 }
 
-TEST(Swc, NodesWithCommentsBlanksAndOddNumbers) {
-    const auto [nodes, attributes, notes] = parse_swc(
-        "\xEF\xBB\xBF# head\r\n\r\n  1 1 0.5 -1 2. 0.25 -1.\r\n 7\t5 1 2 3 1.0e+000 1.0000e+000 # tip\r\n",
-        "t.swc");
-    ASSERT_EQ(nodes.size(), 2u);
-    EXPECT_EQ(nodes[0].id, 1);
-    EXPECT_EQ(nodes[0].parent, -1);
-    EXPECT_EQ(nodes[0].position, Vec3d(0.5, -1, 2));
-    EXPECT_EQ(nodes[0].radius, 0.25);
-    EXPECT_EQ(nodes[0].line, 3u);
-    EXPECT_EQ(nodes[1].id, 7);
-    EXPECT_EQ(nodes[1].parent, 1);
-    EXPECT_EQ(nodes[1].line, 4u);
-    ASSERT_EQ(attributes.size(), 1u);
-    EXPECT_EQ(attributes[0].name, "type");
-    EXPECT_EQ(attributes[0].values, (std::vector<double>{1, 5}));
-}
-
-TEST(Swc, ParentZeroIsARootUnlessThereIsANodeZero) {
-    EXPECT_EQ(parse_swc("1 0 0 0 0 1 0\n", "t").nodes.front().parent, -1);
-    EXPECT_EQ(parse_swc("0 0 0 0 0 1 -1\n1 0 0 0 1 1 0\n", "t").nodes.back().parent, 0);
-}
-
-TEST(Swc, ErrorsNameLineAndColumn) {
-    const auto error = [](const std::string& text) {
-        return error_of<InvalidInput>([&] { parse_swc(text, "tree.swc"); });
-    };
-    EXPECT_EQ(error("1 0 0 0 0 1 -1\n2 0 0 0 0 abc 1\n"),
-              "tree.swc:2: 'abc' is not a number; column 6 should be the radius");
-    EXPECT_EQ(error("1.5 0 0 0 0 1 -1\n"),
-              "tree.swc:1: '1.5' is not a whole number; column 1 should be the id");
-    EXPECT_EQ(error("\n1 0 0 0 0 1\n"),
-              "tree.swc:2: 6 values where a node of SWC has 7: id type x y z radius parent");
-    EXPECT_EQ(error(std::string("\x01\x02\0\xff", 4)),
-              "tree.swc:1: 1 values where a node of SWC has 7: id type x y z radius parent");
-}
-
 constexpr const char* kTreeQsmRow =
     "0.5\t2\t1\t2\t3\t0\t0\t1\t0\t2\t1\t0\t1\t0.001\t0.9\t0\t0.5\t\n0."
     "25\t1\t1\t2\t5\t1\t0\t0\t1\t0\t1\t0\t2\t0.001\t0.9\t0\t0.25\n";
@@ -146,6 +109,19 @@ TEST(CylinderTable, ArchiArborAndTreegraphNames) {
     expect_two_cylinders(parse_cylinders(
         "p1,p2,sx,sy,sz,ax,ay,az,radius,length,nbranch\n0,-1,1,2,3,0,0,1,0.5,2,0\n1,0,1,2,5,1,0,0,0.25,1,0\n",
         "t.csv"));
+}
+
+TEST(CylinderTable, RowsWithMoreValuesThanColumnsAreRefused) {
+    // 0,1,1,5,... would be read as a start at 1, 5 where it is at 1.5.
+    EXPECT_EQ(
+        error_of<InvalidInput>([] {
+            parse_cylinders(
+                "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
+                "1,0,1,5,0,0,0,0,1,0,0,1\n",
+                "t.csv");
+        }),
+        "t.csv:2: the row has 12 values for 9 columns; if commas stand for decimal points, write them as "
+        "points, or separate the columns by semicolons");
 }
 
 TEST(CylinderTable, QuotedNamesAndRowNamesOfR) {
@@ -490,6 +466,16 @@ TEST(Mat, FilesWithoutCylindersAndDamagedFiles) {
     writer.add(MatWriter::doubles("Rad", 1, 1, {1}));
     const auto path = writer.close();
     EXPECT_NE(error_of<InvalidInput>([&] { read_mat(path, 0); }).find("no cylinders in it"),
+              std::string::npos);
+
+    MatWriter toolbox("toolbox");
+    std::size_t dims[2]{1, 1};
+    const char* fields[]{"dA", "X", "Y", "Z", "D"};
+    matvar_t* cells = Mat_VarCreate("trees", MAT_C_CELL, MAT_T_CELL, 2, dims, nullptr, 0);
+    Mat_VarSetCell(cells, 0, Mat_VarCreateStruct("tree", 2, dims, fields, 5));
+    toolbox.add(cells);
+    const auto tree = toolbox.close();
+    EXPECT_NE(error_of<Unsupported>([&] { read_mat(tree, 0); }).find("a tree of the TREES toolbox"),
               std::string::npos);
 
     const auto garbage = std::filesystem::path(testing::TempDir()) / "garbage.mat";

@@ -36,8 +36,9 @@ class TreeLibraryTest : public test::FolderTest {
     std::vector<LibraryEntry> read(const LibraryFilter& filter = {}) const {
         return TreeLibrary(file(), LibraryAccess::read).read(filter);
     }
+    template <class E = IoError>
     void expect_refused(std::string_view what) const {
-        const std::string said = error_of<IoError>([&] { read(); });
+        const std::string said = error_of<E>([&] { read(); });
         EXPECT_NE(said.find(what), std::string::npos) << said;
         EXPECT_NE(said.find("oak.coppicelib"), std::string::npos) << said;
     }
@@ -142,12 +143,66 @@ TEST_F(TreeLibraryTest, RefusesOtherVersionsViewsAndDamage) {
     expect_refused("no library");
     execute("DROP VIEW more");
     execute("UPDATE tree SET skeleton = x'0100' WHERE id = 3");
-    expect_refused("tree 3 is damaged");
+    expect_refused<InvalidInput>("tree 3 is damaged");
     EXPECT_EQ(TreeLibrary(file(), LibraryAccess::write).remove({.ids = {"3"}}), 1u);
     execute("UPDATE tree SET inclination = 9e999 WHERE id = 4");
-    expect_refused("tree 4 is damaged");
+    expect_refused<InvalidInput>("tree 4 is damaged");
     EXPECT_EQ(TreeLibrary(file(), LibraryAccess::write).remove({.ids = {"4"}}), 1u);
     EXPECT_GT(read().size(), 0u);
+}
+
+TEST_F(TreeLibraryTest, RefusesValuesThatNoTreeHas) {
+    fill();
+    for (const char* value :
+         {"nodes = -1", "tips = 'many'", "orders = 0", "length = -2", "volume = 9e999", "radius = x'00'",
+          "host_radius = 1e300", "source = x'41'", "source_node = 5000000000", "leads = 2"}) {
+        std::filesystem::copy_file(file(), folder_ / "whole");
+        execute(("UPDATE tree SET " + std::string(value) + " WHERE id = 2").c_str());
+        expect_refused<InvalidInput>("tree 2 is damaged; remove it with");
+        EXPECT_EQ(TreeLibrary(file(), LibraryAccess::write).remove({.ids = {"2"}}), 1u) << value;
+        EXPECT_GT(read().size(), 0u);
+        std::filesystem::rename(folder_ / "whole", file());
+    }
+    execute("UPDATE tree SET id = -7 WHERE id = 2");
+    expect_refused<InvalidInput>("tree -7 is damaged");
+    EXPECT_EQ(TreeLibrary(file(), LibraryAccess::write).remove({.ids = {"-7"}}), 1u);
+}
+
+TEST_F(TreeLibraryTest, ListsControlCharactersOfForeignTextEscaped) {
+    fill({"oak"});
+    execute(
+        "UPDATE tree SET source = 'a' || char(27) || '[2J' || char(10) || 'b'; UPDATE tag SET name = "
+        "char(7)");
+    const std::string table = table_of(TreeLibrary(file(), LibraryAccess::read).list({}));
+    EXPECT_NE(table.find("a\\x1b[2J\\nb, \\x07\n"), std::string::npos) << table;
+    EXPECT_EQ(table.find('\x1b'), std::string::npos);
+}
+
+TEST_F(TreeLibraryTest, LeavesNoNewFileWhereNothingIsAdded) {
+    const std::vector<ChildTree> trees = child_trees(random_tree(60, 1));
+    const std::vector<std::string> bad{"a b"};
+    EXPECT_THROW(TreeLibrary(file(), LibraryAccess::create).add(trees, "oak.swc", bad), InvalidInput);
+    std::stop_source stopped;
+    stopped.request_stop();
+    EXPECT_THROW(
+        TreeLibrary(file(), LibraryAccess::create, {.stop = stopped.get_token()}).add(trees, "oak.swc", {}),
+        Cancelled);
+    { const TreeLibrary unused(file(), LibraryAccess::create); }
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+    // No trees are something that can be added: the library is empty.
+    TreeLibrary(file(), LibraryAccess::create).add({}, "oak.swc", {});
+    EXPECT_EQ(read().size(), 0u);
+    EXPECT_THROW(TreeLibrary(file(), LibraryAccess::create).add(trees, "oak.swc", bad), InvalidInput);
+    EXPECT_EQ(read().size(), 0u);
+}
+
+TEST_F(TreeLibraryTest, AddsAllBatchesOrNone) {
+    const std::vector<ChildTree> trees = child_trees(random_tree(60, 1));
+    std::vector<ChildTree> others = child_trees(random_tree(30, 2));
+    const std::vector<TreeLibrary::Batch> batches{{trees, "a.swc"}, {others, "b.swc"}};
+    const auto added = TreeLibrary(file(), LibraryAccess::create).add(batches, {});
+    EXPECT_EQ(added.ids.size(), trees.size() + others.size());
+    EXPECT_EQ(TreeLibrary(file(), LibraryAccess::read).list({.from = {"b.swc"}}).size(), others.size());
 }
 
 TEST_F(TreeLibraryTest, RefusesATornFile) {

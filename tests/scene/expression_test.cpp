@@ -127,7 +127,7 @@ TEST(Expression, HostileOnesEndSoon) {
     EXPECT_EQ(refusal("\"" + std::string(kLongestText + 1, 'a') + "\""),
               "a text may have 4096 bytes at most");
     EXPECT_EQ(refusal("min(" + std::string(5000, '1') + ")"),
-              "'" + std::string(40, '1') + "...' is no number");
+              "'" + std::string(80, '1') + "...' is no number");
 }
 
 TEST(Expression, NamesOfVariables) {

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "command.h"
-#include "coppice/io/file.h"
 #include "coppice/scene/animation/animation.h"
 #include "files.h"
 #include "options.h"
@@ -48,8 +47,7 @@ std::optional<Keyframes> load_keys(Run& run, const AnimateFlags& flags, const Sk
     std::string text, source = "--key";
     if (!flags.keys.empty()) {
         source = flags.keys.string();
-        text =
-            run.stage("read", [&](const Context& ctx) { return read_file(flags.keys, kLargestScene, ctx); });
+        text = run.stage("read", [&](const Context&) { return read_commands(flags.keys, "a list of keys"); });
     }
     for (const auto& key : flags.more_keys) text.append(key.string()).append(1, '\n');
     if (text.empty() && flags.keys.empty()) return {};
@@ -145,14 +143,15 @@ Command animate_command() {
     const auto flags = std::make_shared<AnimateFlags>();
     OptionList options;
     options.file("tree", "TREE", flags->tree, "Skeleton to animate");
-    options.files("-o,--output", "FRAMES", flags->outputs,
-                  "Animation to write: .gif, .mp4 (by ffmpeg), .glb, .usda, or one file per frame: .png, "
-                  ".ply, .obj, .stl (NAME_0000.png); may be repeated");
+    options.outputs("-o,--output", "FRAMES", flags->outputs,
+                    "Animation to write: .gif, .mp4 (by ffmpeg), .glb, .usda, or one file per frame: .png, "
+                    ".ply, .obj, .stl (NAME_0000.png); may be repeated");
     options.file("--keys", "FILE", flags->keys,
                  "File of keys, one per line: seconds, an optional easing, a colon and edits, as in 2 out: "
                  "bend near(0,0,3) 20");
     options.files("--key", "KEY", flags->more_keys,
                   "One key as text, added after those of --keys; may be repeated");
+    options.may_replace("--output", "tree");  // the frames are numbered
     options.flag("--grow", flags->how.grow,
                  "Let the tree grow from its root, with a new surface in every frame");
     options.fields(flags->how.run, "Time");

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <string>
 
+#include "coppice/base/quote.h"
+
 namespace coppice::cli {
 
 std::vector<double> ArchitectureFlags::limits() const {
@@ -19,8 +21,8 @@ std::vector<double> ArchitectureFlags::limits() const {
         if (error != std::errc{} || end != word.data() + word.size() || !rises)
             throw UsageError(
                 fmt::format("--diameters takes numbers above 0 that rise, with commas between them, as in "
-                            "0.01,0.05,0.1, and not '{}'",
-                            diameters.string()));
+                            "0.01,0.05,0.1, and not {}",
+                            quote(diameters.string())));
         out.push_back(number);
     }
     return out;

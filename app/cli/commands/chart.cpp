@@ -164,7 +164,7 @@ Command chart_command() {
     options.file("kind", "taper|orders|diameters|sholl", flags->kind, "Chart to draw");
     options.files("files", "FILES", flags->files,
                   "Skeletons, and for taper also points; each is one line or one set of bars");
-    options.file("-o,--output", "CHART", flags->output, "Chart to write (.svg, .png)");
+    options.output("-o,--output", "CHART", flags->output, "Chart to write (.svg, .png)");
     options.value({common_field("of", "Quantity shown by the bars of orders and diameter classes"),
                    choice_of(flags->of)});
     add_architecture_options(options, flags->architecture);

@@ -9,6 +9,7 @@
 #include "files.h"
 #include "messages.h"
 #include "options.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -110,7 +111,7 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     if (skeleton) figures["units"] = std::string(name_of(skeleton->units));
     figures.append(figures_of(report));
     if (cloud) figures.append(figures_of(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
-    fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));
+    print(flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            report.sound() ? "sound" : "not sound"));
@@ -144,9 +145,9 @@ Command check_command() {
                  "Points to compare the mesh with, in both directions (.ply, .las, .laz, .xyz, .pcd)");
     options.flag("--json", flags->json, "Print JSON instead of a table");
     options.fields(flags->check, "Checks");
-    options.file("--distances", "PLY", flags->distances,
-                 "Also write the points with their distances from the mesh as values and colours",
-                 {.group = kCloudGroup});
+    options.output("--distances", "PLY", flags->distances,
+                   "Also write the points with their distances from the mesh as values and colours",
+                   {.group = kCloudGroup});
     options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
     options.fields(flags->read, "Reading the skeleton");
     return {"check",

@@ -204,8 +204,8 @@ Command compose_command() {
     const auto flags = std::make_shared<ComposeFlags>();
     OptionList options;
     options.file("template", "TEMPLATE", flags->host, "Skeleton with the branches to replace");
-    options.file("-o,--output", "SKELETON", flags->output,
-                 "Skeleton to write; several are numbered tree_001.swc, tree_002.swc and so on");
+    options.output("-o,--output", "SKELETON", flags->output,
+                   "Skeleton to write; several are numbered tree_001.swc, tree_002.swc and so on");
     options.file("--library", "LIBRARY", flags->library,
                  "Library of branches to insert, as written by coppice library");
     options.value({common_field("seed", "Seed of the first tree; each further tree takes the next number",
@@ -215,12 +215,13 @@ Command compose_command() {
     options.file("--crown", "SCENE[:SOLID]", flags->crown,
                  "Solid of a scene that inserted branches must not leave, as crown.coppice:s; without a name "
                  "the last one");
-    options.file("--sheet", "PNG", flags->sheet, "Also draw all trees on one sheet");
+    options.output("--sheet", "PNG", flags->sheet, "Also draw all trees on one sheet");
     options.value(
         {{"picture_size", "width and height of each picture on the sheet in pixels", Unit::none, 16, 4096},
          &flags->picture_size});
-    options.file("--then-mesh", "MESH", flags->mesh_output,
-                 "Also write the surface of every tree, numbered like --output");
+    options.output("--then-mesh", "MESH", flags->mesh_output,
+                   "Also write the surface of every tree, numbered like --output");
+    options.may_replace("--output", "template");
     options.fields(flags->compose, "Composing");
     FlagNames which = library_flag_names();
     which.common = MemberNames{"ids", "tags"};

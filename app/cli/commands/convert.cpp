@@ -72,7 +72,8 @@ Command convert_command() {
     const auto flags = std::make_shared<ConvertFlags>();
     OptionList options;
     options.file("input", "IN", flags->input, "Skeleton, mesh or points to read");
-    options.file("-o,--output", "OUT", flags->output, "File to write; its extension selects the format");
+    options.output("-o,--output", "OUT", flags->output, "File to write; its extension selects the format");
+    options.may_replace("--output", "input");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->write, "Writing a skeleton",
                    {.names = {{"format", "--output-format"}}, .without = {"units", "up"}});

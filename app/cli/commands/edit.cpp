@@ -8,6 +8,7 @@
 #include "files.h"
 #include "options.h"
 #include "scene_files.h"
+#include "streams.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -62,7 +63,7 @@ void write_results(Run& run, const EditFlags& flags, const SkeletonFile& file, c
 
 ExitCode edit(Run& run, const EditFlags& flags) {
     if (flags.reference) {
-        fmt::print("{}", scene_reference("Editing trees"));
+        print(scene_reference("Editing trees"));
         run.finish("reference printed");
         return kDone;
     }
@@ -71,18 +72,20 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
     EditSession session(file.skeleton, {.max_memory = run.max_memory(SceneSettings{}.max_memory)});
     const auto run_files = [&](const std::vector<std::filesystem::path>& files, const char* stage,
-                               auto&& text) {
+                               std::string_view what, auto&& text) {
         for (const auto& path : files)
-            fmt::print("{}", run.stage(stage, [&](const Context& ctx) {
-                return text(read_file(path, kLargestScene), path.string(), ctx);
+            print(run.stage(stage, [&](const Context& ctx) {
+                return text(read_commands(path, what), path.string(), ctx);
             }));
     };
-    run_files(flags.scenes, "scene", [&](const auto&... all) { return session.run_scene(all...); });
+    run_files(flags.scenes, "scene", "a scene",
+              [&](const auto&... all) { return session.run_scene(all...); });
     std::size_t unbound = 0;
     for (const auto& path : flags.edits) unbound += replay(run, session, path);
-    run_files(flags.scripts, "edit", [&](const auto&... all) { return session.run_text(all...); });
+    run_files(flags.scripts, "edit", "a list of edits",
+              [&](const auto&... all) { return session.run_text(all...); });
     for (const auto& commands : flags.commands) {
-        fmt::print("{}", run.stage("edit", [&](const Context& ctx) {
+        print(run.stage("edit", [&](const Context& ctx) {
             return session.run_text(commands.string(), "COMMANDS", ctx);
         }));
     }
@@ -104,8 +107,8 @@ Command edit_command() {
     options.file("tree", "TREE", flags->tree, "Skeleton to edit");
     options.files("commands", "COMMANDS", flags->commands,
                   "Edits as text, separated by semicolons: 'bend subtree(12) 30; prune radius=0.002'");
-    options.files("-o,--output", "OUT", flags->outputs,
-                  "Skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
+    options.outputs("-o,--output", "OUT", flags->outputs,
+                    "Skeleton to write (.json keeps the ids; .swc, .csv, .ply, .obj); may be repeated");
     options.files("--script", "FILE", flags->scripts,
                   "File of edits, one per line, made before COMMANDS; may be repeated");
     options.files("--scene", "SCENE", flags->scenes, "scene to run first, for the solids that edits name",
@@ -114,10 +117,12 @@ Command edit_command() {
                   "saved edits to make again first, where they bind; the others are warned of, and the exit "
                   "code is 1",
                   {.common = false});
-    options.file("--save-edits", "FILE", flags->save_edits,
-                 "write all edits with the places of the nodes they name", {.common = false});
-    options.file("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the edited tree");
+    options.output("--save-edits", "FILE", flags->save_edits,
+                   "write all edits with the places of the nodes they name", {.common = false});
+    options.output("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the edited tree");
     options.flag("--reference", flags->reference, "Print the reference page of the edits");
+    options.may_replace("--output", "tree");
+    options.may_replace("--save-edits", "--edits");
     options.fields(flags->read, "Reading a skeleton");
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"edit", "Edit a tree by commands: cut, bend, graft, draw and thicken branches; node ids are kept",

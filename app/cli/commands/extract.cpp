@@ -254,9 +254,10 @@ Command extract_command() {
     options.file("input", "FILE", flags->input,
                  "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
                  ".pcd, .las, .laz) to read");
-    options.file("-o,--output", "SKELETON", flags->output,
-                 "Skeleton to write, its extension selects the format; or a folder for the trees of a plot");
-    options.file(
+    options.output(
+        "-o,--output", "SKELETON", flags->output,
+        "Skeleton to write, its extension selects the format; or a folder for the trees of a plot");
+    options.output(
         "--then-mesh", "MESH", flags->mesh_output,
         "Also write the surface of the skeleton; of every tree of a plot, with this extension (.ply)");
     // Of both kinds of input, and so not among the options of either.
@@ -267,18 +268,18 @@ Command extract_command() {
          &flags->from_mesh.root});
     options.value({kFileUpField, choice_of(flags->up)});
     options.fields(flags->from_mesh, kMeshGroup, {.without = {"root", "up"}});
-    options.file("--mapping", "PLY", flags->mapping,
-                 "also write the vertices, those of each node of the skeleton in a colour of its own",
-                 {.group = kMeshGroup, .common = false});
+    options.output("--mapping", "PLY", flags->mapping,
+                   "also write the vertices, those of each node of the skeleton in a colour of its own",
+                   {.group = kMeshGroup, .common = false});
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
-    options.file("--leaf-points", "POINTS", flags->leaf_output,
-                 "also write the points that are left out as leaves, if any",
-                 {.group = kCloudGroup, .common = false});
+    options.output("--leaf-points", "POINTS", flags->leaf_output,
+                   "also write the points that are left out as leaves, if any",
+                   {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
-    options.file("--tree-points", "PLY", flags->tree_points,
-                 "also write all points, those of each tree in a colour of its own",
-                 {.group = kPlotGroup, .common = false});
+    options.output("--tree-points", "PLY", flags->tree_points,
+                   "also write all points, those of each tree in a colour of its own",
+                   {.group = kPlotGroup, .common = false});
     options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"extract",

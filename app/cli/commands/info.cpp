@@ -14,6 +14,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -219,7 +220,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
             return forestry(figures, {stem_form(points, ctx)}, flags.json);
         });
     }
-    fmt::print("{}", text);
+    print(text);
     run.finish(flags.file.string() + " read");
     return kDone;
 }
@@ -238,7 +239,7 @@ ExitCode info(Run& run, const InfoFlags& flags) {
         const PolygonMesh mesh = load_mesh(run, flags.file, flags.read.up);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(mesh, ctx); });
     }
-    fmt::print("{}", flags.json ? figures_json(figures) : figures_text(figures));
+    print(flags.json ? figures_json(figures) : figures_text(figures));
     run.finish(flags.file.string() + " read");
     return kDone;
 }

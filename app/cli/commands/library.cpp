@@ -6,11 +6,13 @@
 #include <numbers>
 
 #include "command.h"
+#include "coppice/base/quote.h"
 #include "coppice/io/library/tree_library.h"
 #include "coppice/render/png.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -65,7 +67,7 @@ std::vector<NodeId> nodes_of(const LibraryFlags& flags) {
         const auto [at, error] = std::from_chars(word.data(), end, n);
         if (error != std::errc{} || at != end)
             throw UsageError(
-                fmt::format("--node takes the number of a node, as in --node 12, and not '{}'", word));
+                fmt::format("--node takes the number of a node, as in --node 12, and not {}", quote(word)));
         out.emplace_back(n);
     }
     return out;
@@ -88,20 +90,17 @@ ExitCode add(Run& run, const LibraryFlags& flags) {
         if (trees.back().empty())
             run.warn(fmt::format("{}: no branch is like that, so none was taken", path.string()));
     }
-    std::size_t added = 0;
-    std::uint32_t known = 0;
-    run.stage("write", [&](const Context& ctx) {
-        TreeLibrary library(flags.library, LibraryAccess::create, ctx);
-        for (std::size_t i = 0; i < trees.size(); ++i) {
-            const auto done = library.add(trees[i], flags.trees[i].filename().string(), flags.set_tags);
-            added += done.ids.size();
-            known += done.known;
-        }
+    std::vector<TreeLibrary::Batch> batches;
+    for (std::size_t i = 0; i < trees.size(); ++i)
+        batches.push_back({trees[i], flags.trees[i].filename().string()});
+    const TreeLibrary::Added done = run.stage("write", [&](const Context& ctx) {
+        return TreeLibrary(flags.library, LibraryAccess::create, ctx).add(batches, flags.set_tags);
     });
-    run.counts()["added"] = added;
-    run.counts()["known"] = known;
-    run.finish(fmt::format("{}: {} branches added{}", flags.library.string(), grouped(added),
-                           known > 0 ? fmt::format(", {} were there already", grouped(known)) : ""));
+    run.counts()["added"] = done.ids.size();
+    run.counts()["known"] = done.known;
+    run.finish(
+        fmt::format("{}: {} branches added{}", flags.library.string(), grouped(done.ids.size()),
+                    done.known > 0 ? fmt::format(", {} were there already", grouped(done.known)) : ""));
     return kDone;
 }
 
@@ -130,7 +129,7 @@ ExitCode list(Run& run, const LibraryFlags& flags) {
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
     });
-    fmt::print("{}", table_of(entries));
+    print(table_of(entries));
     Figure::List figures;
     for (const LibraryEntry& e : entries) figures.emplace_back(figures_of(e));
     run.counts()["trees"] = entries.size();
@@ -173,6 +172,9 @@ ExitCode draw(Run& run, const LibraryFlags& flags) {
         throw UsageError("name a sheet or a folder: coppice library draw LIBRARY -o SHEET.png");
     const bool sheet = is_png_name(flags.output);
     check_output_folder(flags.output);
+    if (!sheet && std::filesystem::is_regular_file(flags.output))
+        throw UsageError(fmt::format("'{}' is a file; name a sheet that ends in .png, or a folder",
+                                     flags.output.string()));
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).read(flags.which);
     });
@@ -227,8 +229,8 @@ Command library_command() {
     options.file("action", "ACTION", flags->action, "Action: add, list, tag, remove or draw");
     options.file("library", "LIBRARY", flags->library, "Library file; add creates it if it is missing");
     options.files("trees", "TREE", flags->trees, "Skeletons with the branches to add (add)");
-    options.file("-o,--output", "PNG", flags->output,
-                 "Sheet of pictures (.png), or a folder for one picture per tree (draw)");
+    options.output("-o,--output", "PNG", flags->output,
+                   "Sheet of pictures (.png), or a folder for one picture per tree (draw)");
     options.value(
         {common_field(
              "node",

@@ -197,12 +197,12 @@ Command mesh_command() {
     OptionList options;
     options.file("skeleton", "SKELETON", flags->skeleton,
                  "Skeleton to read (.swc, .csv, .txt, .mat, .ply, .obj, .json, .rsml, .mtg)");
-    options.files("-o,--output", "MESH", flags->outputs,
-                  "Mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
-    options.file("--cage", "FILE", flags->cage,
-                 "Also write the control cage, for subdivision in other programs (.usda)");
-    options.file("--volume", "FILE", flags->volume,
-                 "also write the tetrahedra inside, for finite elements (.vtu, .msh)", {.common = false});
+    options.outputs("-o,--output", "MESH", flags->outputs,
+                    "Mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
+    options.output("--cage", "FILE", flags->cage,
+                   "Also write the control cage, for subdivision in other programs (.usda)");
+    options.output("--volume", "FILE", flags->volume,
+                   "also write the tetrahedra inside, for finite elements (.vtu, .msh)", {.common = false});
     options.file("--constraints", "POINTS", flags->constraints,
                  "points that global weights are fitted to, or a mesh, whose vertices they are (.xyz, .ply, "
                  ".obj)",
@@ -212,9 +212,9 @@ Command mesh_command() {
     options.file("--restore", "MESH", flags->original,
                  "move the surface onto this mesh where it is near (.ply, .obj, .off, .stl, .glb)",
                  {.common = false});
-    options.file("--offsets", "FILE", flags->offsets,
-                 "also write how far --restore moved each vertex along its normal, in metres, line by line",
-                 {.common = false});
+    options.output("--offsets", "FILE", flags->offsets,
+                   "also write how far --restore moved each vertex along its normal, in metres, line by line",
+                   {.common = false});
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");

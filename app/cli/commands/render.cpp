@@ -260,7 +260,7 @@ Command render_command() {
     options.file("input", "IN", flags->input, "Mesh, points or skeleton to draw");
     options.file("second", "IN2", flags->second,
                  "Second object to draw: points over a mesh, or the skeleton of either");
-    options.file("-o,--output", "PNG", flags->output, "Picture to write (.png)");
+    options.output("-o,--output", "PNG", flags->output, "Picture to write (.png)");
     options.file("--distance-to", "MESH", flags->distance_to,
                  "Colour the points, or without points the mesh, by the distance from this mesh: inside "
                  "blue, outside red");

@@ -9,6 +9,7 @@
 #include "files.h"
 #include "options.h"
 #include "scene_files.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -21,7 +22,7 @@ struct RunFlags {
 
 ExitCode run_scenes(Run& run, const RunFlags& flags) {
     if (flags.reference) {
-        fmt::print("{}", scene_reference());
+        print(scene_reference());
         run.finish("reference printed");
         return kDone;
     }
@@ -86,8 +87,8 @@ Command run_command() {
     const auto flags = std::make_shared<RunFlags>();
     OptionList options;
     options.files("scenes", "SCENE", flags->scenes, "Scenes to run, one after the other (.coppice)");
-    options.files("-o,--output", "FILE", flags->outputs,
-                  "File for the last mesh, skeleton or points made, by its extension; may be repeated");
+    options.outputs("-o,--output", "FILE", flags->outputs,
+                    "File for the last mesh, skeleton or points made, by its extension; may be repeated");
     add_scene_options(options, flags->given);
     options.flag("--reference", flags->reference, "Print the reference page of all scene commands");
     return {"run", "Run scenes: crowns, points, growth and meshes by commands, one per line", options,
@@ -98,8 +99,8 @@ Command grow_command() {
     const auto flags = std::make_shared<GrowFlags>();
     OptionList options;
     options.file("scene", "SCENE", flags->scene, "Scene to run (.coppice)");
-    options.files("-o,--output", "SKELETON", flags->outputs,
-                  "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.outputs("-o,--output", "SKELETON", flags->outputs,
+                    "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
     add_scene_options(options, flags->given);
     return {"grow", "Run a scene and write the tree that it grows last, without its own pictures and files",
             options, [flags](Run& run, const GivenOptions&) { return grow_scene(run, *flags); }};

@@ -25,6 +25,7 @@
 #include "coppice/sketch/draw.h"
 #include "coppice/sketch/reconstruct.h"
 #include "coppice/view/view_options.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -94,7 +95,7 @@ ExitCode schema(Run& run) {
                    {"write_skeleton", described<WriteSkeletonOptions>()},
                    {"scene", scene_schema()},
                    {"commands", std::move(commands)}};
-    fmt::print("{}\n", all.dump(2));
+    print(all.dump(2) + "\n");
     run.finish("schema printed");
     return kDone;
 }

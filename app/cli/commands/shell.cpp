@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cstdio>
-
 #include "command.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/scene.h"
@@ -10,6 +8,7 @@
 #include "messages.h"
 #include "options.h"
 #include "scene_files.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -30,13 +29,13 @@ ExitCode code_of(Work&& work) {
         std::forward<Work>(work)();
         return kDone;
     } catch (const Cancelled& error) {
-        fmt::print(stderr, "{}\n", printable(error.what()));
+        print_error(one_line(error.what()) + "\n");
         return kInterrupted;
     } catch (const IoError& error) {
-        fmt::print(stderr, "{}\n", printable(error.what()));
+        print_error(one_line(error.what()) + "\n");
         return kFileTrouble;
     } catch (const Error& error) {
-        fmt::print(stderr, "{}\n", printable(error.what()));
+        print_error(one_line(error.what()) + "\n");
         return kBadInput;
     }
 }
@@ -47,8 +46,8 @@ ExitCode run_line(Run& run, Scene& scene, const std::string& line) {
         if (lines.empty()) return;
         run.forget_interrupt();
         renew_memory_limit();
-        fmt::print("{}", run.stage("command", [&](const Context& ctx) { return scene.run(line, {}, ctx); }));
-        std::fflush(stdout);
+        print(run.stage("command", [&](const Context& ctx) { return scene.run(line, {}, ctx); }));
+        flush_output();
     });
 }
 
@@ -59,7 +58,7 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
     scene.set_folder({});
     LineEditor editor(kPrompt, [&](std::string_view line) { return completions(line, scene.state()); });
     if (editor.interactive())
-        fmt::print(
+        print(
             "help lists the commands, tab completes words, Ctrl-C stops a command, quit or Ctrl-D leaves\n");
     ExitCode code = kDone;
     while (const auto line = editor.next()) {
@@ -70,7 +69,7 @@ ExitCode shell(Run& run, const ShellFlags& flags) {
         if (!editor.interactive() && now == kInterrupted) return now;
         if (!editor.interactive()) code = now;
     }
-    if (editor.interactive()) fmt::print("\n");
+    if (editor.interactive()) print("\n");
     if (!editor.interactive() && scene.waits()) code = code_of([&] { scene.finish(); });
     count_objects(run, scene);
     return code;

@@ -194,7 +194,7 @@ Command sketch_command() {
     OptionList options;
     options.file("input", "FILE", flags->input,
                  "Sketch to read (.sketch.json), or a skeleton to make a sketch of");
-    options.file("-o,--output", "FILE", flags->output, "Skeleton or sketch to write");
+    options.output("-o,--output", "FILE", flags->output, "Skeleton or sketch to write");
     options.flag(
         "--trace", flags->trace,
         "Propose strokes from the silhouettes in the pictures of the sketch, for correction by hand");

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "command.h"
+#include "coppice/base/quote.h"
 #include "coppice/growth/radii.h"
 #include "coppice/growth/sprout.h"
 #include "coppice/implicit/solid/solid_field.h"
@@ -11,6 +12,7 @@
 #include "coppice/pipeline/quantity.h"
 #include "coppice/skeleton/measure.h"
 #include "files.h"
+#include "memory.h"
 #include "options.h"
 #include "scene_files.h"
 #include "surfaces.h"
@@ -52,7 +54,7 @@ Root root_of(const std::string& text) {
     }
     const auto commas = static_cast<std::size_t>(std::ranges::count(text, ','));
     if (n.size() != commas + 1 || (n.size() != 3 && n.size() != 6))
-        throw UsageError(fmt::format("--root takes X,Y,Z, or X,Y,Z,DX,DY,DZ, not '{}'", text));
+        throw UsageError(fmt::format("--root takes X,Y,Z, or X,Y,Z,DX,DY,DZ, not {}", quote(text)));
     Root root{{n[0], n[1], n[2]}, {}};
     if (n.size() == 6) root.direction = {n[3], n[4], n[5]};
     return root;
@@ -69,7 +71,7 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
         solid.emplace(solid_of_scene(run, flags.guard.string()));
         guard.emplace(FieldRef(*solid), flags.guarded);
     }
-    const double mebibytes = run.max_memory(0);
+    const double mebibytes = run.max_memory(memory_of_machine());
     const SproutInput input{.roots = roots,
                             .guard = guard ? &*guard : nullptr,
                             .origin = {},
@@ -99,8 +101,8 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
 Command sprout_command() {
     const auto flags = std::make_shared<SproutFlags>();
     OptionList options;
-    options.files("-o,--output", "SKELETON", flags->outputs,
-                  "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
+    options.outputs("-o,--output", "SKELETON", flags->outputs,
+                    "Skeleton to write (.swc, .json, .csv, .ply, .obj); may be repeated");
     options.value({common_field("root",
                                 "Start of a tree as X,Y,Z, or X,Y,Z,DX,DY,DZ with its direction; may be "
                                 "repeated for trees that share the light; 0,0,0 unless given"),
@@ -108,7 +110,7 @@ Command sprout_command() {
     options.file("--guard", "SCENE", flags->guard,
                  "Scene with a solid, the last one or FILE:NAME, that no segment may enter, or leave with "
                  "--guard-side inside");
-    options.file("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the trees");
+    options.output("--then-mesh", "MESH", flags->mesh_output, "Also write the surface of the trees");
     options.fields(flags->sprout, "Rules");
     options.fields(flags->radii, "Radii by the pipe model");
     options.fields(flags->guarded, "Keeping to a solid");

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <cstdio>
 #include <cstdlib>
 
 #include "command.h"
@@ -12,6 +11,7 @@
 #include "launch.h"
 #include "router.h"
 #include "server.h"
+#include "streams.h"
 #include "token.h"
 
 namespace coppice::cli {
@@ -81,15 +81,15 @@ std::string percent_encoded(std::string_view text) {
 void tell_where(const server::Doorway& doorway, const std::string& address, const StudioFlags& flags) {
     const bool started = !flags.no_browser && doorway.open();
     if (flags.print_address) {
-        fmt::print("{}\n", address);
+        print(address + "\n");
     } else if (started) {
-        fmt::print("The studio opens in the browser; if it does not, open {} there.\n",
-                   doorway.file().string());
+        print(fmt::format("The studio opens in the browser; if it does not, open {} there.\n",
+                          doorway.file().string()));
     } else {
-        fmt::print("Open this in the browser: {}\n", doorway.file().string());
+        print(fmt::format("Open this in the browser: {}\n", doorway.file().string()));
     }
-    fmt::print("Ctrl-C ends it; what is not saved is there again at the next start.\n");
-    std::fflush(stdout);
+    print("Ctrl-C ends it; what is not saved is there again at the next start.\n");
+    flush_output();
 }
 
 ExitCode run_studio(Run& run, const StudioFlags& flags) {

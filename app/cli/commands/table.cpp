@@ -20,6 +20,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -258,7 +259,7 @@ ExitCode table(Run& run, const TableFlags& flags) {
         text = csv_of(rows);
     }
     if (flags.output.empty()) {
-        fmt::print("{}", text);
+        print(text);
     } else {
         write_file(flags.output, text);
     }
@@ -276,8 +277,8 @@ Command table_command() {
     const auto flags = std::make_shared<TableFlags>();
     OptionList options;
     options.files("files", "FILES", flags->files, "Skeletons, points and meshes, or folders of them");
-    options.file("-o,--output", "TABLE", flags->output,
-                 "Table to write (.csv, .json); by default CSV is printed");
+    options.output("-o,--output", "TABLE", flags->output,
+                   "Table to write (.csv, .json); by default CSV is printed");
     options.flag("--no-surfaces", flags->no_surfaces,
                  "Do not compute surfaces, which takes most of the time");
     add_architecture_options(options, flags->architecture);

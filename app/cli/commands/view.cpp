@@ -11,6 +11,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "streams.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -88,7 +89,7 @@ ExitCode drag_branch(Run& run, const ViewFlags& flags, const Skeleton& tree) {
     run.counts().append(said);
     run.counts()["seconds"] = cli::figures_of(result.seconds);
     said.append(milliseconds_of(result.seconds));
-    fmt::print("{}", figures_text(said));
+    print(figures_text(said));
     run.finish(fmt::format("{}: {} frames of a branch of {} segments, {:.1f} a second", flags.tree.string(),
                            grouped(result.frames), grouped(result.segments), result.frames_per_second));
     return kDone;
@@ -129,13 +130,13 @@ Command view_command() {
     const auto flags = std::make_shared<ViewFlags>();
     OptionList options;
     options.file("tree", "TREE", flags->tree, "Skeleton with the surface to draw");
-    options.file("-o,--output", "PNG", flags->output,
-                 "Picture to write (.png); with --edit-demo of the last frame");
+    options.output("-o,--output", "PNG", flags->output,
+                   "Picture to write (.png); with --edit-demo of the last frame");
     options.flag(
         "--edit-demo", flags->edit_demo,
         "Drag a branch to and fro, compute the surface in every frame, and print the time per frame");
-    options.file("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet",
-                 {.common = false});
+    options.output("--sheet", "PNG", flags->sheet, "also write four frames of --edit-demo on one sheet",
+                   {.common = false});
     options.fields(flags->demo, "Dragging");
     options.fields(flags->view, "Picture");
     options.fields(flags->mesh, "Surface", viewed_surface_flag_names());

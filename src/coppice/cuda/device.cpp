@@ -6,7 +6,8 @@ namespace coppice {
 
 DeviceInfo require_device(int number) {
     const DeviceSearch search = find_device(number);
-    if (!search.device) throw DeviceError("no CUDA device was found: " + search.missing);
+    if (!search.device)
+        throw DeviceError("no CUDA device was found: " + search.missing + "; use the device auto or cpu");
     return *search.device;
 }
 

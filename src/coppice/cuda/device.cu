@@ -14,6 +14,18 @@ constexpr int kLeastCompute = 75;
 // Products and sums in single precision that a multiprocessor begins in one cycle.
 int lanes_of(int compute) { return compute == 75 || compute == 80 ? 64 : 128; }
 
+// Why there is no device, as the end of a sentence.
+std::string reason_of(cudaError_t error) {
+    switch (error) {
+        case cudaErrorNoDevice:
+            return "this machine has none, or CUDA_VISIBLE_DEVICES hides it";
+        case cudaErrorInsufficientDriver:
+            return "there is no NVIDIA driver, or it is too old";
+        default:
+            return cudaGetErrorString(error);
+    }
+}
+
 // 0 of what the driver does not tell.
 double attribute(cudaDeviceAttr which, int device) {
     int value = 0;
@@ -27,7 +39,7 @@ DeviceSearch first_search(int number) {
     DeviceSearch out;
     const auto failed = [&](cudaError_t error) {
         cudaGetLastError();
-        if (error != cudaSuccess) out.missing = cudaGetErrorString(error);
+        if (error != cudaSuccess) out.missing = reason_of(error);
         return error != cudaSuccess;
     };
     int count = 0;
@@ -75,7 +87,7 @@ DeviceSearch find_device(int number) {
     if (error == cudaSuccess) error = cudaMemGetInfo(&free, &all);
     if (error != cudaSuccess) {
         cudaGetLastError();
-        return {{}, cudaGetErrorString(error)};
+        return {{}, reason_of(error)};
     }
     out.device->free = free;
     return out;

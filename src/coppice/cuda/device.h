@@ -16,7 +16,7 @@ namespace coppice {
 enum class Device {
     automatic,  ///< on the card where there is one and the work is large enough to be worth it
     cpu,        ///< never on a card
-    cuda        ///< on the card; on the CPU, with a note, where there is none or it is too small
+    cuda  ///< on the card, or an error where there is none; on the CPU, with a note, where it is too small
 };
 
 template <>
@@ -61,7 +61,7 @@ class DeviceFull : public DeviceError {
     using DeviceError::DeviceError;
 };
 
-/// The same card. Throws DeviceError, which says why, where there is none.
+/// The same card. Throws DeviceError, which says why and what to do, where there is none.
 DeviceInfo require_device(int number = 0);
 
 /// Throws DeviceFull, which says both numbers, where a card has less memory free than would be needed

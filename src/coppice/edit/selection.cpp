@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/base/quote.h"
 #include "coppice/base/sort.h"
 #include "coppice/edit/anchor.h"
 #include "coppice/edit/parts_internal.h"
@@ -68,8 +69,8 @@ NodeSet within_box(const EditableTree& tree, const std::vector<double>& corners)
 NodeSet within_solid(const EditableTree& tree, const std::string& name, const SolidLookup& solids) {
     const Solid* solid = solids ? solids(name) : nullptr;
     if (solid == nullptr)
-        throw InvalidInput(
-            fmt::format("there is no solid '{}' to select by; make it before, as in: sphere {}", name, name));
+        throw InvalidInput(fmt::format("there is no solid {} to select by; make it before, as in: sphere {}",
+                                       quote(name), shortened(name)));
     const NodeSet all = tree.nodes();
     std::vector<Vec3> points;
     for (const StableId n : all) points.push_back(Vec3(world(tree, n)));
@@ -256,8 +257,8 @@ StableId selected_node(const EditableTree& tree, const Selection& selection, con
     const NodeSet nodes = selected(tree, selection, solids);
     if (nodes.size() != 1) {
         throw InvalidInput(
-            fmt::format("'{}' holds {} nodes where one is needed; name its id, or use near(x,y,z)",
-                        to_text(selection), nodes.size()));
+            fmt::format("{} holds {} nodes where one is needed; name its id, or use near(x,y,z)",
+                        quote(to_text(selection)), nodes.size()));
     }
     return nodes.front();
 }

@@ -8,6 +8,7 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
+#include "coppice/base/quote.h"
 #include "coppice/edit/selection.h"
 
 namespace coppice {
@@ -15,7 +16,6 @@ namespace {
 
 constexpr int kDeepest = 64;
 constexpr std::size_t kMostIds = 1'000'000;
-constexpr std::size_t kShownLength = 40;
 
 /// The names of what may be asked, in the order of SelectionKind.
 constexpr std::array<std::string_view, 17> kNames{"all",    "roots", "tips",     "forks", "id",    "subtree",
@@ -224,13 +224,9 @@ class Parser {
     }
 
     [[noreturn]] void fail(const std::string& wanted) const {
-        std::string_view rest = text_.substr(at_);
-        const bool cut = rest.size() > kShownLength;
-        rest = rest.substr(0, kShownLength);
-        throw InvalidInput(
-            fmt::format("the selection '{}{}' needs {} at its {}", text_.substr(0, kShownLength),
-                        text_.size() > kShownLength ? "..." : "", wanted,
-                        rest.empty() ? std::string("end") : fmt::format("'{}{}'", rest, cut ? "..." : "")));
+        const std::string_view rest = text_.substr(at_);
+        throw InvalidInput(fmt::format("the selection {} needs {} at its {}", quote(text_), wanted,
+                                       rest.empty() ? "end" : quote(rest)));
     }
 
     std::string_view text_;

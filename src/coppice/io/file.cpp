@@ -24,31 +24,6 @@ constexpr std::size_t kTransfer = std::size_t{1} << 26;  // bytes per system cal
     throw IoError(fmt::format("cannot {} {}: {}", action, path.string(), reason));
 }
 
-std::string reason_of(int error) {
-    switch (error) {
-        case ENOENT:
-            return "there is no such file or folder";
-        case ENOTDIR:
-            return "a part of its path is not a folder";
-        case EISDIR:
-            return "it is a folder, not a file";
-        case EACCES:
-        case EPERM:
-            return "permission denied";
-        case EROFS:
-            return "the file system is read-only";
-        case ENOSPC:
-        case EDQUOT:
-            return "no space is left on the disk";
-        case EFBIG:
-            return "it would be larger than files may be here (see ulimit -f)";
-        case ENAMETOOLONG:
-            return "its name is too long";
-        default:
-            return std::generic_category().message(error);
-    }
-}
-
 struct Descriptor {
     int value;
     ~Descriptor() {
@@ -72,7 +47,7 @@ std::size_t read_some(int descriptor, char* to, std::size_t size, const std::fil
         wait_for_bytes(descriptor, ctx);
         const ssize_t got = ::read(descriptor, to, std::min(size, kTransfer));
         if (got >= 0) return static_cast<std::size_t>(got);
-        if (errno != EINTR && errno != EAGAIN) fail("read", path, reason_of(errno));
+        if (errno != EINTR && errno != EAGAIN) fail("read", path, file_error_text(errno));
     }
 }
 
@@ -84,12 +59,39 @@ std::string too_large(std::uint64_t limit) {
 
 }  // namespace
 
+std::string file_error_text(int error) {
+    switch (error) {
+        case ENOENT:
+            return "there is no such file or folder";
+        case ENOTDIR:
+            return "a part of its path is not a folder";
+        case EISDIR:
+            return "it is a folder, not a file";
+        case EACCES:
+        case EPERM:
+            return "permission denied";
+        case EROFS:
+            return "the file system is read-only";
+        case ENOSPC:
+        case EDQUOT:
+            return "no space is left on the disk";
+        case EFBIG:
+            return "it would be larger than files may be here (see ulimit -f)";
+        case EBADF:
+            return "it is closed";
+        case ENAMETOOLONG:
+            return "its name is too long";
+        default:
+            return std::generic_category().message(error);
+    }
+}
+
 std::string read_file(const std::filesystem::path& path, std::uint64_t limit, const Context& ctx) {
     // Without O_NONBLOCK a pipe that nobody writes to would not even be opened, nor be left by a stop.
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     struct stat status {};
-    if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, reason_of(errno));
-    if (S_ISDIR(status.st_mode)) fail("read", path, reason_of(EISDIR));
+    if (file.value < 0 || ::fstat(file.value, &status) != 0) fail("read", path, file_error_text(errno));
+    if (S_ISDIR(status.st_mode)) fail("read", path, file_error_text(EISDIR));
     const auto size = static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0));
     if (size == 0) limit = std::min(limit, kLargestStream);
     if (size > limit) fail("read", path, too_large(limit));
@@ -119,11 +121,11 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
     }
     struct stat status {};
     const bool exists = ::stat(target_.c_str(), &status) == 0;
-    if (exists && S_ISDIR(status.st_mode)) fail("write", target_, reason_of(EISDIR));
-    if (exists && ::access(target_.c_str(), W_OK) != 0) fail("write", target_, reason_of(errno));
+    if (exists && S_ISDIR(status.st_mode)) fail("write", target_, file_error_text(EISDIR));
+    if (exists && ::access(target_.c_str(), W_OK) != 0) fail("write", target_, file_error_text(errno));
     if (exists && !S_ISREG(status.st_mode)) {
         descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-        if (descriptor_ < 0) fail("write", target_, reason_of(errno));
+        if (descriptor_ < 0) fail("write", target_, file_error_text(errno));
         return;
     }
     folder_ = target_.has_parent_path() ? target_.parent_path() : ".";
@@ -164,7 +166,7 @@ void AtomicFile::open_unfinished() {
     if (made) return;
     if (errno == ENOENT) fail("write", target_, "its folder does not exist; create it first");
     if (errno == EACCES) fail("write", target_, "its folder is not writable");
-    fail("write", target_, reason_of(errno));
+    fail("write", target_, file_error_text(errno));
 }
 
 /// Names are only ever replaced by renaming, so the file gets a hidden one first.
@@ -173,7 +175,7 @@ void AtomicFile::give_name() {
     const bool made = make_hidden([&](const char* name) {
         return ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
     });
-    if (!made) fail("write", target_, reason_of(errno));
+    if (!made) fail("write", target_, file_error_text(errno));
 }
 
 void AtomicFile::write(std::string_view text) {
@@ -196,7 +198,7 @@ void AtomicFile::write_through(std::string_view bytes) {
         if (done >= 0) {
             bytes.remove_prefix(static_cast<std::size_t>(done));
         } else if (errno != EINTR) {
-            fail("write", target_, reason_of(errno));
+            fail("write", target_, file_error_text(errno));
         }
     }
 }
@@ -209,9 +211,9 @@ void AtomicFile::flush() {
 void AtomicFile::commit() {
     flush();
     if (!folder_.empty() && unfinished_.empty()) give_name();
-    if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", target_, reason_of(errno));
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", target_, file_error_text(errno));
     if (folder_.empty()) return;
-    if (::rename(unfinished_.c_str(), target_.c_str()) != 0) fail("write", target_, reason_of(errno));
+    if (::rename(unfinished_.c_str(), target_.c_str()) != 0) fail("write", target_, file_error_text(errno));
     unfinished_.clear();
 }
 

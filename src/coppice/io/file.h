@@ -17,6 +17,9 @@ inline constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
 /// Nor more from what does not tell its size, such as a pipe or a device, which need never end.
 inline constexpr std::uint64_t kLargestStream = std::uint64_t{1} << 30;
 
+/// The reason for a failed file operation, by its errno, as the end of a sentence.
+std::string file_error_text(int error);
+
 /// The bytes of a file, or of a pipe until it ends. Throws `IoError`, one sentence that names the file, when
 /// it is missing, a folder, not readable, or larger than `limit` bytes (a pipe: than `kLargestStream`, if
 /// that is less); `Cancelled` when a stop is asked for, at once where a pipe gives nothing. Memory: the

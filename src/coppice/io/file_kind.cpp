@@ -1,5 +1,7 @@
 #include "coppice/io/file_kind.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -7,11 +9,12 @@
 #include <string_view>
 
 #include "coppice/base/ascii.h"
+#include "coppice/base/error.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
-#include "coppice/io/points/reader.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/io/unread_format.h"
 
 namespace coppice {
 namespace {
@@ -82,7 +85,6 @@ std::optional<FileKind> kind_of_content(const std::string& head) {
     if (mesh == MeshFormat::off) return kind_of_off(head);
     if (mesh) return FileKind::mesh;
     if (head.starts_with("LASF") || head.starts_with("# .PCD")) return FileKind::points;
-    if (other_point_format(head)) return FileKind::points;  // its reader says what to do
     if (format_of_content(head)) return FileKind::skeleton;
     return {};
 }
@@ -96,14 +98,17 @@ std::optional<FileKind> kind_of_file(const std::filesystem::path& path) {
         if (!std::filesystem::exists(path, error)) read_file(path);  // says what is wrong
         return kind_of_name(path);
     }
+    const std::string head = head_of(path);
+    if (const auto unread = unread_format(head); unread && ending != ".mat")
+        throw Unsupported(fmt::format("{}: it is {}", path.string(), *unread));
     if (ending == ".obj") return obj_holds_lines(path) ? FileKind::skeleton : FileKind::mesh;
-    if (ending == ".ply") return kind_of_ply(head_of(path));
-    if (ending == ".off") return kind_of_off(head_of(path));
+    if (ending == ".ply") return kind_of_ply(head);
+    if (ending == ".off") return kind_of_off(head);
     if (is_one_of(ending, {".txt", ".csv"})) {
-        return format_of_content(head_of(path)) ? FileKind::skeleton : FileKind::points;
+        return format_of_content(head) ? FileKind::skeleton : FileKind::points;
     }
     if (const auto kind = kind_of_name(path)) return kind;
-    return kind_of_content(head_of(path));
+    return kind_of_content(head);
 }
 
 std::optional<FileKind> kind_of_output(const std::filesystem::path& path, FileKind preferred) {

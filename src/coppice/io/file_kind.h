@@ -23,7 +23,8 @@ struct EnumNames<FileKind> {
 
 /// What a file holds, by its name, and by its content where several kinds share an ending (OBJ, PLY, OFF,
 /// TXT, CSV) or the ending is unknown; none when both are unknown. What is no plain file, such as a pipe, is
-/// only judged by its name. Throws `IoError` when a file is missing or cannot be read.
+/// only judged by its name. Throws `IoError` when a file is missing or cannot be read, and `Unsupported` for
+/// the formats that unread_format() knows.
 std::optional<FileKind> kind_of_file(const std::filesystem::path& path);
 
 /// What a file of this name is to hold; a name that fits several kinds (OBJ, PLY) is of the kind `preferred`.

@@ -145,7 +145,29 @@ void split_at(std::string_view line, char separator, std::vector<std::string_vie
     if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
 }
 
-void fail_at(const std::string& source, std::size_t line, const std::string& text) {
+bool has_decimal_commas(std::string_view row, std::size_t columns) {
+    if (row.find(',') == row.npos) return false;
+    const auto separates = [](char c) { return is_blank(c) || c == ';'; };
+    std::size_t count = 0;
+    bool any = false;
+    for (std::size_t i = 0; i < row.size() && count < columns; ++i) {
+        const std::size_t begin = i;
+        while (i < row.size() && !separates(row[i])) ++i;
+        if (i == begin) continue;
+        const std::string_view cell = row.substr(begin, i - begin);
+        const std::size_t comma = cell.find(',');
+        const bool decimal = comma != cell.npos && parse_number(cell.substr(0, comma)) &&
+                             parse_integer(cell.substr(comma + 1));
+        if (!decimal && !parse_number(cell)) return false;
+        any = any || decimal;
+        ++count;
+    }
+    return any && count == columns;
+}
+
+bool has_only_commas(std::string_view row) { return row.find(',') != row.npos && row.find('.') == row.npos; }
+
+void fail_at(const std::string& source, std::size_t line, std::string_view text) {
     throw InvalidInput(fmt::format("{}:{}: {}", source, line, text));
 }
 

@@ -62,7 +62,15 @@ void split_at_blanks(std::string_view line, std::vector<std::string_view>& cells
 /// the end is dropped.
 void split_at(std::string_view line, char separator, std::vector<std::string_view>& cells);
 
+/// Whether blanks or semicolons separate at least `columns` numbers, and one of these has a decimal comma.
+bool has_decimal_commas(std::string_view row, std::size_t columns);
+/// Whether the row has commas and no decimal point, so that each comma may be a decimal comma.
+bool has_only_commas(std::string_view row);
+inline constexpr std::string_view kDecimalCommas =
+    "its numbers have commas for decimal points, which cannot be told from commas between numbers; write "
+    "them with points";
+
 /// Throws InvalidInput "source:line: text".
-[[noreturn]] void fail_at(const std::string& source, std::size_t line, const std::string& text);
+[[noreturn]] void fail_at(const std::string& source, std::size_t line, std::string_view text);
 
 }  // namespace coppice

@@ -62,6 +62,8 @@ struct Fitting {
 MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
                      bool with_solid, QuadOrigin* origin, const Context& ctx) {
     check_fields(given, "mesh");
+    const bool may_use_device = given.method != MeshMethod::cylinders && !with_solid;
+    if (may_use_device && given.device == Device::cuda) require_device();  // before any work
     const MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
     MeshResult out;
     const bool fits = options.fit == Fit::volume;

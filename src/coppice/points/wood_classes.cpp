@@ -9,6 +9,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/progress.h"
+#include "coppice/base/quote.h"
 
 namespace coppice {
 namespace {
@@ -21,7 +22,7 @@ using Counts = std::array<std::uint64_t, 256>;
 
 [[noreturn]] void bad_list(std::string_view text) {
     throw InvalidInput(fmt::format(
-        "'{}' are no classes of points; write auto, all, or numbers from 0 to 255: 4,5,20-22", text));
+        "{} are no classes of points; write auto, all, or numbers from 0 to 255: 4,5,20-22", quote(text)));
 }
 
 /// Takes a number from 0 to 255 off the front of `rest`.

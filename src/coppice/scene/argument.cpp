@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coppice/base/ascii.h"
+#include "coppice/base/quote.h"
 #include "coppice/edit/selection.h"
 
 namespace coppice {
@@ -13,16 +14,14 @@ namespace {
 
 constexpr double kLargestNumber = 1e30;  // still finite as a float
 constexpr std::size_t kLongestName = 64;
-constexpr std::size_t kShownLength = 40;  // of a word in a message
 
 std::string sizes_text(const Argument& a) { return fmt::format("{}", fmt::join(a.sizes, " or ")); }
 
 [[noreturn]] void refuse(const Argument& a, std::string_view text) {
-    const std::string shown(text.substr(0, kShownLength));
     const std::vector<std::string> words =
         a.type == ArgumentType::flag ? std::vector<std::string>{"true", "false"} : a.choices;
-    throw InvalidInput(fmt::format("{} takes {}, not '{}{}'{}", a.name, takes_text(a), shown,
-                                   shown.size() < text.size() ? "..." : "", did_you_mean(text, words)));
+    throw InvalidInput(
+        fmt::format("{} takes {}, not {}{}", a.name, takes_text(a), quote(text), did_you_mean(text, words)));
 }
 
 double checked(const Argument& a, std::string_view text, double number) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "coppice/base/quote.h"
 #include "coppice/io/file.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/properties_internal.h"
@@ -65,16 +66,16 @@ void check_exists(const SceneState& state, ObjectKind kind, const std::string& n
     const auto others = kinds_of(state, name);
     const std::string wanted(name_of(kind));
     if (others.empty()) {
-        throw InvalidInput(fmt::format("there is no {} '{}'{}", wanted, name,
+        throw InvalidInput(fmt::format("there is no {} {}{}", wanted, quote(name),
                                        did_you_mean(name, names_of_kind(state, kind))));
     }
     std::string hint;
     if (kind == ObjectKind::solid && others.back() == ObjectKind::mesh)
-        hint = fmt::format("; make one of it with: solid {}", name);
+        hint = fmt::format("; make one of it with: solid {}", shortened(name));
     if (kind == ObjectKind::mesh && others.front() == ObjectKind::solid)
-        hint = fmt::format("; make one of it with: polygonize {}", name);
-    throw InvalidInput(
-        fmt::format("'{}' is {}, not {}{}", name, with_article(others.front()), with_article(kind), hint));
+        hint = fmt::format("; make one of it with: polygonize {}", shortened(name));
+    throw InvalidInput(fmt::format("{} is {}, not {}{}", quote(name), with_article(others.front()),
+                                   with_article(kind), hint));
 }
 
 /// The example without what goes before it.
@@ -114,7 +115,7 @@ class Binder {
         std::vector<std::string> known;
         for (const Argument& a : command_.arguments) known.push_back(a.name);
         throw InvalidInput(
-            fmt::format("{} has no option '{}'{}", command_.name, name, did_you_mean(name, known)));
+            fmt::format("{} has no option {}{}", command_.name, quote(name), did_you_mean(name, known)));
     }
 
     void bind_value(const Argument& a, const std::string& text) {
@@ -131,7 +132,7 @@ class Binder {
             std::vector<std::string> known;
             for (const auto& [key, object] : state_.objects) known.push_back(key.second);
             throw InvalidInput(
-                fmt::format("there is no object '{}'{}", value.text, did_you_mean(value.text, known)));
+                fmt::format("there is no object {}{}", quote(value.text), did_you_mean(value.text, known)));
         }
         if (a.type == ArgumentType::section) check_exists(state_, ObjectKind::profile, value.text);
         return value;
@@ -163,7 +164,7 @@ class Binder {
         }
         if (at < positional_.size()) {
             throw InvalidInput(
-                fmt::format("{} does not know what to do with '{}'", command_.name, positional_[at]));
+                fmt::format("{} does not know what to do with {}", command_.name, quote(positional_[at])));
         }
     }
 
@@ -300,12 +301,12 @@ Vec3 SceneCall::point(std::string_view name) const { return points(name).at(0); 
 ObjectPtr SceneCall::any(const std::string& name, const std::string& kind) const {
     auto kinds = kinds_of(state_, name);
     if (!kind.empty()) std::erase_if(kinds, [&](ObjectKind k) { return name_of(k) != kind; });
-    if (kinds.empty()) throw InvalidInput(fmt::format("there is no {} '{}'", kind, name));
+    if (kinds.empty()) throw InvalidInput(fmt::format("there is no {} {}", kind, quote(name)));
     if (kinds.size() > 1) {
         std::vector<std::string_view> names;
         for (const ObjectKind k : kinds) names.push_back(name_of(k));
-        throw InvalidInput(fmt::format("'{}' is the name of several things; add kind= and one of {}", name,
-                                       fmt::join(names, ", ")));
+        throw InvalidInput(fmt::format("{} is the name of several things; add kind= and one of {}",
+                                       quote(name), fmt::join(names, ", ")));
     }
     return state_.objects.at({kinds.front(), name});
 }
@@ -380,7 +381,7 @@ const SceneCommand& find_command(std::span<const SceneWord> words, std::size_t& 
     const std::string word = family ? both : first;
     std::string hint = did_you_mean(word, names);
     if (hint.empty()) hint = "; help lists them";
-    throw InvalidInput(fmt::format("there is no command '{}'{}", word.substr(0, 64), hint));
+    throw InvalidInput(fmt::format("there is no command {}{}", quote(word), hint));
 }
 
 std::optional<std::vector<const SceneCommand*>> commands_of(std::span<const SceneLine> lines) {

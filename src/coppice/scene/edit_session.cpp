@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "coppice/base/quote.h"
 #include "coppice/edit/selection.h"
 #include "coppice/scene/edit_lines_internal.h"
 #include "coppice/scene/place_internal.h"
@@ -166,7 +167,8 @@ std::string EditSession::edit(const SceneCall& call) {
 std::string EditSession::history_command(const std::vector<SceneWord>& words) {
     const std::string& what = words[0].text;
     if (words.size() > (what == "history" ? 1 : 2))
-        throw InvalidInput(fmt::format("{} does not know what to do with '{}'", what, words.back().text));
+        throw InvalidInput(
+            fmt::format("{} does not know what to do with {}", what, quote(words.back().text)));
     if (what == "history") return history_text();
     const Argument count{.name = "count", .help = {}, .type = ArgumentType::whole, .low = 1, .high = 1e9};
     const double most = words.size() > 1 ? parse_argument(count, words[1].text).numbers.at(0) : 1;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/animate/easing.h"
+#include "coppice/base/quote.h"
 #include "coppice/edit/selection.h"
 #include "coppice/pipeline/spelling.h"
 #include "coppice/scene/edit_lines_internal.h"
@@ -80,7 +81,7 @@ Easing easing_called(const std::string& name) {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
         throw InvalidInput(
-            fmt::format("there is no easing '{}'; take one of {}", name, fmt::join(names, ", ")));
+            fmt::format("there is no easing {}; take one of {}", quote(name), fmt::join(names, ", ")));
     }
     return static_cast<Easing>(found - names.begin());
 }
@@ -90,7 +91,7 @@ double seconds_from(std::string text) {
     double time = -1;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), time);
     if (error != std::errc{} || end != text.data() + text.size() || !(time >= 0 && time <= kLongest))
-        throw InvalidInput(fmt::format("'{}' is no number of seconds from 0 to {:g}", text, kLongest));
+        throw InvalidInput(fmt::format("{} is no number of seconds from 0 to {:g}", quote(text), kLongest));
     return time;
 }
 
@@ -171,7 +172,7 @@ class Keyframes::Body {
         const SceneCommand* command = scene_internal::edit_called(words[0].text);
         if (command == nullptr || !command->edit) {
             throw InvalidInput(
-                fmt::format("'{}' is no edit; coppice edit --reference lists them", words[0].text));
+                fmt::format("{} is no edit; coppice edit --reference lists them", quote(words[0].text)));
         }
         words.insert(words.begin(), SceneWord{{}, "edit"});
         words.insert(words.begin() + 2, SceneWord{{}, kTree});
@@ -192,8 +193,8 @@ class Keyframes::Body {
             ids.kind = SelectionKind::id;
             ids.ids = selected(at_rest, parse_selection(v.text), no_solids);
             if (ids.ids.empty())
-                throw InvalidInput(
-                    fmt::format("{}: '{}' holds no node of the tree", call.command().name.substr(5), v.text));
+                throw InvalidInput(fmt::format("{}: {} holds no node of the tree",
+                                               call.command().name.substr(5), quote(v.text)));
             values.push_back({to_text(ids), {}});
         }
         call.set(argument, std::move(values));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "coppice/base/quote.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
 #include "coppice/io/points/writer.h"
@@ -85,8 +86,8 @@ ObjectPtr object_for_file(const SceneState& state, const std::string& name,
     }
     if (!name.empty() && fitting.size() > 1) {
         throw InvalidInput(
-            fmt::format("'{}' is the name of several things that '{}' can hold; add kind= and one of {}, {}",
-                        name, path.string(), name_of(fitting[0]), name_of(fitting[1])));
+            fmt::format("{} is the name of several things that '{}' can hold; add kind= and one of {}, {}",
+                        quote(name), path.string(), name_of(fitting[0]), name_of(fitting[1])));
     }
     return last;
 }

@@ -67,6 +67,7 @@ class CudaBackend : public SurfaceBackend {
     void begin(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx) override {
         scene_.emplace(scene);
         buffers_ = buffers;
+        if (wanted_ == Device::cuda) require_device();
         if (!is_wanted()) return begin_on_cpu(ctx);
         on_card(ctx, [&] {
             card_.emplace(scene, buffers, ctx);

@@ -53,7 +53,8 @@ std::unique_ptr<SurfaceBackend> cpu_backend();
 
 /// Makes surfaces where it is told to. A card writes them straight into the buffers that it draws from; one
 /// that does not draw sends them by way of the host, if it is asked for by name. Device::automatic takes the
-/// card that draws, where CUDA knows it. Where there is none, or it fails, the CPU goes on, with a note.
+/// card that draws, where CUDA knows it. Where there is none, the CPU makes them, but Device::cuda throws
+/// DeviceError. Where the card fails, the CPU goes on, with a note.
 std::unique_ptr<SurfaceBackend> surface_backend(Device wanted);
 
 }  // namespace coppice

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <chrono>
 #include <limits>
 #include <thread>
 #include <utility>
 
+#include "coppice/io/file.h"
 #include "coppice/io/library/database_internal.h"
 
 namespace coppice::io_internal {
@@ -70,10 +72,12 @@ void Sqlite::execute(const char* sql) const {
 }
 
 void Sqlite::fail(int code) const {
+    const int error = errno;  // of the system call, where it was one
     ctx_.throw_if_cancelled();
     if ((code & 0xff) == SQLITE_NOMEM) throw std::bad_alloc();
     const std::string_view known = reason(code);
-    fail(known.empty() ? std::string_view(sqlite3_errmsg(handle_)) : known);
+    if (!known.empty()) fail(known);
+    fail(code == SQLITE_IOERR_WRITE ? file_error_text(error) : std::string(sqlite3_errmsg(handle_)));
 }
 
 void Sqlite::fail(std::string_view what) const { throw IoError(fmt::format("{}: {}", path_.string(), what)); }

@@ -57,6 +57,8 @@ class Statement {
     /// Runs it where no rows are expected, and makes it ready again.
     void run();
 
+    /// SQLITE_INTEGER, SQLITE_FLOAT, SQLITE_TEXT, SQLITE_BLOB or SQLITE_NULL, whatever the table declares.
+    int type(int column) const { return sqlite3_column_type(statement_, column); }
     std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
     double real(int column) const { return sqlite3_column_double(statement_, column); }
     std::string text(int column) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/hash.h"
+#include "coppice/base/quote.h"
 #include "coppice/io/library/database_internal.h"
 #include "coppice/io/library/skeleton_blob_internal.h"
 
@@ -60,15 +62,15 @@ std::int64_t number(const Sqlite& database, const char* pragma) {
 std::int64_t id_of(const std::string& word) {
     std::int64_t id = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
-    if (error != std::errc{} || end != word.data() + word.size() || id <= 0) {
+    if (error != std::errc{} || end != word.data() + word.size()) {
         throw InvalidInput(
-            fmt::format("'{}' is no number of a tree; 'coppice library list LIBRARY' shows them", word));
+            fmt::format("{} is no number of a tree; 'coppice library list LIBRARY' shows them", quote(word)));
     }
     return id;
 }
 
 bool within(double value, double least, double most) {
-    return value >= least && (most <= 0 || value <= most);
+    return (least <= 0 || value >= least) && (most <= 0 || value <= most);
 }
 
 bool has(std::span<const std::string> all, const std::string& one) {
@@ -87,7 +89,7 @@ bool is_meant(const LibraryEntry& e, const LibraryFilter& f, std::span<const std
 void check_tags(std::span<const std::string> tags) {
     for (const std::string& tag : tags) {
         if (tag.empty() || tag.find_first_of(", \t\n") != std::string::npos)
-            throw InvalidInput(fmt::format("'{}' cannot be a tag; write one word without commas", tag));
+            throw InvalidInput(fmt::format("{} cannot be a tag; write one word without commas", quote(tag)));
     }
 }
 
@@ -97,20 +99,33 @@ class TreeLibrary::Database : public Sqlite {
   public:
     using Sqlite::Sqlite;
 
+    /// Removes a new file that nothing was added to, while no other program can be writing it.
+    ~Database() {
+        std::error_code ignored;
+        if (creation_ && was_empty_) std::filesystem::remove(path(), ignored);
+    }
+    Database(const Database&) = delete;
+    Database& operator=(const Database&) = delete;
+
+    /// Runs change() as one transaction: the one that made the tables of a new file, or one of its own.
+    template <class Change>
+    void change(const Change& change) {
+        if (!creation_) {
+            Transaction all(*this);
+            change();
+            all.commit();
+            return;
+        }
+        change();
+        creation_->commit();
+        creation_.reset();
+    }
+
     /// Makes the tables of a new file; else looks whether it is a library that can be read.
     void prepare(bool create) {
         execute("PRAGMA foreign_keys = ON");
         execute("PRAGMA trusted_schema = OFF");
-        if (create && is_new()) {
-            Transaction all(*this);
-            if (is_new()) {
-                Statement(*this, kTreeTable).run();
-                Statement(*this, kTagTable).run();
-                execute(fmt::format("PRAGMA application_id = {}", kApplication).c_str());
-                execute(fmt::format("PRAGMA user_version = {}", kVersion).c_str());
-            }
-            all.commit();
-        }
+        if (create && is_new()) make_tables();
         if (number(*this, "PRAGMA application_id") != kApplication) fail(kNoLibrary);
         const std::int64_t version = number(*this, "PRAGMA user_version");
         if (version != kVersion) {
@@ -121,7 +136,9 @@ class TreeLibrary::Database : public Sqlite {
         if (!has_our_tables()) fail(kNoLibrary);
     }
 
-    std::vector<LibraryEntry> entries(const LibraryFilter& filter) const {
+    /// The trees meant, in order of their numbers. Throws InvalidInput for values that no tree has where they
+    /// are `checked`.
+    std::vector<LibraryEntry> entries(const LibraryFilter& filter, bool checked) const {
         std::vector<std::int64_t> ids;
         for (const std::string& word : filter.ids) ids.push_back(id_of(word));
         Statement rows(
@@ -132,6 +149,7 @@ class TreeLibrary::Database : public Sqlite {
         std::vector<LibraryEntry> out;
         std::size_t known = 0;
         while (rows.step()) {
+            if (checked && !is_valid(rows)) refuse_damaged(rows.integer(0));
             LibraryEntry entry = entry_of(rows);
             tags.bind(1, entry.id);
             while (tags.step()) entry.tags.push_back(tags.text(0));
@@ -153,10 +171,50 @@ class TreeLibrary::Database : public Sqlite {
             blobs.reset();
             if (!skeleton || skeleton->size() < 2 || skeleton->tree_count() != 1 ||
                 !std::isfinite(e.tree.inclination)) {
-                fail(fmt::format("tree {} is damaged; take it out with 'coppice library remove {} --id {}'",
-                                 e.id, path().string(), e.id));
+                refuse_damaged(e.id);
             }
             e.tree.skeleton = *std::move(skeleton);
+        }
+    }
+
+    /// Adds the trees that are not there yet, and gives the tags to all of them.
+    void add(const Batch& batch, std::span<const std::string> tags, Added& out) const {
+        Statement find(*this, "SELECT id FROM tree WHERE hash = ?1");
+        Statement insert(
+            *this,
+            "INSERT INTO tree (hash, source, source_node, leads, host_radius, inclination, length, "
+            "volume, extent, nodes, tips, orders, radius, skeleton) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)");
+        for (const ChildTree& tree : batch.trees) {
+            throw_if_cancelled();
+            const std::vector<std::byte> blob = encode_blob(tree.skeleton);
+            const std::int64_t hash = hash_of(tree, blob);
+            find.bind(1, hash);
+            std::int64_t id = find.step() ? find.integer(0) : 0;
+            find.reset();
+            if (id != 0) {
+                ++out.known;
+            } else {
+                const ChildTreeMeasures m = measure(tree);
+                insert.bind(1, hash);
+                insert.bind(2, std::string_view(batch.source));
+                insert.bind(3, std::int64_t{tree.source_node});
+                insert.bind(4, std::int64_t{tree.leads});
+                insert.bind(5, double{tree.host_radius});
+                insert.bind(6, double{tree.inclination});
+                insert.bind(7, m.length);
+                insert.bind(8, m.volume);
+                insert.bind(9, m.extent);
+                insert.bind(10, std::int64_t{m.nodes});
+                insert.bind(11, std::int64_t{m.tips});
+                insert.bind(12, std::int64_t{m.orders});
+                insert.bind(13, double{m.radius});
+                insert.bind(14, std::span<const std::byte>(blob));
+                insert.run();
+                id = sqlite3_last_insert_rowid(handle());
+                out.ids.push_back(id);
+            }
+            add_tags(id, tags);
         }
     }
 
@@ -170,6 +228,19 @@ class TreeLibrary::Database : public Sqlite {
     }
 
   private:
+    /// Keeps the transaction open until something is added.
+    void make_tables() {
+        creation_.emplace(*this);
+        std::error_code missing;
+        was_empty_ = std::filesystem::file_size(path(), missing) == 0;
+        if (missing) fail("it was removed meanwhile; try again");
+        if (!is_new()) return creation_.reset();
+        Statement(*this, kTreeTable).run();
+        Statement(*this, kTagTable).run();
+        execute(fmt::format("PRAGMA application_id = {}", kApplication).c_str());
+        execute(fmt::format("PRAGMA user_version = {}", kVersion).c_str());
+    }
+
     bool is_new() const {
         return number(*this, "PRAGMA application_id") == 0 &&
                number(*this, "SELECT count(*) FROM sqlite_master") == 0;
@@ -204,6 +275,31 @@ class TreeLibrary::Database : public Sqlite {
                          .source_node = count(2)}};
     }
 
+    /// Whether the row holds what `add` writes. Any program can have written the file, and SQLite keeps
+    /// values of any type in any column.
+    static bool is_valid(const Statement& row) {
+        const auto counts = [&](int column, std::int64_t low, std::int64_t high) {
+            return row.type(column) == SQLITE_INTEGER && row.integer(column) >= low &&
+                   row.integer(column) <= high;
+        };
+        const auto measures = [&](int column) {
+            return row.type(column) == SQLITE_FLOAT && std::isfinite(static_cast<float>(row.real(column)));
+        };
+        constexpr std::int64_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
+        constexpr std::array kLengths{4, 6, 7, 8, 12};
+        return counts(0, 1, std::numeric_limits<std::int64_t>::max()) && row.type(1) == SQLITE_TEXT &&
+               counts(2, 0, kMaxCount) && counts(3, 0, 1) && counts(9, 2, kMaxCount) &&
+               counts(10, 1, kMaxCount) && counts(11, 1, kMaxCount) && measures(5) &&
+               std::ranges::all_of(kLengths,
+                                   [&](int column) { return measures(column) && row.real(column) >= 0; });
+    }
+
+    [[noreturn]] void refuse_damaged(std::int64_t id) const {
+        throw InvalidInput(
+            fmt::format("{0}: tree {1} is damaged; remove it with 'coppice library remove {0} --id {1}'",
+                        path().string(), id));
+    }
+
     [[noreturn]] void refuse_unknown(std::span<const std::int64_t> ids) const {
         Statement one(*this, "SELECT count(*) FROM tree WHERE id = ?1");
         for (const std::int64_t id : ids) {
@@ -217,6 +313,9 @@ class TreeLibrary::Database : public Sqlite {
         }
         throw InvalidInput(fmt::format("{}: a tree is named twice", path().string()));
     }
+
+    std::optional<Transaction> creation_;  ///< of a new file, until something is added
+    bool was_empty_ = false;               ///< the file, when that transaction began
 };
 
 TreeLibrary::TreeLibrary(const std::filesystem::path& path, LibraryAccess access, const Context& ctx) {
@@ -238,52 +337,22 @@ TreeLibrary::~TreeLibrary() = default;
 
 TreeLibrary::Added TreeLibrary::add(std::span<const ChildTree> trees, const std::string& source,
                                     std::span<const std::string> tags) {
+    const Batch batch{trees, source};
+    return add({&batch, 1}, tags);
+}
+
+TreeLibrary::Added TreeLibrary::add(std::span<const Batch> batches, std::span<const std::string> tags) {
     check_tags(tags);
     Added out;
-    Transaction all(*database_);
-    Statement find(*database_, "SELECT id FROM tree WHERE hash = ?1");
-    Statement insert(*database_,
-                     "INSERT INTO tree (hash, source, source_node, leads, host_radius, inclination, length, "
-                     "volume, extent, nodes, tips, orders, radius, skeleton) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)");
-    for (const ChildTree& tree : trees) {
-        database_->throw_if_cancelled();
-        const std::vector<std::byte> blob = encode_blob(tree.skeleton);
-        const std::int64_t hash = hash_of(tree, blob);
-        find.bind(1, hash);
-        std::int64_t id = find.step() ? find.integer(0) : 0;
-        find.reset();
-        if (id != 0) {
-            ++out.known;
-        } else {
-            const ChildTreeMeasures m = measure(tree);
-            insert.bind(1, hash);
-            insert.bind(2, std::string_view(source));
-            insert.bind(3, std::int64_t{tree.source_node});
-            insert.bind(4, std::int64_t{tree.leads});
-            insert.bind(5, double{tree.host_radius});
-            insert.bind(6, double{tree.inclination});
-            insert.bind(7, m.length);
-            insert.bind(8, m.volume);
-            insert.bind(9, m.extent);
-            insert.bind(10, std::int64_t{m.nodes});
-            insert.bind(11, std::int64_t{m.tips});
-            insert.bind(12, std::int64_t{m.orders});
-            insert.bind(13, double{m.radius});
-            insert.bind(14, std::span<const std::byte>(blob));
-            insert.run();
-            id = sqlite3_last_insert_rowid(database_->handle());
-            out.ids.push_back(id);
-        }
-        database_->add_tags(id, tags);
-    }
-    all.commit();
+    database_->change([&] {
+        for (const Batch& batch : batches) database_->add(batch, tags, out);
+    });
     return out;
 }
 
 std::vector<LibraryEntry> TreeLibrary::list(const LibraryFilter& filter) const {
     check_fields(filter, "library");
-    return database_->entries(filter);
+    return database_->entries(filter, true);
 }
 
 std::vector<LibraryEntry> TreeLibrary::read(const LibraryFilter& filter) const {
@@ -294,34 +363,36 @@ std::vector<LibraryEntry> TreeLibrary::read(const LibraryFilter& filter) const {
 
 std::uint32_t TreeLibrary::remove(const LibraryFilter& filter) {
     check_fields(filter, "library");
-    Transaction all(*database_);
-    const std::vector<LibraryEntry> meant = database_->entries(filter);
-    Statement remove(*database_, "DELETE FROM tree WHERE id = ?1");
-    for (const LibraryEntry& e : meant) {
-        remove.bind(1, e.id);
-        remove.run();
-    }
-    all.commit();
-    return static_cast<std::uint32_t>(meant.size());
+    std::uint32_t removed = 0;
+    database_->change([&] {
+        Statement remove(*database_, "DELETE FROM tree WHERE id = ?1");
+        for (const LibraryEntry& e : database_->entries(filter, false)) {
+            remove.bind(1, e.id);
+            remove.run();
+            ++removed;
+        }
+    });
+    return removed;
 }
 
 std::uint32_t TreeLibrary::tag(const LibraryFilter& filter, std::span<const std::string> add,
                                std::span<const std::string> take) {
     check_fields(filter, "library");
     check_tags(add);
-    Transaction all(*database_);
-    const std::vector<LibraryEntry> meant = database_->entries(filter);
-    Statement remove(*database_, "DELETE FROM tag WHERE tree = ?1 AND name = ?2");
-    for (const LibraryEntry& e : meant) {
-        for (const std::string& tag : take) {
-            remove.bind(1, e.id);
-            remove.bind(2, std::string_view(tag));
-            remove.run();
+    std::uint32_t tagged = 0;
+    database_->change([&] {
+        Statement remove(*database_, "DELETE FROM tag WHERE tree = ?1 AND name = ?2");
+        for (const LibraryEntry& e : database_->entries(filter, false)) {
+            for (const std::string& tag : take) {
+                remove.bind(1, e.id);
+                remove.bind(2, std::string_view(tag));
+                remove.run();
+            }
+            database_->add_tags(e.id, add);
+            ++tagged;
         }
-        database_->add_tags(e.id, add);
-    }
-    all.commit();
-    return static_cast<std::uint32_t>(meant.size());
+    });
+    return tagged;
 }
 
 std::vector<ChildTree> read_child_trees(const std::filesystem::path& path, const LibraryFilter& filter,
@@ -342,8 +413,9 @@ std::string table_of(std::span<const LibraryEntry> entries) {
         text += fmt::format(
             "{:>6} {:>10.3f} {:>10.4f} {:>9.3f} {:>6} {:>6} {:>8} {:>8.4f} {:>5.0f} {:>5}  {}{}{}\n", e.id,
             m.length, 1000 * m.volume, m.extent, m.nodes, m.tips, m.orders, double{m.radius},
-            double{e.tree.inclination} * 180 / std::numbers::pi, e.tree.leads ? "yes" : "no", e.source,
-            e.tags.empty() ? "" : ", ", fmt::join(e.tags, ", "));
+            double{e.tree.inclination} * 180 / std::numbers::pi, e.tree.leads ? "yes" : "no",
+            printable(e.source), e.tags.empty() ? "" : ", ",
+            printable(fmt::format("{}", fmt::join(e.tags, ", "))));
     }
     return text;
 }

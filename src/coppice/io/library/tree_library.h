@@ -61,7 +61,7 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 enum class LibraryAccess {
     read,   ///< it has to be there
     write,  ///< the same, to change it
-    create  ///< the same, and made where it is missing
+    create  ///< the same, and made where it is missing; nothing stays of it where nothing is added
 };
 
 /// A file of child trees: an SQLite database of two tables, `tree` and `tag`. Every change happens whole or
@@ -82,11 +82,18 @@ class TreeLibrary {
         std::vector<std::int64_t> ids;  ///< of the new ones, in order
         std::uint32_t known = 0;        ///< that were there already, bit by bit; they get the tags too
     };
-    /// Adds trees with the same source and tags. O(n log library).
+    /// Trees that are from one file.
+    struct Batch {
+        std::span<const ChildTree> trees;  ///< its branches
+        std::string source;                ///< the file
+    };
+    /// Adds the trees of all batches, or none of them where it throws. O(n log library).
+    Added add(std::span<const Batch> batches, std::span<const std::string> tags);
+    /// The same for one batch.
     Added add(std::span<const ChildTree> trees, const std::string& source, std::span<const std::string> tags);
 
     /// The trees meant, by their numbers, without their skeletons. Throws InvalidInput where an id is no
-    /// number or names none.
+    /// number or names none, and where the file holds values that no tree has.
     std::vector<LibraryEntry> list(const LibraryFilter& filter) const;
     /// The same with their skeletons.
     std::vector<LibraryEntry> read(const LibraryFilter& filter) const;

@@ -14,6 +14,7 @@
 #include "coppice/io/mesh/read_internal.h"
 #include "coppice/io/ply_header.h"
 #include "coppice/io/points/read_internal.h"
+#include "coppice/io/unread_format.h"
 
 namespace coppice {
 namespace io_internal {
@@ -140,8 +141,8 @@ FoundPoints find_points(std::string_view bytes, const std::string& source, const
     if (io_internal::is_pcd(bytes)) return {io_internal::parse_pcd(bytes, source, ctx), {}};
     if (mesh_format_of_content(bytes) == MeshFormat::off)
         return {io_internal::parse_off_points(bytes, source, ctx), {}};
-    if (const auto other = other_point_format(bytes))
-        throw Unsupported(fmt::format("{}: it is {}", source, *other));
+    if (const auto unread = unread_format(bytes))
+        throw Unsupported(fmt::format("{}: it is {}", source, *unread));
     switch (io_internal::scanner_text(bytes)) {
         case ScannerText::pts:
             return io_internal::parse_pts(bytes, source, ctx);
@@ -153,29 +154,6 @@ FoundPoints find_points(std::string_view bytes, const std::string& source, const
 }
 
 }  // namespace
-
-std::optional<std::string_view> other_point_format(std::string_view bytes) {
-    using namespace std::string_view_literals;
-    struct Other {
-        std::string_view start, what;
-    };
-    constexpr std::array<Other, 9> kOthers{
-        {{"ASTM-E57"sv,
-          "an E57 file, which is not read; save it as LAZ, LAS or PLY, for one with CloudCompare"},
-         {"\x1f\x8b"sv, "packed by gzip; unpack it first: gunzip FILE"},
-         {"PK\x03\x04"sv, "a ZIP archive; unpack it first: unzip FILE"},
-         {"7z\xbc\xaf"sv, "a 7z archive; unpack it first: 7z x FILE"},
-         {"BZh"sv, "packed by bzip2; unpack it first: bunzip2 FILE"},
-         {"\xfd"
-          "7zXZ"sv,
-          "packed by xz; unpack it first: unxz FILE"},
-         {"\x28\xb5\x2f\xfd"sv, "packed by Zstandard; unpack it first: unzstd FILE"},
-         {"CCB2"sv, "a file of CloudCompare's own; save it there as LAZ, LAS or PLY"},
-         {"\x89HDF"sv, "an HDF5 file, which is not read; save its points as LAZ, LAS or PLY"}}};
-    for (const auto& [start, what] : kOthers)
-        if (bytes.starts_with(start)) return what;
-    return {};
-}
 
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path) {
     const std::string extension = to_lower(path.extension().string());

@@ -16,10 +16,6 @@ enum class PointFormat {
     ply   ///< written binary little endian; read in all three encodings
 };
 
-/// What a file is that begins with these bytes, and what to do with it, where points come in it but it is not
-/// read: E57, archives, CloudCompare's own; "an E57 file, which ...". Nothing for all others.
-std::optional<std::string_view> other_point_format(std::string_view bytes);
-
 /// By the last extension of the name, upper or lower case; nothing when it belongs to no format of points.
 std::optional<PointFormat> point_format_of_name(const std::filesystem::path& path);
 

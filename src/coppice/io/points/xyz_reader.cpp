@@ -100,29 +100,6 @@ std::string names_in_quotes(const Cells& names) {
     return text + (names.size() > kMost ? ", ..." : "");
 }
 
-/// Whether blanks or semicolons part the row, and commas stand within its first three numbers.
-bool has_decimal_commas(std::string_view row, Cells& cells) {
-    if (row.find(',') == row.npos) return false;
-    cells.clear();
-    const auto parts = [](char c) { return is_blank(c) || c == ';'; };
-    for (std::size_t i = 0; i < row.size() && cells.size() < 3;) {
-        const std::size_t begin = i;
-        while (i < row.size() && !parts(row[i])) ++i;
-        if (i > begin) cells.push_back(row.substr(begin, i - begin));
-        ++i;
-    }
-    if (cells.size() < 3) return false;
-    bool any = false;
-    for (const std::string_view cell : cells) {
-        const std::size_t comma = cell.find(',');
-        const bool after = comma != cell.npos && parse_number(cell.substr(0, comma)) &&
-                           parse_integer(cell.substr(comma + 1));
-        if (!after && !parse_number(cell)) return false;
-        any = any || after;
-    }
-    return any;
-}
-
 class XyzParser {
   public:
     XyzParser(std::string_view text, const std::string& source, const Context& ctx)
@@ -134,11 +111,7 @@ class XyzParser {
             const std::string_view line = lines_.line();
             const std::size_t comment = std::min(line.find('#'), line.find("//"));
             const std::string_view row = line.substr(0, comment);
-            if (has_decimal_commas(row, cells_)) {
-                fail(
-                    "its numbers have commas for decimal points, which cannot be told from commas between "
-                    "numbers; write them with points");
-            }
+            if (has_decimal_commas(row, 3)) fail(kDecimalCommas);
             split_row(row, cells_);
             if (cells_.empty()) {
                 if (first && comment < line.size()) take_comment(line.substr(comment));
@@ -193,6 +166,8 @@ class XyzParser {
                      ? "a point needs three coordinates"
                      : fmt::format("it has {} values for {} named columns", cells_.size(), columns_.count));
         }
+        if (columns_.count > 0 && cells_.size() == 2 * columns_.count && has_only_commas(lines_.line()))
+            fail(kDecimalCommas);
         Vec3d p;
         for (int axis = 0; axis < 3; ++axis) {
             const std::string_view cell = cells_[columns_.axis[static_cast<std::size_t>(axis)] + shift];
@@ -227,7 +202,7 @@ class XyzParser {
         if (const auto color = color_of(*red, *green, *blue)) found_.note(found_.known.colors, *color);
     }
 
-    [[noreturn]] void fail(const std::string& text) const { fail_at(source_, lines_.number(), text); }
+    [[noreturn]] void fail(std::string_view text) const { fail_at(source_, lines_.number(), text); }
 
     LineReader lines_;
     const std::string& source_;

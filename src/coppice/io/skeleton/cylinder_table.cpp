@@ -172,6 +172,12 @@ class TableParser {
     void add_row() {
         // R writes the names of rows as a first column that the header does not count.
         shift_ = !headerless_ && cells_.size() == header_.width + 1 ? 1 : 0;
+        if (separator_ == ',' && cells_.size() > header_.width + shift_) {
+            fail(
+                fmt::format("the row has {} values for {} columns; if commas stand for decimal points, write "
+                            "them as points, or separate the columns by semicolons",
+                            cells_.size(), header_.width));
+        }
         const Columns& c = header_.columns;
         RawCylinder cylinder;
         cylinder.line = lines_.number();

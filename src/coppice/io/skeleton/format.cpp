@@ -33,10 +33,6 @@ bool is_rsml(std::string_view content) {
     return name == "rsml" || name.ends_with(":rsml");
 }
 
-bool is_matlab(std::string_view content) {
-    return content.starts_with("MATLAB ") || content.starts_with("\x89HDF\r\n\x1a\n");
-}
-
 /// The numbers of a row; empty when it has anything else.
 std::vector<double> numbers_of(std::string_view line, bool commas) {
     std::vector<std::string_view> words;
@@ -143,7 +139,7 @@ std::optional<SkeletonFormat> format_of_extension(const std::filesystem::path& p
 
 std::optional<SkeletonFormat> format_of_content(std::string_view content) {
     if (is_ply(content)) return SkeletonFormat::ply;
-    if (is_matlab(content)) return SkeletonFormat::mat;
+    if (content.starts_with("MATLAB ")) return SkeletonFormat::mat;
     if (is_rsml(content)) return SkeletonFormat::rsml;
     LineReader lines(content);
     while (lines.next()) {

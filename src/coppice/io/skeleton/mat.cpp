@@ -54,6 +54,12 @@ void collect(const MatArray& array, std::vector<Table>& models) {
     }
 }
 
+/// Whether a variable is a tree of the TREES toolbox, or cells of such.
+bool is_trees_toolbox(const MatArray& array) {
+    if (array.kind == MatArray::Kind::cell) return std::ranges::any_of(array.items, is_trees_toolbox);
+    return std::ranges::find(array.fields, "dA") != array.fields.end();
+}
+
 class CylinderReader {
   public:
     CylinderReader(const Table& table, const std::string& source) : source_(source) {
@@ -122,6 +128,12 @@ MatModel parse_mat(std::string_view bytes, const std::string& source, int model,
         throw InvalidInput(fmt::format("{}: {}", source, text));
     };
     const std::size_t count = models.size();
+    if (count == 0 && std::ranges::any_of(file.variables(), is_trees_toolbox)) {
+        throw Unsupported(fmt::format(
+            "{}: it is a tree of the TREES toolbox, which is not read; save it there as SWC: swc_tree(tree, "
+            "'TREE.swc')",
+            source));
+    }
     if (count == 0) {
         fail(
             "no cylinders in it: expected TreeQSM's 'QSM.cylinder' with radius, length, start, axis and "

@@ -15,6 +15,7 @@
 #include "coppice/io/file.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/io/unread_format.h"
 
 namespace coppice {
 
@@ -25,6 +26,9 @@ SkeletonFormat detect(std::string_view text, const std::string& source) {
     // These say what they are; the name of the file may be wrong.
     if (by_content == SkeletonFormat::ply || by_content == SkeletonFormat::mat) return *by_content;
     const auto by_extension = format_of_extension(source);
+    // MATLAB writes .mat as HDF5 too; its reader says how to save it.
+    if (const auto unread = unread_format(text); unread && by_extension != SkeletonFormat::mat)
+        throw Unsupported(fmt::format("{}: it is {}", source, *unread));
     // Tables are called .csv by all programs that write comma-separated text.
     if (by_extension && !(by_extension == SkeletonFormat::cylinders && by_content)) return *by_extension;
     if (by_content) return *by_content;

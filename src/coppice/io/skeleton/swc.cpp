@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "coppice/base/error.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -53,22 +55,51 @@ void make_roots_of_zero(std::vector<RawNode>& nodes) {
     }
 }
 
+/// Throws InvalidInput for a row that is no node of SWC; `columns` are the values of the first row. More than
+/// seven are allowed, because some programs append columns.
+void check_row(std::string_view row, std::size_t values, std::size_t columns, const std::string& source,
+               std::uint32_t line) {
+    constexpr std::size_t kNeeded = kColumns.size();
+    if (has_decimal_commas(row, kNeeded) || (values > kNeeded && has_only_commas(row)))
+        fail_at(source, line, kDecimalCommas);
+    if (values < kNeeded) {
+        fail_at(source, line,
+                fmt::format("{} values where a node of SWC has 7: id type x y z radius parent", values));
+    }
+    if (values != columns) {
+        fail_at(source, line,
+                fmt::format("{} values where the first row has {}; write notes behind a #", values, columns));
+    }
+}
+
+/// Checks a file with more columns than SWC has, as some programs append them. Throws InvalidInput where most
+/// parents are missing, because the columns are others then.
+void check_parents(const std::vector<RawNode>& nodes, std::size_t columns, const std::string& source) {
+    std::unordered_set<std::int64_t> ids;
+    for (const RawNode& node : nodes) ids.insert(node.id);
+    const auto missing = std::ranges::count_if(
+        nodes, [&](const RawNode& node) { return node.parent > 0 && !ids.contains(node.parent); });
+    if (2 * static_cast<std::size_t>(missing) <= nodes.size()) return;
+    throw InvalidInput(fmt::format(
+        "{}: the rows have {} values, and the seventh, the parent, names no node in {} of {} rows; "
+        "the first seven columns of SWC are id type x y z radius parent",
+        source, columns, missing, nodes.size()));
+}
+
 }  // namespace
 
 RawSkeleton parse_swc(std::string_view text, const std::string& source, const Context& ctx) {
     std::vector<RawNode> nodes;
     RawAttribute types{std::string(kSwcType), {}};
     std::vector<std::string_view> cells;
+    std::size_t columns = 0;
     LineReader lines(text, ctx);
     while (lines.next()) {
-        const std::string_view line = lines.line();
-        split_at_blanks(line.substr(0, line.find('#')), cells, true);
+        const std::string_view text_of_row = lines.line().substr(0, lines.line().find('#'));
+        split_at_blanks(text_of_row, cells, true);
         if (cells.empty()) continue;
-        if (cells.size() < kColumns.size()) {
-            fail_at(source, lines.number(),
-                    fmt::format("{} values where a node of SWC has 7: id type x y z radius parent",
-                                cells.size()));
-        }
+        if (nodes.empty()) columns = cells.size();
+        check_row(text_of_row, cells.size(), columns, source, lines.number());
         const SwcLine row(cells, source, lines.number());
         nodes.push_back({row.integer(0),
                          row.integer(6),
@@ -77,6 +108,7 @@ RawSkeleton parse_swc(std::string_view text, const std::string& source, const Co
                          lines.number()});
         types.values.push_back(parse_number(cells[1]).value_or(0));
     }
+    if (columns > kColumns.size()) check_parents(nodes, columns, source);
     make_roots_of_zero(nodes);
     if (std::ranges::all_of(types.values, [](double type) { return type == 0; }))
         return {std::move(nodes), {}};

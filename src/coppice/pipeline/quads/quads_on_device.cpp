@@ -16,13 +16,14 @@ void note_refusal(DeviceUse& use, const std::string& why) {
 
 bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use) {
     if (wanted == Device::cpu || (wanted == Device::automatic && faces < kWorthwhile)) return false;
-    const DeviceSearch search = find_device();
-    if (search.device) {
-        use.name = search.device->name;
+    if (wanted == Device::cuda) {
+        use.name = require_device().name;
         return true;
     }
-    if (wanted == Device::cuda) note_refusal(use, "no CUDA device was found: " + search.missing);
-    return false;
+    const DeviceSearch search = find_device();
+    if (!search.device) return false;
+    use.name = search.device->name;
+    return true;
 }
 
 std::optional<DeviceQuads> begin_on_device(const cuda::QuadJob& job, const cuda::ContactInput& contacts,

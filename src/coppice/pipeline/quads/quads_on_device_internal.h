@@ -10,7 +10,7 @@
 
 namespace coppice {
 
-/// Whether work of so many faces goes to a card, and if it was asked to but cannot, why.
+/// Whether work of so many faces goes to a card. Throws DeviceError where it has to and there is none.
 bool goes_to_device(Device wanted, std::uint64_t faces, DeviceUse& use);
 
 /// Notes that the CPU did the work, and why.

@@ -165,15 +165,10 @@ SceneCommand library_add_command() {
             call.has("nodes") ? selected_branches(call, names, options) : branches_of(call, names, options);
         SceneOutcome out;
         if (!call.settings().outputs) return out;
-        TreeLibrary library(path, LibraryAccess::create, call.context());
-        std::size_t added = 0;
-        std::uint32_t known = 0;
-        for (std::size_t i = 0; i < trees.size(); ++i) {
-            const auto done = library.add(trees[i], names[i], tags);
-            added += done.ids.size();
-            known += done.known;
-        }
-        out.text = fmt::format("{} branches added, {} were there already\n", added, known);
+        std::vector<TreeLibrary::Batch> batches;
+        for (std::size_t i = 0; i < trees.size(); ++i) batches.push_back({trees[i], names[i]});
+        const auto done = TreeLibrary(path, LibraryAccess::create, call.context()).add(batches, tags);
+        out.text = fmt::format("{} branches added, {} were there already\n", done.ids.size(), done.known);
         return out;
     };
     return c;

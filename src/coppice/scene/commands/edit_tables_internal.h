@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/base/quote.h"
 #include "coppice/edit/selection.h"
 #include "coppice/scene/commands/tables_internal.h"
 
@@ -42,8 +43,8 @@ inline NodeSet nodes_of(const SceneCall& call, const EditableTree& tree,
     const std::string& text = call.text(argument);
     NodeSet nodes = selected(tree, parse_selection(text), solids_of(call));
     if (nodes.empty()) {
-        throw InvalidInput(
-            fmt::format("'{}' holds no node of the tree; try other bounds with: select {}", text, text));
+        throw InvalidInput(fmt::format("{} holds no node of the tree; try other bounds with: select {}",
+                                       quote(text), shortened(text)));
     }
     return nodes;
 }

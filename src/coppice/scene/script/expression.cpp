@@ -11,6 +11,7 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
+#include "coppice/base/quote.h"
 #include "coppice/base/random.h"
 #include "coppice/pipeline/quantity.h"
 #include "coppice/pipeline/spelling.h"
@@ -20,7 +21,6 @@ namespace {
 
 constexpr int kDeepest = 100;
 constexpr std::size_t kLongestName = 64;
-constexpr std::size_t kShown = 40;          // of a text in a message
 constexpr std::uint64_t kRandomStage = 71;  // apart from the draws of the commands
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -58,10 +58,6 @@ constexpr std::array<Function, 16> kFunctions{{
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool starts_name(char c) { return is_letter(c) || c == '_'; }
-
-std::string shown(std::string_view text) {
-    return fmt::format("{}{}", text.substr(0, kShown), text.size() > kShown ? "..." : "");
-}
 
 double finite(double value, std::string_view of) {
     if (!std::isfinite(value)) throw InvalidInput(fmt::format("{} gives no finite number here", of));
@@ -186,7 +182,7 @@ class Evaluation {
             if (!takes(")")) throw InvalidInput("a parenthesis is opened and not closed");
             return inner;
         }
-        throw InvalidInput(fmt::format("'{}' begins no number, name or text", shown(rest_)));
+        throw InvalidInput(fmt::format("{} begins no number, name or text", quote(rest_)));
     }
 
     SceneValue number() {
@@ -201,7 +197,7 @@ class Evaluation {
         }
         const std::string_view word = rest_.substr(0, end);
         const auto value = parse_finite(word);
-        if (!value) throw InvalidInput(fmt::format("'{}' is no number", shown(word.empty() ? rest_ : word)));
+        if (!value) throw InvalidInput(fmt::format("{} is no number", quote(word.empty() ? rest_ : word)));
         rest_.remove_prefix(end);
         return *value;
     }
@@ -215,8 +211,7 @@ class Evaluation {
             return found->second;
         std::vector<std::string> known;
         for (const auto& [other, value] : variables_.values) known.push_back(other);
-        throw InvalidInput(
-            fmt::format("there is no variable '{}'{}", shown(name), did_you_mean(name, known)));
+        throw InvalidInput(fmt::format("there is no variable {}{}", quote(name), did_you_mean(name, known)));
     }
 
     SceneValue call(const std::string& name) {
@@ -228,7 +223,7 @@ class Evaluation {
             std::vector<std::string> known{"random"};
             for (const Function& f : kFunctions) known.emplace_back(f.name);
             throw InvalidInput(
-                fmt::format("there is no function '{}'{}", shown(name), did_you_mean(name, known)));
+                fmt::format("there is no function {}{}", quote(name), did_you_mean(name, known)));
         }
         if (values.size() < found->least || values.size() > found->most) {
             throw InvalidInput(fmt::format("{} takes {}{}, not {}", name, found->least,
@@ -333,7 +328,7 @@ SceneValue evaluate(std::string_view expression, SceneVariables& variables) {
     SceneValue value = evaluate_front(rest, variables);
     if (!rest.empty()) {
         throw InvalidInput(
-            fmt::format("'{}' follows the expression, where an operator has to stand", shown(rest)));
+            fmt::format("{} follows the expression, where an operator has to stand", quote(rest)));
     }
     return value;
 }
@@ -341,7 +336,7 @@ SceneValue evaluate(std::string_view expression, SceneVariables& variables) {
 double number_in(const SceneValue& value, std::string_view what) {
     if (const double* number = std::get_if<double>(&value)) return *number;
     throw InvalidInput(
-        fmt::format("{} takes numbers, and '{}' is a text", what, shown(std::get<std::string>(value))));
+        fmt::format("{} takes numbers, and {} is a text", what, quote(std::get<std::string>(value))));
 }
 
 std::string text_of(const SceneValue& value) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/base/quote.h"
 #include "coppice/pipeline/quantity.h"
 #include "coppice/scene/place_internal.h"
 
@@ -84,9 +85,9 @@ std::string taken_name(const SceneStatement& statement, std::string_view& text) 
     if (name.empty()) refuse(statement);
     if (!is_variable_name(name)) {
         throw InvalidInput(
-            fmt::format("'{}' is no name for a variable: letters, digits and _ after a letter, and no word "
+            fmt::format("{} is no name for a variable: letters, digits and _ after a letter, and no word "
                         "of the language",
-                        name.substr(0, 40)));
+                        quote(name)));
     }
     text.remove_prefix(name.size());
     return name;
@@ -314,8 +315,8 @@ void SceneScript::let(const Line& line) {
         if (std::holds_alternative<double>(value)) {
             const auto number = parse_finite(given->second);
             if (!number) {
-                throw InvalidInput(fmt::format("{} is a number, and is set to '{}'", line.name,
-                                               given->second.substr(0, 40)));
+                throw InvalidInput(
+                    fmt::format("{} is a number, and is set to {}", line.name, quote(given->second)));
             }
             value = *number;
         } else {

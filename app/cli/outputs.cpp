@@ -1,0 +1,65 @@
+#include "outputs.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <vector>
+
+namespace coppice::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NamedFile {
+    const Option* option;
+    fs::path name;    ///< as given
+    fs::path target;  ///< absolute, without symbolic links
+};
+
+/// Whether writing a file of this name replaces what is there: not for devices, pipes and folders.
+bool is_replaced(const fs::path& path) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    return !fs::exists(status) || fs::is_regular_file(status);
+}
+
+std::vector<fs::path> names_of(const OptionTarget& target) {
+    if (const auto* one = std::get_if<fs::path*>(&target)) return {**one};
+    if (const auto* many = std::get_if<std::vector<fs::path>*>(&target)) return **many;
+    return {};
+}
+
+std::vector<NamedFile> files_of(const GivenOptions& given, bool outputs) {
+    std::vector<NamedFile> files;
+    for (const Option* option : given) {
+        if (option->is_output != outputs) continue;
+        for (const fs::path& name : names_of(option->target)) {
+            std::error_code error;
+            const fs::path target = fs::weakly_canonical(fs::absolute(name, error), error);
+            if (!error && is_replaced(target)) files.push_back({option, name, target});
+        }
+    }
+    return files;
+}
+
+}  // namespace
+
+void check_outputs(const GivenOptions& given) {
+    const std::vector<NamedFile> inputs = files_of(given, false), outputs = files_of(given, true);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const NamedFile& output = outputs[i];
+        for (std::size_t k = 0; k < i; ++k) {
+            if (outputs[k].target == output.target)
+                throw UsageError(fmt::format("{} and {} both write '{}'; name two different files",
+                                             outputs[k].option->name, output.option->name,
+                                             output.name.string()));
+        }
+        for (const NamedFile& input : inputs) {
+            if (input.target == output.target && input.option->name != output.option->replaces)
+                throw UsageError(fmt::format("{} would overwrite '{}', which is an input; name another file",
+                                             output.option->name, output.name.string()));
+        }
+    }
+}
+
+}  // namespace coppice::cli
