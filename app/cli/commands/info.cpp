@@ -85,7 +85,7 @@ Figures describe(const PolygonMesh& mesh, const Context& ctx) {
     out["quads"] = t.quads;
     out["components"] = t.components;
     out["euler"] = t.euler;
-    out["sound"] = t.sound();
+    out["watertight"] = t.watertight();
     out["area_m2"] = s.area;
     out["volume_m3"] = s.signed_volume;
     if (!box.empty()) add_size(out, box, mesh.origin);

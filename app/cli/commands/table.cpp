@@ -92,7 +92,7 @@ void add_extent(Figures& row, const Box3& box) {
 
 void add_surface(Figures& row, const PolygonMesh& mesh, const Context& ctx) {
     const ShapeReport report = shape(mesh, ctx);
-    row["surface_sound"] = topology(mesh, ctx).sound();
+    row["surface_watertight"] = topology(mesh, ctx).watertight();
     row["surface_area"] = report.area;
     row["surface_volume"] = report.signed_volume;
 }
