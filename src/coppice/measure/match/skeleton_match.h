@@ -77,9 +77,9 @@ struct SkeletonMatch {
 
 /// Holds `found` against `reference`. Both are brought into one frame; neither how densely nodes lie nor
 /// where the roots are matters to the shares and matches. Trees of a single node have no axis: they count as
-/// nodes and are otherwise not seen. Axes are sampled at most 4 million times each; longer ones more
-/// coarsely. O(n log n) [n nodes and samples]; the same bits for any number of threads. Throws InvalidInput
-/// for an option out of its range, Cancelled.
+/// nodes and are otherwise not seen. A skeleton of n segments is sampled at 64 n + 65,536 places at most; the
+/// longest segments, in radii, more coarsely where it takes that. O(n log n) [n nodes and samples]; the same
+/// bits for any number of threads. Throws InvalidInput for an option out of its range, Cancelled.
 SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const CompareOptions& options = {},
                       const Context& ctx = {});
 
