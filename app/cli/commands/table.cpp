@@ -20,6 +20,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "sums.h"
 
 namespace coppice::cli {
 namespace {
@@ -120,14 +121,10 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     row["radius_max"] = m.greatest_radius;
     row["length"] = m.length;
     row["longest_path"] = m.longest_path;
-    row["area"] = m.area;
-    row["volume"] = m.volume;
-    if (file.declared) {
-        row["cylinders"] = file.declared->cylinders;
-        row["cylinder_length"] = file.declared->length;
-        row["cylinder_area"] = file.declared->area;
-        row["cylinder_volume"] = file.declared->volume;
-    }
+    run.stage("measure", [&](const Context& ctx) {
+        add_sums(
+            row, file, m, [](std::string_view name, int) { return std::string(name); }, ctx);
+    });
     if (file.units == LengthUnit::m) add_crown(row, s);
     add_architecture(row, s, flags, limits);
     add_surface(run, row, s, flags);

@@ -55,7 +55,7 @@ struct NodeMatches {
 /// A skeleton that was found, held against the reference. Shares are 0 where there is no length to share.
 struct SkeletonMatch {
     Quantity length;               ///< [m]
-    Quantity volume;               ///< [m^3] of the cones between nodes; what overlaps counts twice
+    Quantity volume;               ///< [m^3] of the segments; what overlaps counts twice
     double covered_percent = 0;    ///< of the reference's length: an axis found lies within one radius
     double true_percent = 0;       ///< of the length found: inside the reference, within one of its radii
     double off_axis = 0;           ///< [radius] mean along what was found: least rho (see CapsuleTree)
