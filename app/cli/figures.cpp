@@ -17,6 +17,7 @@ struct ToJson {
     Json operator()(const Plain& value) const {
         return value;
     }
+    Json operator()(const NotChecked&) const { return nullptr; }
     Json operator()(const Figure::List& list) const {
         Json out = Json::array();
         for (const Figure& figure : list) out.push_back(std::visit(*this, figure.value));
@@ -31,6 +32,9 @@ struct ToJson {
 
 /// A value within a line.
 struct Text {
+    std::string operator()(const NotChecked& unknown) const {
+        return fmt::format("unknown: {} not checked", unknown.what);
+    }
     std::string operator()(bool value) const { return value ? "yes" : "no"; }
     std::string operator()(std::uint64_t number) const { return grouped(number); }
     std::string operator()(std::int64_t number) const {

@@ -15,6 +15,11 @@ namespace coppice::cli {
 
 struct Figure;
 
+/// In place of a figure that depends on what was not measured: null in JSON.
+struct NotChecked {
+    std::string what;  ///< what was not measured, for people
+};
+
 /// What a command reports, in the order in which it was said: names with numbers, texts, lists or figures of
 /// their own.
 class Figures {
@@ -34,6 +39,7 @@ struct Figure {
     using List = std::vector<Figure>;
 
     Figure() = default;
+    Figure(NotChecked unknown) : value(std::move(unknown)) {}
     Figure(bool yes) : value(yes) {}
     template <std::unsigned_integral Number>
     Figure(Number number) : value(std::uint64_t{number}) {}
@@ -46,7 +52,7 @@ struct Figure {
     Figure(List list) : value(std::move(list)) {}
     Figure(Figures figures) : value(std::move(figures)) {}
 
-    std::variant<bool, std::uint64_t, std::int64_t, double, std::string, List, Figures> value;
+    std::variant<bool, std::uint64_t, std::int64_t, double, std::string, List, Figures, NotChecked> value;
 };
 
 /// Anything with visit_figures.

@@ -120,7 +120,7 @@ def rows(coppice, poisson, name, cloud, skeleton, stem):
     for way, path, seconds in surfaces(coppice, poisson, cloud, skeleton, stem):
         judged = json.loads(run(coppice, "check", path, "--skeleton", skeleton, "--cloud", cloud, "--json"))
         points = judged["cloud_to_surface_m"]["n"]
-        text += row(name, f"{points:,}", way, f"{judged['faces']:,}", "yes" if judged["sound"] else "no", judged["components"],
+        text += row(name, f"{points:,}", way, f"{judged['faces']:,}", "yes" if judged["watertight"] else "no", judged["components"],
                     f"{judged['intersections']['total']:,}",
                     *(millimetres(judged, part + figure) for part in ("", "fork_") for figure in ("cloud_to_surface_m", "surface_to_cloud_m")),
                     f"{judged['surface_bare_percent']:.1f}", f"{seconds:.3f}")

@@ -38,8 +38,8 @@ def timed(coppice, path, folder, way):
     return judged, counts, least
 
 
-def soundness(judged):
-    return "yes" if judged["sound"] else "no"
+def watertight(judged):
+    return "yes" if judged["watertight"] else "no"
 
 
 def at_forks(judged):
@@ -51,7 +51,7 @@ def figure1(coppice, skeletons, folder):
     for name, path in skeletons:
         ways = {"generalized cylinders": ("--method", "cylinders"), "ramifications": UNITS, "quads": ()}
         for way, (judged, _, _) in in_turn(coppice, path, folder, ways, 1).items():
-            text += row(name, way, soundness(judged), judged["components"], judged["components"] - judged["euler"] // 2, f"{judged['intersections']['total']:,}", *at_forks(judged))
+            text += row(name, way, watertight(judged), judged["components"], judged["components"] - judged["euler"] // 2, f"{judged['intersections']['total']:,}", *at_forks(judged))
     return text
 
 
@@ -74,7 +74,7 @@ def figure9(coppice, folder, out):
         path = os.path.join(out, f"pasted_{place}.swc")
         judged, counts, ms = timed(coppice, path, folder, (*AS_PRINTED, "--all-additional"))
         text += row(place, height, turn, f"{radius / 0.1:.2f}", f"{counts['ramifications']['objective_after']['pastes']:.2f}", f"{ms[1]:.3f}",
-                    f"{judged['faces']:,}", soundness(judged), judged["intersections"]["total"], *at_forks(judged))
+                    f"{judged['faces']:,}", watertight(judged), judged["intersections"]["total"], *at_forks(judged))
     return text
 
 
@@ -86,7 +86,7 @@ def figure11(coppice, folder, out):
         judged, _, ms = timed(coppice, path, folder, (*AS_PRINTED, "--all-additional"))
         projected, _, _ = mesh_and_check(coppice, path, folder, *UNITS, "--all-additional")
         text += row(n, "Huang2017", f"{faces:,}", paste, both, "yes", "-", "-", "-", "-")
-        text += row(n, "ours", f"{judged['faces']:,}", f"{ms[1]:.2f}", f"{ms[2]:.2f}", soundness(judged), judged["intersections"]["total"],
+        text += row(n, "ours", f"{judged['faces']:,}", f"{ms[1]:.2f}", f"{ms[2]:.2f}", watertight(judged), judged["intersections"]["total"],
                     projected["intersections"]["total"], *at_forks(projected))
     return text
 
@@ -101,7 +101,7 @@ def figure12(coppice, skeletons, folder):
         projected, _, seconds = mesh_and_check(coppice, path, folder, *UNITS)
         r = counts["ramifications"]
         text += row(name, "Huang2017", branches[name], additional, *printed, "yes", "-", "-", "-")
-        text += row(name, "ours", r["branches"], r["additional"], *(f"{m:.2f}" for m in ms), soundness(judged), f"{judged['intersections']['total']:,}",
+        text += row(name, "ours", r["branches"], r["additional"], *(f"{m:.2f}" for m in ms), watertight(judged), f"{judged['intersections']['total']:,}",
                     f"{projected['intersections']['total']:,}", f"{seconds:.3f}")
     return text
 
@@ -125,7 +125,7 @@ def forks(coppice, folder, count):
     path, mesh, draw = os.path.join(folder, "fork.swc"), os.path.join(folder, "mesh.ply"), random.Random(7)
     ways = (UNITS, (*UNITS, "--all-additional"), (*UNITS, "--remesh-rounds", "0"), ("--remesh-rounds", "0"))
     for n in range(4, 10):
-        sound, spheres, clean = 0, 0, [0] * len(ways)
+        closed, spheres, clean = 0, 0, [0] * len(ways)
         for _ in range(count):
             made_up.random_fork(n, draw).write(path)
             for i, way in enumerate(ways):
@@ -133,9 +133,9 @@ def forks(coppice, folder, count):
                 judged = json.loads(run(coppice, "check", mesh, "--json"))
                 clean[i] += judged["intersections"]["total"] == 0
                 if i == 0:
-                    sound += judged["sound"] and judged["quads_percent"] == 100
+                    closed += judged["watertight"] and judged["quads_percent"] == 100
                     spheres += judged["euler"] == 2
-        text += row(n, sound, spheres, *clean)
+        text += row(n, closed, spheres, *clean)
     return text
 
 

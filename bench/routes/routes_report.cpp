@@ -153,8 +153,8 @@ std::string parts_table(const Comparison& all) {
 std::string routes_tables(const Comparison& all) {
     Table times({"scene", "route", "faces", "time", "us per face", "memory, MiB", "radius, mean error",
                  "missing, pinched"});
-    Table shapes({"scene", "route", "sound", "parts", "handles", "crossings: near", "elsewhere", "overlap",
-                  "least angle", "edge p5", "p50", "p95", "p95 / p5"});
+    Table shapes({"scene", "route", "watertight", "parts", "handles", "crossings: near", "elsewhere",
+                  "overlap", "least angle", "edge p5", "p50", "p95", "p95 / p5"});
     for (const RoutesResult& scene : all.scenes) {
         for (const RouteResult& r : scene.routes) {
             const SurfaceFigures& f = r.figures;
@@ -163,13 +163,13 @@ std::string routes_tables(const Comparison& all) {
                        fmt::format("{:.3f}", 1e6 * r.seconds() / static_cast<double>(f.faces())),
                        memory_text(r.peak_bytes), fmt::format("{:.4f}", f.report.radius->regular.mean_abs),
                        twigs_text(f)});
-            shapes.add({scene.scene, r.name, f.report.sound() ? "yes" : "no",
+            shapes.add({scene.scene, r.name, f.report.watertight() ? "yes" : "no",
                         fmt::to_string(f.report.topology.components),
-                        f.report.sound() ? fmt::to_string(f.handles()) : "-", fmt::to_string(crossings.local),
-                        fmt::to_string(crossings.remote), fmt::to_string(crossings.overlap),
-                        fmt::format("{:.1f}", f.least_angle), fmt::format("{:.2f}", f.edge.p5),
-                        fmt::format("{:.2f}", f.edge.p50), fmt::format("{:.2f}", f.edge.p95),
-                        fmt::format("{:.1f}", f.edge.p95 / f.edge.p5)});
+                        f.report.watertight() ? fmt::to_string(f.handles()) : "-",
+                        fmt::to_string(crossings.local), fmt::to_string(crossings.remote),
+                        fmt::to_string(crossings.overlap), fmt::format("{:.1f}", f.least_angle),
+                        fmt::format("{:.2f}", f.edge.p5), fmt::format("{:.2f}", f.edge.p50),
+                        fmt::format("{:.2f}", f.edge.p95), fmt::format("{:.1f}", f.edge.p95 / f.edge.p5)});
         }
     }
     return "### Quads, tetrahedra, grid: time and truth\n\n" + times.text() +
@@ -210,7 +210,7 @@ nlohmann::ordered_json route_json(const RouteResult& r) {
                                {"tetrahedra", r.tetrahedra},
                                {"sampled", r.sampled},
                                {"peak_bytes", r.peak_bytes},
-                               {"sound", f.report.sound()},
+                               {"watertight", f.report.watertight()},
                                {"components", f.report.topology.components},
                                {"handles", f.handles()},
                                {"crossings_local", f.report.intersections->local},

@@ -26,7 +26,7 @@ struct SurfaceFigures {
     PartFigures thick, thin;
 
     std::uint64_t faces() const { return report.topology.faces; }
-    /// Of all parts together; the surface must be sound.
+    /// Of all parts together; the surface must be watertight.
     std::int64_t handles() const {
         return static_cast<std::int64_t>(report.topology.components) - report.topology.euler / 2;
     }

@@ -65,8 +65,9 @@ std::string row(const std::string& name, const PolygonMesh& mesh, bool triangles
     return fmt::format(
         "| {} | {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f}, {:.3f} | {:.1f}, {:.1f} | {:.2f} |\n", name,
         mesh.face_count(), mesh.positions.size(), irregular(mesh, triangles ? 6 : 4, triangles ? 3 : 4),
-        topology(mesh).sound() ? "yes" : "no", shape(mesh).signed_volume / 8, away, radius.min / radius.mean,
-        radius.max / radius.mean, angle.p95, angle.max, smooth.whole.bending / (8 * std::numbers::pi));
+        topology(mesh).watertight() ? "yes" : "no", shape(mesh).signed_volume / 8, away,
+        radius.min / radius.mean, radius.max / radius.mean, angle.p95, angle.max,
+        smooth.whole.bending / (8 * std::numbers::pi));
 }
 
 void write(const std::filesystem::path& folder, std::string name, const PolygonMesh& mesh) {
@@ -79,7 +80,8 @@ void write(const std::filesystem::path& folder, std::string name, const PolygonM
 void run(int levels, const std::filesystem::path& folder) {
     if (!folder.empty()) std::filesystem::create_directories(folder);
     fmt::print(
-        "| scheme | faces | vertices | irregular vertices, faces | sound | volume over the cube's | corner "
+        "| scheme | faces | vertices | irregular vertices, faces | watertight | volume over the cube's | "
+        "corner "
         "to surface | radius over its mean, least, "
         "greatest | angle between faces, degrees, p95, greatest | bending over a sphere's |\n"
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");

@@ -38,6 +38,6 @@ int main() {
 
     const coppice::TopologyReport topology = coppice::topology(coppice::to_polygons(mesh));
     std::printf("%zu triangles, closed and manifold: %s\n", mesh.triangles.size(),
-                topology.sound() ? "yes" : "no");
+                topology.watertight() ? "yes" : "no");
     std::printf("handles: %lld\n", (long long)(1 - topology.euler / 2));
 }

@@ -35,9 +35,9 @@ void expect_closed(const QuadSurface& surface, const Skeleton& skeleton) {
     const std::uint64_t parts =
         has_knots ? surface.knots.parts : skeleton.tree_count() - surface.grafted.joined;
     const TopologyReport t = topology(mesh);
-    EXPECT_TRUE(t.sound()) << t.open_edges << " open, " << t.non_manifold_edges << " non-manifold and "
-                           << t.misoriented_edges << " misoriented edges, " << t.non_manifold_vertices
-                           << " non-manifold vertices";
+    EXPECT_TRUE(t.watertight()) << t.open_edges << " open, " << t.non_manifold_edges << " non-manifold and "
+                                << t.misoriented_edges << " misoriented edges, " << t.non_manifold_vertices
+                                << " non-manifold vertices";
     EXPECT_EQ(t.quads, t.faces);
     EXPECT_EQ(t.vertices, mesh.positions.size());
     EXPECT_LE(parts, skeleton.tree_count());

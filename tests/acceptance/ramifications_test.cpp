@@ -19,7 +19,7 @@ QuadSurface ramified(const Skeleton& skeleton, MeshOptions options = {}) {
 void expect_spheres(const QuadSurface& surface, const Skeleton& skeleton) {
     const TopologyReport t = topology(surface.mesh);
     const std::uint32_t trees = skeleton.tree_count() - surface.grafted.joined;
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.components, trees);
     EXPECT_EQ(t.euler, 2 * std::int64_t{trees});
 }
@@ -27,7 +27,7 @@ void expect_spheres(const QuadSurface& surface, const Skeleton& skeleton) {
 // Closed and without crossings, though remeshing may have joined what touches.
 void expect_sound(const QuadSurface& surface) {
     const TopologyReport t = topology(surface.mesh);
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     if (surface.knots.rounds > 0) {
         EXPECT_EQ(t.components, surface.knots.parts);
     }

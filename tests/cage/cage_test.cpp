@@ -27,7 +27,7 @@ ControlMesh cage_of(const Skeleton& s, const ControlOptions& options = {}, unsig
 
 void expect_spheres(const ControlMesh& m, std::uint32_t trees) {
     const TopologyReport t = topology(m.cage);
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.components, trees);
     EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(trees));
     EXPECT_EQ(t.vertices, m.cage.positions.size()) << "every vertex is used";

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "coppice/base/random.h"
 #include "zoo.h"
 
 namespace coppice {
@@ -55,6 +56,58 @@ TEST(PartBranches, StemsThatLeaveInOppositeDirectionsPartAtOnce) {
     const PartResult r = part_branches(s, {});
     EXPECT_EQ(r.report.absorbed + r.report.advanced + r.report.bundled + r.report.swallowed, 0u);
     EXPECT_EQ(r.skeleton.children(NodeId(0)).size(), 2u);
+}
+
+/// A random tree of chains and acute forks, `far` away from zero, with radii of about 1.
+Skeleton random_chains(std::uint64_t seed, float far) {
+    const CounterRandom random(seed, 0);
+    std::uint64_t drawn = 0;
+    const auto next = [&] { return static_cast<float>(random.uniform(drawn++)); };
+    std::vector<NodeId> parent{NodeId::none()};
+    std::vector<Vec3> position{{far, far, far}};
+    std::vector<float> radius{1};
+    for (std::uint32_t i = 1; i < 40; ++i) {
+        const bool goes_on = next() < 0.75f;
+        const auto from = goes_on ? i - 1 : static_cast<std::uint32_t>(next() * static_cast<float>(i));
+        parent.emplace_back(from);
+        position.push_back(position[from] +
+                           Vec3{next() - 0.5f, next() - 0.5f, next() - 0.2f} * (8 * next() * radius[from]));
+        radius.push_back(radius[from] * (0.6f + 0.4f * next()));
+    }
+    return {std::move(parent), std::move(position), std::move(radius)};
+}
+
+// At 1e8 floats are 8 apart: nodes cannot be moved by less.
+TEST(PartBranches, EndsWhereFloatsCannotTellPlacesApart) {
+    for (const float far : {0.0f, 1e6f, 1e7f, 1e8f, 1e9f}) {
+        for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+            const Skeleton s = random_chains(seed, far);
+            const PartResult r = part_branches(s, {});
+            EXPECT_EQ(r.tube.size(), s.size());
+        }
+    }
+}
+
+TEST(PartBranches, FollowsAPowerOfTwoExactly) {
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+        const Skeleton s = random_chains(seed, 0);
+        const PartResult one = part_branches(s, {});
+        for (const int power : {-30, -7, 7, 30}) {
+            std::vector<Vec3> position(s.positions().begin(), s.positions().end());
+            std::vector<float> radius(s.radii().begin(), s.radii().end());
+            const float factor = std::ldexp(1.0f, power);
+            for (Vec3& p : position) p = p * factor;
+            for (float& r : radius) r *= factor;
+            const PartResult other =
+                part_branches({{s.parents().begin(), s.parents().end()}, position, radius}, {});
+            ASSERT_EQ(other.source, one.source) << seed;
+            for (const NodeId n : nodes(one.skeleton)) {
+                EXPECT_EQ(other.skeleton.parent(n), one.skeleton.parent(n));
+                EXPECT_EQ(other.skeleton.position(n), one.skeleton.position(n) * factor);
+                EXPECT_EQ(other.skeleton.radius(n), one.skeleton.radius(n) * factor);
+            }
+        }
+    }
 }
 
 TEST(PartBranches, EveryNodeHasATubeAndEverySourceIsANode) {

@@ -299,7 +299,7 @@ def judged(program, command, conditions):
         value = LOOKS[words[0]](words[1])
     else:
         code, out, err = run(program, words + ["--json"], None)
-        if code != 0:
+        if code != ("sound=false" in conditions.split(",")):  # a check that is expected to fail ends with 1
             yield f"{command} ends with {code}: {err or out}"
             return
         value = json.loads(out)

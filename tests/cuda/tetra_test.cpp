@@ -362,7 +362,7 @@ TEST(PrintedMarch, MakesTheTrianglesOfMarchingWithoutSnapping) {
                 ASSERT_EQ(found.triangles[i][k], welded.positions[welded.triangles[i][k]]);
         }
         const TopologyReport topo = topology(polygons(welded));
-        EXPECT_TRUE(topo.sound());
+        EXPECT_TRUE(topo.watertight());
         EXPECT_EQ(topo.vertices, welded.positions.size());
         EXPECT_EQ(topo.euler, 2);
         const MarchResult expected =

@@ -39,7 +39,7 @@ TEST(MeshClean, ASoundMeshIsLeftAlone) {
     // 16 x 20 quads and two fans of 16.
     EXPECT_EQ(r.mesh.triangles.size(), 672u);
     EXPECT_EQ(r.mesh.positions.size(), 338u);
-    EXPECT_TRUE(topology(as_polygons(r.mesh)).sound());
+    EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
 }
 
 TEST(MeshClean, SplitVerticesAreWelded) {
@@ -47,7 +47,7 @@ TEST(MeshClean, SplitVerticesAreWelded) {
     const CleanMeshResult r = clean_mesh(apart);
     EXPECT_EQ(r.mesh.positions.size(), 338u);
     EXPECT_EQ(r.repairs.welded, apart.positions.size() - 338);
-    EXPECT_TRUE(topology(as_polygons(r.mesh)).sound());
+    EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
 }
 
 TEST(MeshClean, WeldingGoesByTheSizeOfTheMesh) {
@@ -72,7 +72,7 @@ TEST(MeshClean, DegenerateAndDoubleFacesGo) {
     const CleanMeshResult r = clean_mesh(m);
     EXPECT_EQ(r.repairs.degenerate, 1u);
     EXPECT_EQ(r.repairs.duplicates, 1u);
-    EXPECT_TRUE(topology(as_polygons(r.mesh)).sound());
+    EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
 }
 
 TEST(MeshClean, InwardPiecesAreTurned) {
@@ -93,7 +93,7 @@ TEST(MeshClean, NeighboursAreMadeToAgree) {
         m.add_face(face);
     }
     const CleanMeshResult r = clean_mesh(m);
-    EXPECT_TRUE(topology(as_polygons(r.mesh)).sound());
+    EXPECT_TRUE(topology(as_polygons(r.mesh)).watertight());
     EXPECT_NEAR(volume(r.mesh), volume(clean_mesh(right).mesh), 1e-9);
 }
 

@@ -157,6 +157,45 @@ TEST(SkeletonWriter, TypesOfSwcGoThroughOtherFormatsAndBack) {
         << "what is no type is not written as one";
 }
 
+TEST(SkeletonWriter, IdsOfSwcAreKept) {
+    const std::string head = "# SWC written by Coppice; units: m\n# id type x y z radius parent\n";
+    const auto converted = [&](const std::string& rows) {
+        const SkeletonFile file = parse_skeleton(head + rows, "t.swc");
+        return encode_skeleton(file.skeleton, {.format = SkeletonFormat::swc}, file.attributes);
+    };
+    const std::string gaps = "7 0 0 0 0 5 -1\n3 0 0 0 9 1 7\n16777216 0 4 0 12 0.5 3\n";
+    EXPECT_EQ(converted(gaps), head + gaps);
+    EXPECT_EQ(converted("2 0 0 0 9 1 1\n1 0 0 0 0 5 -1\n"), head + "1 0 0 0 0 5 -1\n2 0 0 0 9 1 1\n")
+        << "parents come first, with their ids";
+    EXPECT_EQ(converted("4 0 0 0 0 5 -1\n5 0 0 0 0 5 4\n6 0 0 0 9 1 5\n"),
+              head + "4 0 0 0 0 5 -1\n6 0 0 0 9 1 4\n")
+        << "a node at the place of its parent is merged into it";
+    for (const char* first : {"0", "16777217"}) {
+        EXPECT_EQ(converted(std::string(first) + " 0 0 0 0 5 -1\n9 0 0 0 9 1 " + first + "\n"),
+                  head + "1 0 0 0 0 5 -1\n2 0 0 0 9 1 1\n")
+            << first;
+    }
+    const std::string json =
+        encode_skeleton(parse_skeleton(head + gaps, "t.swc").skeleton, {.format = SkeletonFormat::json},
+                        parse_skeleton(head + gaps, "t.swc").attributes);
+    const SkeletonFile back = parse_skeleton(json, "t.json");
+    EXPECT_EQ(encode_skeleton(back.skeleton, {.format = SkeletonFormat::swc}, back.attributes), head + gaps);
+    // Counted from 1 as the nodes come, they are nothing to keep.
+    EXPECT_TRUE(parse_skeleton(head + "1 0 0 0 0 5 -1\n2 0 0 0 9 1 1\n", "t.swc").attributes.empty());
+}
+
+TEST(SkeletonWriter, NodesWithoutAnIdOfTheirOwnAreNumberedAfterTheOthers) {
+    // Of the copies of id 4 the first keeps it; 0 and 2.5 are no ids.
+    const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
+                     {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}}, {1, 1, 1, 1, 1});
+    const std::vector<NodeAttribute> ids{{"id", {4, 4, 9, 0, 2.5f}}};
+    const std::string text = encode_skeleton(s, {.format = SkeletonFormat::swc}, ids);
+    EXPECT_NE(
+        text.find("\n4 0 0 0 0 1 -1\n10 0 0 0 1 1 4\n9 0 0 0 2 1 10\n11 0 0 0 3 1 9\n12 0 0 0 4 1 11\n"),
+        std::string::npos)
+        << text;
+}
+
 TEST(SkeletonWriter, FilesSayWhatAUnitIs) {
     for (const char* name : {"swc", "json", "obj", "ply"}) {
         const SkeletonFormat format = *format_of_extension(std::string("t.") + name);

@@ -218,10 +218,26 @@ TEST(SkeletonMatch, SegmentsWithoutLengthWeighNothing) {
 }
 
 TEST(SkeletonMatch, VeryThinLongSegmentsAreSampledMoreCoarsely) {
-    const Skeleton thread({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 1e6f}}, {1e-6f, 1e-6f});
-    const SkeletonMatch m = compare(thread, pole());
-    EXPECT_NEAR(m.covered_percent, 1e-3, 1e-4) << "10 m of 1000 km";
-    EXPECT_LE(m.radius_error.n, std::uint64_t{1} << 22);
+    const Skeleton thread({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 1e4f}}, {1e-6f, 1e-6f});
+    EXPECT_NEAR(compare(thread, pole()).covered_percent, 0.1, 0.01) << "10 m of 10 km";
+    EXPECT_LE(compare(thread, thread).radius_error.n, 64u + 65536u + 1u);
+}
+
+TEST(SkeletonMatch, SamplesOfAStarGrowInProportionToItsLeaves) {
+    const Skeleton few = star(100), many = star(2000);  // spokes of 100 radii: 400 samples are wanted of each
+    const auto n = static_cast<double>(compare(few, few).radius_error.n);
+    EXPECT_NEAR(n, 100 * 400, 100) << "up to one more for each, as lengths are rounded";
+    EXPECT_LE(compare(many, many).radius_error.n, 2000 * (64u + 1u) + 65536u);
+}
+
+TEST(SkeletonMatch, OneLongSegmentTakesNoSamplesFromTheOthers) {
+    // The pole wants 10 / (0.25 0.5) = 80 samples; the way to a point that is 6000 km off all that are left.
+    const Skeleton s({kRoot, NodeId(0), NodeId(1)}, {{0, 0, 0}, {0, 0, 10}, {6e6f, 0, 10}},
+                     {0.5f, 0.5f, 0.5f});
+    EXPECT_EQ(compare(pole(), s).radius_error.n, 80u);
+    const std::uint64_t n = compare(s, s).radius_error.n;
+    EXPECT_LE(n, 2 * 64u + 65536u + 2u);
+    EXPECT_GT(n, 65536u);
 }
 
 TEST(SkeletonMatch, TheSameForAnyNumberOfThreads) {

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
 
 #include "coppice/base/error.h"
 #include "measure/support.h"
@@ -47,7 +51,7 @@ TEST(CheckSurface, SaysWhenVolumeIsMissing) {
 TEST(CheckSurface, LeavesOutWhatIsNotAskedFor) {
     const SurfaceReport r = check_surface(cube(), nullptr, {.intersections = false});
     EXPECT_FALSE(r.intersections || r.radius || r.coverage || r.volume);
-    EXPECT_TRUE(r.sound() && r.holds_volume());
+    EXPECT_TRUE(r.watertight() && r.holds_volume());
     const Skeleton s = pole();
     EXPECT_TRUE(check_surface(cube(), &s, {.intersections = false}).coverage);
 }
@@ -60,6 +64,38 @@ TEST(CheckSurface, UnsoundIsAResult) {
     EXPECT_EQ(check_surface(both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f})), nullptr)
                   .intersections->total,
               6u);
+}
+
+/// The value of a figure that is true or false; none where the report does not have it.
+std::optional<bool> flag(const SurfaceReport& report, std::string_view wanted) {
+    std::optional<bool> found;
+    visit_figures(report, [&](std::string_view name, const auto& value) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>) {
+            if (name == wanted) found = value;
+        }
+    });
+    return found;
+}
+
+TEST(CheckSurface, SoundMeansWatertightAndFreeOfCrossings) {
+    const PolygonMesh crossing = both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}));
+    for (const auto& [mesh, watertight, sound] :
+         {std::tuple{cube(), true, true}, {crossing, true, false}, {tube(8, 2, 1, 1), false, false}}) {
+        const SurfaceReport r = check_surface(mesh, nullptr);
+        EXPECT_EQ(r.watertight(), watertight);
+        EXPECT_EQ(r.sound(), sound);
+        EXPECT_EQ(flag(r, "watertight"), watertight);
+        EXPECT_EQ(flag(r, "sound"), sound);
+    }
+    // A search that ended at its limit found crossings, whatever it counted.
+    EXPECT_FALSE(check_surface(crossing, nullptr, {.most_intersections = 0}).sound());
+}
+
+TEST(CheckSurface, SaysNothingOfSoundnessWithoutLookingForCrossings) {
+    constexpr CheckOptions kSkip{.intersections = false};
+    EXPECT_EQ(flag(check_surface(cube(), nullptr, kSkip), "sound"), std::nullopt);
+    EXPECT_EQ(flag(check_surface(cube(), nullptr, kSkip), "watertight"), true);
+    EXPECT_EQ(flag(check_surface(tube(8, 2, 1, 1), nullptr, kSkip), "sound"), false);
 }
 
 TEST(CheckSurface, RefusesWhatCannotBeJudged) {

@@ -14,7 +14,7 @@ using namespace shapes;
 
 TEST(Topology, CubeIsSound) {
     const TopologyReport t = topology(cube());
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.vertices, 8u);
     EXPECT_EQ(t.edges, 12u);
     EXPECT_EQ(t.faces, 6u);
@@ -30,7 +30,7 @@ TEST(Topology, InvertedCubeIsAsSound) { EXPECT_EQ(topology(inverted(cube())), to
 
 TEST(Topology, TorusIsRegularAndHasEulerNumberZero) {
     const TopologyReport t = topology(torus(12, 30, 1, 3));
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.euler, 0);
     EXPECT_EQ(t.irregular_vertices, 0u);
     EXPECT_EQ(t.edges, 2u * 12 * 30);
@@ -38,7 +38,7 @@ TEST(Topology, TorusIsRegularAndHasEulerNumberZero) {
 
 TEST(Topology, OpenTubeHasAnOpenEdgePerSideAtBothEnds) {
     const TopologyReport t = topology(tube(8, 3, 1, 5));
-    EXPECT_FALSE(t.sound());
+    EXPECT_FALSE(t.watertight());
     EXPECT_EQ(t.open_edges, 16u);
     EXPECT_EQ(t.non_manifold_vertices, 0u);  // half a fan is one fan
     EXPECT_EQ(t.euler, 0);
@@ -47,7 +47,7 @@ TEST(Topology, OpenTubeHasAnOpenEdgePerSideAtBothEnds) {
 
 TEST(Topology, TwoCubesAreTwoComponents) {
     const TopologyReport t = topology(both(cube(), box({5, 0, 0}, {6, 1, 1})));
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.components, 2u);
     EXPECT_EQ(t.euler, 4);
 }
@@ -57,7 +57,7 @@ TEST(Topology, CubesThatShareAVertexAreABowTie) {
     for (auto& v : m.corners)
         v = v == 8 ? 7 : v;  // vertex 8, the low corner of the second, is vertex 7 of the first
     const TopologyReport t = topology(m);
-    EXPECT_FALSE(t.sound());
+    EXPECT_FALSE(t.watertight());
     EXPECT_EQ(t.non_manifold_vertices, 1u);
     EXPECT_EQ(t.non_manifold_edges, 0u);
     EXPECT_EQ(t.vertices, 15u);   // vertex 8 is no longer used
@@ -72,7 +72,7 @@ TEST(Topology, CubesThatShareAnEdgeAreNotManifold) {
     EXPECT_EQ(t.open_edges, 0u);
     EXPECT_EQ(t.edges, 23u);
     EXPECT_EQ(t.components, 1u);
-    EXPECT_FALSE(t.sound());
+    EXPECT_FALSE(t.watertight());
 }
 
 TEST(Topology, MoebiusRingIsMisorientedAlongOneEdge) {
@@ -89,7 +89,7 @@ TEST(Topology, OneTurnedFaceOfACubeMisorientsItsFourEdges) {
     const TopologyReport t = topology(m);
     EXPECT_EQ(t.misoriented_edges, 4u);
     EXPECT_EQ(t.open_edges, 0u);
-    EXPECT_FALSE(t.sound());
+    EXPECT_FALSE(t.watertight());
 }
 
 TEST(Topology, AFaceThatRepeatsAVertexHasAnEdgeOfItsOwn) {
@@ -114,7 +114,7 @@ TEST(Topology, AVertexOfManyFacesIsOneFanOrTwo) {
 
 TEST(Topology, EmptyMeshIsNotSound) {
     const TopologyReport t = topology(PolygonMesh{});
-    EXPECT_FALSE(t.sound());
+    EXPECT_FALSE(t.watertight());
     EXPECT_EQ(t.components, 0u);
     EXPECT_DOUBLE_EQ(t.quads_percent(), 0);
 }

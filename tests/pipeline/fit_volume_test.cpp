@@ -167,7 +167,7 @@ TEST(FitVolume, AddsNoFoldsOrCrossings) {
             const MeshResult r = mesh_with(skeleton, Fit::volume, method);
             const PolygonMesh after = to_polygons(r);
             EXPECT_LE(crossings(after), crossings(before));
-            EXPECT_EQ(topology(after).sound(), topology(before).sound());
+            EXPECT_EQ(topology(after).watertight(), topology(before).watertight());
             closed += r.fitted->closed ? 1 : 0;
             if (r.fitted->closed) {
                 EXPECT_NEAR(r.fitted->after, r.fitted->cones, 3e-3 * r.fitted->cones);

@@ -90,7 +90,7 @@ TEST(Knots, NoQuadsCrossInTheZoo) {
         EXPECT_EQ(crossings(made.mesh), 0u);
         EXPECT_EQ(made.knots.pairs_after, 0u);
         const TopologyReport t = topology(made.mesh);
-        EXPECT_TRUE(t.sound());
+        EXPECT_TRUE(t.watertight());
         EXPECT_EQ(t.quads, t.faces);
         EXPECT_EQ(shape(made.mesh).inverted_faces, 0u);
         if (made.knots.rounds == 0) continue;
@@ -109,7 +109,7 @@ TEST(Knots, NoQuadsCrossForAnyLevelAndNumberOfSides) {
             options.control.sides = sides;
             const QuadSurface made = mesh_skeleton(hard, options).quads();
             EXPECT_EQ(crossings(made.mesh), 0u);
-            EXPECT_TRUE(topology(made.mesh).sound());
+            EXPECT_TRUE(topology(made.mesh).watertight());
         }
     }
 }

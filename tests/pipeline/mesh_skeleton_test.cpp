@@ -75,7 +75,7 @@ TEST(MeshSkeleton, RamificationsNeverCross) {
         const QuadSurface made =
             mesh_skeleton(random_tree(300, seed, true), by(MeshMethod::ramifications)).quads();
         const PolygonMesh mesh = to_polygons(made.mesh);
-        EXPECT_TRUE(topology(made.mesh).sound());
+        EXPECT_TRUE(topology(made.mesh).watertight());
         EXPECT_GT(made.knots.pairs_before, 0u);
         EXPECT_EQ(made.knots.pairs_after, 0u);
         EXPECT_TRUE(crossing_faces(SurfaceTree(mesh), 100'000).pairs.empty());

@@ -24,7 +24,7 @@ RamificationMesh made_of(const Skeleton& s, const RamificationOptions& options =
 
 void expect_spheres(const ControlMesh& m, const Skeleton& s) {
     const TopologyReport t = topology(m.cage);
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.components, s.tree_count());
     EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(s.tree_count()));
     EXPECT_EQ(t.vertices, m.cage.positions.size());

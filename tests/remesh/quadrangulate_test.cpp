@@ -28,7 +28,7 @@ TEST(Quadrangulate, ATriangleAloneBecomesThreeQuadsInItsPlane) {
     split_pairs(patch, alone, x);
     ASSERT_EQ(patch.quads.size(), 3 * kFaces.size());
     const TopologyReport t = topology(mesh_of(x, patch));
-    EXPECT_TRUE(t.sound());
+    EXPECT_TRUE(t.watertight());
     EXPECT_EQ(t.euler, 2);
     EXPECT_NEAR(shape(mesh_of(x, patch)).signed_volume, 4.0 / 3, 1e-6);
     std::vector<int> count(kFaces.size(), 0);

@@ -31,6 +31,10 @@ TEST(Measure, SumsConesAndCountsNodes) {
     EXPECT_DOUBLE_EQ(m.longest_segment, 4);
     EXPECT_NEAR(m.volume, kPi * (4 * 3 + 4.0 / 3 * (4 + 2 + 1) + 0.25 * 2), 1e-9);
     EXPECT_NEAR(m.area, kPi * (4 * 3 + 3 * std::sqrt(17.0) + 1 * 2), 1e-9);
+    // Between the radii of parent and node the lateral is a cone from 2 to 0.5: 2 (4 + 1 + 0.25) / 3 = 3.5
+    // of volume, 2.5 of both radii, and a side of sqrt(1.5^2 + 2^2) = 2.5.
+    EXPECT_NEAR(m.volume_frusta, kPi * (4 * 3 + 4.0 / 3 * (4 + 2 + 1) + 3.5), 1e-9);
+    EXPECT_NEAR(m.area_frusta, kPi * (4 * 3 + 3 * std::sqrt(17.0) + 2.5 * 2.5), 1e-9);
     EXPECT_DOUBLE_EQ(m.least_radius, 0.5);
     EXPECT_DOUBLE_EQ(m.greatest_radius, 2);
     EXPECT_EQ(m.bounds.high, Vec3(2.5f, 2, 8));

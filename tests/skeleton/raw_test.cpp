@@ -103,12 +103,25 @@ TEST(RepairNodes, MergesNodesAtTheSamePlace) {
     EXPECT_EQ(r.skeleton.parent(NodeId(2)), NodeId(1));
 }
 
+// Radii of 1e-10 at coordinates of 1e-3, where floats are 1.2e-10 apart.
+TEST(RepairNodes, SmallSkeletonsKeepTheirDigitsToo) {
+    const Vec3d base{1.2e-3, 2e-4, -1.5e-3};
+    const RepairResult r = repair(std::vector<RawNode>{{1, -1, base, 1e-10, 1},
+                                                       {2, 1, base + Vec3d{3e-11, 0, 0}, 1e-10, 2},
+                                                       {3, 2, base + Vec3d{0, 0, 3e-9}, 1e-10, 3}},
+                                  "tree.txt");
+    ASSERT_EQ(r.skeleton.size(), 3u);
+    EXPECT_NEAR(r.skeleton.position(NodeId(1)).x - r.skeleton.position(NodeId(0)).x, 3e-11, 1e-15);
+    EXPECT_NEAR(r.skeleton.origin().x + r.skeleton.position(NodeId(0)).x, base.x, 1e-17);
+}
+
 TEST(RepairNodes, FarFromZeroKeepsTheDigitsInAnOrigin) {
     const Vec3d base{456'789.25, 5'400'000.5, 312.75};
     const RepairResult r = repair(
         std::vector<RawNode>{{1, -1, base, 0.1, 1}, {2, 1, base + Vec3d{0, 0, 0.001}, 0.1, 2}}, "tree.txt");
-    EXPECT_EQ(r.skeleton.origin(), Vec3d(456'789, 5'400'001, 313));
-    EXPECT_FLOAT_EQ(r.skeleton.position(NodeId(0)).x, 0.25f);
+    // The box with the balls of radius 0.1 has a diagonal of 0.347: steps of 2^-2 / 16.
+    EXPECT_EQ(r.skeleton.origin(), base);
+    EXPECT_EQ(r.skeleton.position(NodeId(0)), Vec3());
     EXPECT_NEAR(r.skeleton.position(NodeId(1)).z - r.skeleton.position(NodeId(0)).z, 0.001, 1e-6);
 }
 

@@ -147,7 +147,7 @@ TEST(MarchAxes, LieInOnePartForEachTreeThoughTheFieldIsNowhereAboveItsLevel) {
             } while (!r.open.empty() && lattice.grow(r.open));
             ASSERT_TRUE(r.open.empty());
             const TopologyReport topo = topology(polygons(r.mesh));
-            EXPECT_TRUE(topo.sound());
+            EXPECT_TRUE(topo.watertight());
             EXPECT_LE(topo.components, tree_count(skeleton));
             EXPECT_GE(topo.components, 1u);
             EXPECT_GT(volume(r.mesh), 0);
@@ -183,7 +183,7 @@ TEST(MarchAxes, LeaveOutPartsWithoutAnAxisAndHollows) {
     const MarchResult one = march(mesh, FieldRef(field), {first, all_pass(mesh, 1)});
     EXPECT_EQ(one.report.dropped, 2u);
     EXPECT_NEAR(volume(one.mesh), 4.18879 * 1.2 * 1.2 * 1.2, 0.4);
-    EXPECT_TRUE(topology(polygons(one.mesh)).sound());
+    EXPECT_TRUE(topology(polygons(one.mesh)).watertight());
     EXPECT_EQ(topology(polygons(one.mesh)).vertices, one.mesh.positions.size());
     std::vector<Segment> both = first;
     both.push_back({{4.4f, 1.5f, 1.5f}, {4.6f, 1.6f, 1.5f}, 0.1f, 0.1f});

@@ -31,9 +31,9 @@ void expect_sound(const MarchResult& r) {
     ASSERT_TRUE(r.open.empty());
     ASSERT_FALSE(r.mesh.triangles.empty());
     const TopologyReport topo = topology(polygons(r.mesh));
-    EXPECT_TRUE(topo.sound()) << topo.open_edges << " open, " << topo.non_manifold_edges << " and "
-                              << topo.non_manifold_vertices << " not manifold, " << topo.misoriented_edges
-                              << " misoriented";
+    EXPECT_TRUE(topo.watertight()) << topo.open_edges << " open, " << topo.non_manifold_edges << " and "
+                                   << topo.non_manifold_vertices << " not manifold, "
+                                   << topo.misoriented_edges << " misoriented";
     EXPECT_EQ(topo.vertices, r.mesh.positions.size()) << "a vertex without a triangle";
     EXPECT_TRUE(std::ranges::all_of(r.mesh.positions, [](Vec3 p) { return is_finite(p); }));
 }

@@ -33,7 +33,7 @@ TEST(Cylinders, CloseEveryTubeOfTheZoo) {
             for (const auto base : {BaseShape::flat, BaseShape::round}) {
                 const CylinderMesh made = cylinders(skeleton, {.sides = sides, .rows = 2, .base = base});
                 const TopologyReport t = topology(made.mesh);
-                EXPECT_TRUE(t.sound());
+                EXPECT_TRUE(t.watertight());
                 EXPECT_EQ(t.components, axes_of(skeleton));
                 EXPECT_EQ(t.components, made.report.tubes);
                 EXPECT_EQ(t.euler, 2 * static_cast<std::int64_t>(t.components));
@@ -140,7 +140,7 @@ TEST(Cylinders, ThinAxesMayHaveFewerSides) {
     const CylinderMesh made = cylinders(fork, {.sides = 16, .thin = TubeSides::by_radius});
     EXPECT_EQ(made.report.most_sides, 16u);
     EXPECT_EQ(made.report.least_sides, 8u);
-    EXPECT_TRUE(topology(made.mesh).sound());
+    EXPECT_TRUE(topology(made.mesh).watertight());
 }
 
 TEST(Cylinders, SameBitsForAnyNumberOfThreads) {

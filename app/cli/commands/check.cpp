@@ -57,6 +57,11 @@ std::string crosses_itself(const SurfaceReport& report, const CheckFlags& flags)
     return text;
 }
 
+std::string_view verdict_of(const SurfaceReport& report) {
+    if (!report.sound()) return "not sound";
+    return report.intersections ? "sound" : "watertight, crossings not checked";
+}
+
 /// Without points these would do nothing.
 void check_cloud_options(const GivenOptions& given, const CheckFlags& flags) {
     for (const Option* option : given) {
@@ -109,12 +114,13 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
         run.stage("check", [&](const Context& ctx) { return check_surface(mesh, nodes, flags.check, ctx); });
     Figures figures;
     if (skeleton) figures["units"] = std::string(name_of(skeleton->units));
+    figures["sound"] = NotChecked{"crossings"};  // unless the report knows
     figures.append(figures_of(report));
     if (cloud) figures.append(figures_of(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
     print(flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
-    run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
-                           report.sound() ? "sound" : "not sound"));
+    run.finish(
+        fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()), verdict_of(report)));
     if (report.crossing_places && report.crossing_places->total > 0) say(crosses_itself(report, flags));
     if (!report.covers_skeleton()) {
         say(fmt::format(

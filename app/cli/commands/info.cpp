@@ -15,6 +15,7 @@
 #include "files.h"
 #include "options.h"
 #include "streams.h"
+#include "sums.h"
 
 namespace coppice::cli {
 namespace {
@@ -43,7 +44,7 @@ void add_types(Figures& out, std::span<const float> types) {
     for (const auto& [type, count] : counts) out[fmt::format("nodes_of_type_{}", type)] = count;
 }
 
-Figures describe(const SkeletonFile& file) {
+Figures describe(const SkeletonFile& file, const Context& ctx) {
     const Skeleton& s = file.skeleton;
     const SkeletonMeasures m = measure(s);
     const auto [thinnest, thickest] = std::ranges::minmax(s.radii());
@@ -57,7 +58,9 @@ Figures describe(const SkeletonFile& file) {
     out["tips"] = m.tips;
     out["branch_nodes"] = m.branch_nodes;
     out[in_unit("length", file.units)] = m.length;
-    out[in_unit("volume", file.units, 3)] = m.volume;
+    add_sums(
+        out, file, m, [&](std::string_view name, int power) { return in_unit(name, file.units, power); },
+        ctx);
     out[in_unit("radius_min", file.units)] = shortest(thinnest);
     out[in_unit("radius_max", file.units)] = shortest(thickest);
     add_size(out, s.bounds(), s.origin(), file.units);
@@ -86,7 +89,7 @@ Figures describe(const PolygonMesh& mesh, const Context& ctx) {
     out["quads"] = t.quads;
     out["components"] = t.components;
     out["euler"] = t.euler;
-    out["sound"] = t.sound();
+    out["watertight"] = t.watertight();
     out["area_m2"] = s.area;
     out["volume_m3"] = s.signed_volume;
     if (!box.empty()) add_size(out, box, mesh.origin);
@@ -212,7 +215,9 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
                             "or say --units m where it is in metres",
                             flags.file.string(), name_of(file.units)));
         }
-        text = forestry(describe(file), stem_forms(file.skeleton), flags.json);
+        text = run.stage("measure", [&](const Context& ctx) {
+            return forestry(describe(file, ctx), stem_forms(file.skeleton), flags.json);
+        });
     } else {
         const PointSet points = load_points(run, flags.file, flags.read.up);
         text = run.stage("measure", [&](const Context& ctx) {
@@ -231,7 +236,8 @@ ExitCode info(Run& run, const InfoFlags& flags) {
     const FileKind kind = kind_of_input(flags.file, flags.read.format);
     if (flags.forestry) return info_of_stems(run, flags, kind);
     if (kind == FileKind::skeleton) {
-        figures = describe(load_skeleton(run, flags.file, flags.read));
+        const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
+        figures = run.stage("measure", [&](const Context& ctx) { return describe(file, ctx); });
     } else if (kind == FileKind::points) {
         const PaintedPoints scan = load_painted_points(run, flags.file, {.distances = false}, flags.read.up);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(scan, ctx); });

@@ -21,6 +21,7 @@
 #include "files.h"
 #include "options.h"
 #include "streams.h"
+#include "sums.h"
 
 namespace coppice::cli {
 namespace {
@@ -93,7 +94,7 @@ void add_extent(Figures& row, const Box3& box) {
 
 void add_surface(Figures& row, const PolygonMesh& mesh, const Context& ctx) {
     const ShapeReport report = shape(mesh, ctx);
-    row["surface_sound"] = topology(mesh, ctx).sound();
+    row["surface_watertight"] = topology(mesh, ctx).watertight();
     row["surface_area"] = report.area;
     row["surface_volume"] = report.signed_volume;
 }
@@ -121,14 +122,10 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     row["radius_max"] = m.greatest_radius;
     row["length"] = m.length;
     row["longest_path"] = m.longest_path;
-    row["area"] = m.area;
-    row["volume"] = m.volume;
-    if (file.declared) {
-        row["cylinders"] = file.declared->cylinders;
-        row["cylinder_length"] = file.declared->length;
-        row["cylinder_area"] = file.declared->area;
-        row["cylinder_volume"] = file.declared->volume;
-    }
+    run.stage("measure", [&](const Context& ctx) {
+        add_sums(
+            row, file, m, [](std::string_view name, int) { return std::string(name); }, ctx);
+    });
     if (file.units == LengthUnit::m) add_crown(row, s);
     add_architecture(row, s, flags, limits);
     add_surface(run, row, s, flags);

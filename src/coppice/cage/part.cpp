@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coppice/base/kernel/fast_atan2.h"
 
@@ -16,6 +17,8 @@ constexpr float kMoveShare = 1.0f;
 constexpr float kCrotchReach = 1.8f;
 // A shift that leaves the way from the parent by more than this many radii keeps a ring at the node.
 constexpr float kCorner = 0.5f;
+// A node is moved on along its chain this many times at most; then the next node takes its place.
+constexpr std::uint8_t kMaxSlides = 64;
 // A leader shorter than this many radii leaves no room for a tube between two branch nodes.
 constexpr float kShortest = 0.8f;
 
@@ -82,7 +85,8 @@ class Parting {
         NodeId source;
         NodeId parent;
         std::vector<NodeId> children;
-        NodeId dissolved_into;  ///< whose tube wraps the segment of a node that was taken out
+        NodeId dissolved_into;    ///< whose tube wraps the segment of a node that was taken out
+        std::uint8_t slides = 0;  ///< how often it was moved on along its chain
     };
     struct View {  // a child as its branch node sees it
         NodeId node;
@@ -125,7 +129,8 @@ class Parting {
         return best;
     }
 
-    // Each step removes a node, moves a branch towards the tips or lessens the children of n, so this ends.
+    // Each step removes a node of the skeleton, moves one on along its chain, which happens to each at most
+    // kMaxSlides times, or takes a child from n, so the number of steps is bounded by that of nodes.
     void resolve(NodeId n) {
         if (kids(n).size() > kMostChildren) return;
         while (kids(n).size() > 1 && (absorb_one(n) || advance_one(n) || bundle_one(n))) {
@@ -233,16 +238,19 @@ class Parting {
     }
 
     // Moves a node in the middle of a chain on along the chain until it is `away` from n; one that would come
-    // too near the next node gives way to it.
+    // too near the next node, or was moved too often, gives way to it.
     void slide(NodeId n, NodeId c, float away) {
         const NodeId next = kids(c)[0];
         const Vec3 rest = at(next).position - at(c).position;
         const float room = length(rest), missing = 1.02f * away - distance(at(n).position, at(c).position);
-        if (missing + at(c).radius > room) {
+        const float step = std::max(missing, 0.05f * at(c).radius);
+        const bool fits = missing + at(c).radius <= room && step < room;
+        if (fits && at(c).slides < kMaxSlides) {
+            at(c).position += rest * (step / room);
+            ++at(c).slides;
+        } else {
             dissolve(n, c);
             ++report_.absorbed;
-        } else {
-            at(c).position += rest * (std::max(missing, 0.05f * at(c).radius) / room);
         }
     }
 
@@ -326,7 +334,7 @@ class Parting {
             if (c == a.node) continue;
             const View b = view(n, c);
             const Crotch k = crotch(a.direction, a.radius, b.direction, b.radius);
-            float longest = 1e30f;
+            float longest = std::numeric_limits<float>::infinity();
             for (const View& v : {a, b})
                 longest = std::min(longest, v.tip ? v.length : kCrotchShare * v.length);
             const float beyond =
@@ -367,9 +375,10 @@ class Parting {
         float share = 1;
         for (const NodeId c : at(n).children) {
             const View v = view(n, c);
+            const float root = root_distance(n, v);
+            if (root >= v.length) continue;
             const float off = length(by - v.direction * dot(by, v.direction));
-            const float left_over =
-                off * std::max(0.0f, 1 - root_distance(n, v) / std::max(v.length, 1e-30f));
+            const float left_over = off * (1 - root / v.length);
             if (left_over > 0.4f * v.radius) share = std::min(share, 0.4f * v.radius / left_over);
         }
         return share;

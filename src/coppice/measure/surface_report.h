@@ -51,7 +51,13 @@ struct SurfaceReport {
     std::optional<TreePartsReport> parts;             ///< none without a skeleton
     std::optional<VolumeReport> volume;               ///< none without a skeleton
 
-    bool sound() const { return topology.sound(); }  ///< closed, manifold and oriented
+    bool watertight() const { return topology.watertight(); }  ///< closed, manifold and oriented
+    /// Whether faces are known to cross; false where they were not looked for.
+    bool crosses_itself() const {
+        return intersections && (intersections->total > 0 || !intersections->complete);
+    }
+    /// Watertight, and no faces cross. Says nothing of crossings that were not looked for.
+    bool sound() const { return watertight() && !crosses_itself(); }
     /// Most free segments of the skeleton lie within the surface; true without a skeleton.
     bool covers_skeleton() const { return !coverage || 2 * coverage->missing <= coverage->judged; }
     /// No part is torn off the surface of a tree; true without a skeleton.
@@ -75,11 +81,12 @@ void visit_numbered(const char* name, const std::vector<Value>& values, Visitor&
 
 /// Calls visit(name, value) for every figure, in the order for print. A value is an integer, a bool, a
 /// double, or a group (Statistics, IntersectionReport) with a visit_figures of its own. Names are those of
-/// the JSON report.
+/// the JSON report. `sound` is left out where it depends on crossings that were not looked for.
 template <class Visitor>
 void visit_figures(const SurfaceReport& r, Visitor&& visit) {
     const TopologyReport& t = r.topology;
-    visit("sound", r.sound());
+    if (r.intersections || !r.sound()) visit("sound", r.sound());
+    visit("watertight", r.watertight());
     visit("vertices", t.vertices);
     visit("faces", t.faces);
     visit("quads_percent", t.quads_percent());

@@ -23,7 +23,7 @@ struct TopologyReport {
     std::int64_t euler = 0;                ///< vertices - edges + faces; 2 for a sphere, 0 for a torus
 
     /// Closed, manifold and oriented; an empty mesh is not.
-    bool sound() const {
+    bool watertight() const {
         return faces > 0 && open_edges == 0 && non_manifold_edges == 0 && misoriented_edges == 0 &&
                non_manifold_vertices == 0;
     }

@@ -32,6 +32,9 @@ SkeletonMeasures measure(const Skeleton& skeleton) {
         m.length += l;
         m.volume += cone.volume();
         m.area += cone.mantle();
+        const Frustum between{skeleton.radius(skeleton.parent(n)), skeleton.radius(n), l};
+        m.volume_frusta += between.volume();
+        m.area_frusta += between.mantle();
         depth[n.index()] = depth[p] + 1;
         path[n.index()] = path[p] + l;
         m.max_depth = std::max(m.max_depth, depth[n.index()]);

@@ -8,7 +8,8 @@
 
 namespace coppice {
 
-/// Figures of a skeleton, segment by segment: what overlaps counts twice. Sums are in double precision.
+/// Figures of a skeleton, segment by segment: what overlaps counts twice. Sums are in double precision. For
+/// the volume of the union see ConeUnion.
 struct SkeletonMeasures {
     std::uint32_t nodes = 0;         ///< number of nodes
     std::uint32_t segments = 0;      ///< number of nodes that are no roots
@@ -21,11 +22,13 @@ struct SkeletonMeasures {
     double longest_path = 0;         ///< [m] from a root along segments
     double shortest_segment = 0;     ///< [m] 0 when there are no segments
     double longest_segment = 0;      ///< [m]
-    double volume = 0;               ///< [m^3] of the cones between nodes, without the balls at the nodes
-    double area = 0;                 ///< [m^2] lateral area of these cones
-    double least_radius = 0;         ///< [m]
-    double greatest_radius = 0;      ///< [m]
-    Box3 bounds;                     ///< [m] of the balls about the nodes, relative to the origin
+    double volume = 0;           ///< [m^3] of the cones of the segments: laterals start with their own radius
+    double area = 0;             ///< [m^2] lateral area of these cones
+    double volume_frusta = 0;    ///< [m^3] of the truncated cones between the radii of parent and node
+    double area_frusta = 0;      ///< [m^2] lateral area of these, without the discs at their ends
+    double least_radius = 0;     ///< [m]
+    double greatest_radius = 0;  ///< [m]
+    Box3 bounds;                 ///< [m] of the balls about the nodes, relative to the origin
 };
 
 /// O(n).

@@ -60,8 +60,8 @@ struct RepairResult {
 /// size). A node at the place of its parent is merged into it and hands it its children; so are twins,
 /// children of one node at the same place.
 ///
-/// Positions become local: the origin is the first root in whole metres when coordinates exceed ten times the
-/// size of the skeleton, else zero.
+/// Positions become local to the first root where coordinates are large for the size of the skeleton: see
+/// local_origin().
 ///
 /// Throws InvalidInput naming the line: no nodes, a repeated id, a cycle, a number that is not finite or
 /// beyond 1e15. `source` names the file in messages. O(n log n), no recursion.

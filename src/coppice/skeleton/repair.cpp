@@ -1,6 +1,7 @@
 #include <map>
 #include <tuple>
 
+#include "coppice/base/local_origin.h"
 #include "coppice/skeleton/raw.h"
 #include "coppice/skeleton/repair_internal.h"
 
@@ -55,6 +56,15 @@ class IdIndex {
     std::vector<Entry> entries_;
 };
 
+std::pair<Vec3d, Vec3d> corners(const std::vector<Vec3d>& points) {
+    Vec3d low = points.front(), high = points.front();
+    for (const Vec3d p : points) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    return {low, high};
+}
+
 bool known(double radius) { return radius >= kLeastRadius; }  // false for NaN
 
 /// The nearest known radius in one direction along the skeleton.
@@ -73,13 +83,10 @@ double between(const Nearest& rootward, const Nearest& tipward) {
 }
 
 Vec3d choose_origin(const NodeList& nodes) {
-    double greatest = 0;
-    for (const Vec3d p : nodes.position)
-        greatest = std::max({greatest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    const double size = extent(nodes.position) + *std::max_element(nodes.radius.begin(), nodes.radius.end());
-    if (greatest <= 10 * size) return {};
-    const Vec3d p = nodes.position.front();
-    return {std::round(p.x), std::round(p.y), std::round(p.z)};
+    const auto [low, high] = corners(nodes.position);
+    const double r = *std::max_element(nodes.radius.begin(), nodes.radius.end());
+    const Vec3d margin{r, r, r};
+    return local_origin(low - margin, high + margin, nodes.position.front());
 }
 
 /// Builds the columns of a skeleton, folding nodes that coincide with their parents or with their siblings.
@@ -216,11 +223,7 @@ std::uint32_t fill_radii(const std::vector<std::uint32_t>& parent, const std::ve
 }
 
 double extent(const std::vector<Vec3d>& points) {
-    Vec3d low = points.front(), high = points.front();
-    for (const Vec3d p : points) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
+    const auto [low, high] = corners(points);
     return distance(low, high);
 }
 

@@ -14,8 +14,7 @@
 
 namespace coppice::io_internal {
 
-/// Zero, or for positions far from zero a point near their centre: a multiple of a power of two not smaller
-/// than their box, so that taking it away does not touch the digits after the point. At least one position.
+/// See local_origin(); for positions far from zero a point near their centre. At least one position.
 Vec3d choose_origin(std::span<const Vec3d> positions);
 Vec3d choose_origin(Vec3d corner, Vec3d opposite);  ///< of the positions' box
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "coppice/base/local_origin.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/sort.h"
 #include "coppice/io/file.h"
@@ -35,15 +36,7 @@ Vec3d choose_origin(std::span<const Vec3d> vertices) {
     return choose_origin(low, high);
 }
 
-Vec3d choose_origin(Vec3d low, Vec3d high) {
-    const double size = length(high - low);
-    const double reach = std::max(length(low), length(high));
-    if (size == 0 || reach < 8 * size) return {};
-    const double step = std::exp2(std::ceil(std::log2(size)));
-    const auto near = [step](double c) { return step * std::round(c / step); };
-    const Vec3d center = 0.5 * (low + high);
-    return {near(center.x), near(center.y), near(center.z)};
-}
+Vec3d choose_origin(Vec3d low, Vec3d high) { return local_origin(low, high, 0.5 * (low + high)); }
 
 bool MeshBuilder::add_vertex(Vec3d p) {
     const auto fits = [](double c) { return std::abs(c) <= kLargestCoordinate; };

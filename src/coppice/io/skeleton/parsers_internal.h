@@ -32,6 +32,9 @@ struct RawSkeleton {
 /// The types of the nodes are an attribute where one is not 0.
 RawSkeleton parse_swc(std::string_view text, const std::string& source, const Context& ctx = {});
 inline constexpr std::string_view kSwcType = "type";
+/// Attribute with the ids of the nodes in SWC, and the largest one that it holds exactly.
+inline constexpr std::string_view kSwcId = "id";
+inline constexpr std::uint32_t kMaxSwcId = std::uint32_t{1} << 24;
 
 /// A table with a header naming its columns, or without one in TreeQSM's order.
 std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source,

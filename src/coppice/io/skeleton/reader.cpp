@@ -92,6 +92,21 @@ std::vector<NodeAttribute> kept_attributes(std::span<const RawAttribute> attribu
     return kept;
 }
 
+/// The ids of the nodes in SWC; none where they are 1, 2, 3 and so on, as written files have them anyway, or
+/// where an attribute cannot hold them.
+std::optional<NodeAttribute> swc_ids(std::span<const RawNode> nodes, std::span<const std::uint32_t> sources) {
+    NodeAttribute out{std::string(kSwcId), {}};
+    out.values.reserve(sources.size());
+    bool counted = true;
+    for (const std::uint32_t i : sources) {
+        const std::int64_t id = nodes[i].id;
+        if (id < 1 || id > std::int64_t{kMaxSwcId}) return std::nullopt;
+        out.values.push_back(static_cast<float>(id));
+        counted = counted && id == static_cast<std::int64_t>(out.values.size());
+    }
+    return counted ? std::nullopt : std::optional(std::move(out));
+}
+
 CylinderTotals totals_of(const std::vector<RawCylinder>& cylinders) {
     CylinderTotals sum;
     for (const RawCylinder& c : cylinders) {
@@ -173,6 +188,9 @@ class Reading {
         scale(raw.nodes);
         RepairResult result = repaired(raw.nodes);
         auto attributes = kept_attributes(raw.attributes, result.source);
+        if (format_ == SkeletonFormat::swc) {
+            if (auto ids = swc_ids(raw.nodes, result.source)) attributes.push_back(*std::move(ids));
+        }
         return file_of(std::move(result), std::move(attributes));
     }
 

@@ -29,6 +29,29 @@ std::span<const float> swc_types(std::span<const NodeAttribute> attributes) {
                                                        : std::span<const float>{};
 }
 
+/// The ids of the nodes for SWC: those of the attribute `id`, and from the largest of these on for nodes that
+/// have none, or one that an earlier node has; 1, 2, 3 and so on without the attribute.
+std::vector<std::uint32_t> swc_ids(const Skeleton& s, std::span<const NodeAttribute> attributes) {
+    std::vector<std::uint32_t> ids(s.size(), 0);
+    std::vector<bool> taken{true};
+    const auto found = std::ranges::find(attributes, kSwcId, &NodeAttribute::name);
+    if (found != attributes.end()) {
+        for (const NodeId n : nodes(s)) {
+            const float value = found->values[n.index()];
+            if (!(value >= 1 && value <= float{kMaxSwcId}) || value != std::trunc(value)) continue;
+            const auto id = static_cast<std::uint32_t>(value);
+            if (id >= taken.size()) taken.resize(id + 1);
+            if (!taken[id]) ids[n.index()] = id;
+            taken[id] = true;
+        }
+    }
+    auto next = static_cast<std::uint32_t>(taken.size());
+    for (std::uint32_t& id : ids) {
+        if (id == 0) id = next++;
+    }
+    return ids;
+}
+
 /// The unit that files state.
 std::string_view unit_name(LengthUnit units) {
     return units == LengthUnit::automatic ? name_of(LengthUnit::m) : name_of(units);
@@ -37,17 +60,18 @@ std::string_view unit_name(LengthUnit units) {
 std::string encode_swc(const Skeleton& s, LengthUnit units, std::span<const NodeAttribute> attributes,
                        const Context& ctx) {
     const std::span<const float> types = swc_types(attributes);
+    const std::vector<std::uint32_t> ids = swc_ids(s, attributes);
     Encoder out(s, ctx);
     out.add(FMT_COMPILE("# SWC written by Coppice; units: {}\n# id type x y z radius parent\n"),
             unit_name(units));
     for (const NodeId n : nodes(s)) {
-        out.add(FMT_COMPILE("{} {} "), n.index() + 1,
+        out.add(FMT_COMPILE("{} {} "), ids[n.index()],
                 types.empty() ? 0u : static_cast<std::uint32_t>(types[n.index()]));
         out.add_position(n, ' ');
         if (s.is_root(n)) {
             out.add(FMT_COMPILE(" {} -1\n"), s.radius(n));
         } else {
-            out.add(FMT_COMPILE(" {} {}\n"), s.radius(n), s.parent(n).index() + 1);
+            out.add(FMT_COMPILE(" {} {}\n"), s.radius(n), ids[s.parent(n).index()]);
         }
     }
     return out.text();

@@ -48,7 +48,8 @@ constexpr void visit_fields(Self& options, Visitor&& visit) {
 ///
 /// Attributes go into JSON, each an array of its own, PLY, as properties of the vertices, RSML, as functions,
 /// and MTG, as features; SWC has a place for `type` where that is a whole number from 0 to 2^24 everywhere,
-/// the other formats have none. They are read again.
+/// and for `id`, where a node has a whole number from 1 to 2^24 that no node before it has; the other formats
+/// have none. They are read again.
 ///
 /// Throws IoError when the file cannot be written, Unsupported when the format cannot be: one that is read
 /// only, a name without a known ending, a list of cylinders of a skeleton without segments; Cancelled. O(n).

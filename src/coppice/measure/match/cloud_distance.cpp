@@ -215,7 +215,7 @@ void check_units(const Both& both, std::size_t points, const Box3d& mesh, const 
 }
 
 bool has_inside(const PolygonMesh& mesh, const Context& ctx) {
-    return topology(mesh, ctx).sound() && shape(mesh, ctx).signed_volume > 0;
+    return topology(mesh, ctx).watertight() && shape(mesh, ctx).signed_volume > 0;
 }
 
 }  // namespace

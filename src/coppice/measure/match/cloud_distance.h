@@ -62,7 +62,7 @@ struct CloudDistanceSummary {
 
 /// How far a cloud and a surface lie apart.
 struct CloudDistanceReport {
-    bool closed = false;                 ///< the surface has an inside: sound, with a positive volume
+    bool closed = false;                 ///< the surface has an inside: watertight, with a positive volume
     double support = 0;                  ///< [m] the one that was taken
     CloudDistanceSummary whole;          ///< of everything
     std::optional<std::uint64_t> forks;  ///< nodes with three neighbours or more; none without a skeleton

@@ -1,5 +1,6 @@
 #include "coppice/measure/match/skeleton_match.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -16,8 +17,9 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kSkeletonMatchGrain = 64;
-constexpr std::size_t kBlock = 1 << 13;   // [segments or samples] between two looks at the stop token
-constexpr double kMostSamples = 1 << 22;  // per skeleton, besides one for each segment
+constexpr std::size_t kBlock = 1 << 13;  // [segments or samples] between two looks at the stop token
+// Samples of a skeleton: so many for each segment, and some more for skeletons of few segments.
+constexpr double kSamplesPerSegment = 64, kMoreSamples = 1 << 16;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
@@ -34,6 +36,18 @@ void for_blocks(const Context& ctx, std::size_t count, const Body& body) {
     }
 }
 
+/// The limit at which wanted numbers that are cut to it add up to `sum`; no limit where they do not exceed
+/// it.
+double largest_share(std::vector<double> wanted, double sum) {
+    std::ranges::sort(wanted);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        const double share = sum / static_cast<double>(wanted.size() - i);
+        if (wanted[i] > share) return share;
+        sum -= wanted[i];
+    }
+    return kFar;
+}
+
 /// Points at even distances along every segment, none where a segment has no length.
 class Samples {
   public:
@@ -42,11 +56,11 @@ class Samples {
             const RoundCone& c = axes.cone(i);
             return length(c.axis) / (step * c.radius(0.5));
         };
-        double all = 0;
-        for (std::uint32_t i = 0; i < axes.size(); ++i) all += wanted(i);
-        const double coarser = std::min(1.0, kMostSamples / std::max(all, 1.0));
+        std::vector<double> counts(axes.size());
+        for (std::uint32_t i = 0; i < axes.size(); ++i) counts[i] = wanted(i);
+        const double most = largest_share(counts, kSamplesPerSegment * axes.size() + kMoreSamples);
         for (std::uint32_t i = 0; i < axes.size(); ++i)
-            first_[i + 1] = first_[i] + static_cast<std::uint32_t>(std::ceil(coarser * wanted(i)));
+            first_[i + 1] = first_[i] + static_cast<std::uint32_t>(std::ceil(std::min(counts[i], most)));
     }
 
     std::uint32_t size() const { return first_.back(); }

@@ -58,7 +58,7 @@ struct NodeMatches {
 /// A skeleton that was found, held against the reference. Shares are 0 where there is no length to share.
 struct SkeletonMatch {
     Quantity length;               ///< [m]
-    Quantity volume;               ///< [m^3] of the cones between nodes; what overlaps counts twice
+    Quantity volume;               ///< [m^3] of the segments; what overlaps counts twice
     double covered_percent = 0;    ///< of the reference's length: an axis found lies within one radius
     double true_percent = 0;       ///< of the length found: inside the reference, within one of its radii
     double off_axis = 0;           ///< [radius] mean along what was found: least rho (see CapsuleTree)
@@ -80,9 +80,9 @@ struct SkeletonMatch {
 
 /// Holds `found` against `reference`. Both are brought into one frame; neither how densely nodes lie nor
 /// where the roots are matters to the shares and matches. Trees of a single node have no axis: they count as
-/// nodes and are otherwise not seen. Axes are sampled at most 4 million times each; longer ones more
-/// coarsely. O(n log n) [n nodes and samples]; the same bits for any number of threads. Throws InvalidInput
-/// for an option out of its range, Cancelled.
+/// nodes and are otherwise not seen. A skeleton of n segments is sampled at 64 n + 65,536 places at most; the
+/// longest segments, in radii, more coarsely where it takes that. O(n log n) [n nodes and samples]; the same
+/// bits for any number of threads. Throws InvalidInput for an option out of its range, Cancelled.
 SkeletonMatch compare(const Skeleton& reference, const Skeleton& found, const CompareOptions& options = {},
                       const Context& ctx = {});
 

@@ -55,8 +55,8 @@ Json check(Studio& studio, const Request& request) {
         for (const CrossingPlace& p : report.crossing_places->largest)
             places.push_back({p.place.x, p.place.y, p.place.z});
     }
-    const bool good = report.sound() && report.covers_skeleton() && report.is_whole() &&
-                      report.holds_volume() && places.empty();
+    const bool good =
+        report.sound() && report.covers_skeleton() && report.is_whole() && report.holds_volume();
     return {
         {"figures", json_of(report)}, {"good", good}, {"verdict", verdict_of(report)}, {"crossings", places}};
 }

@@ -18,7 +18,8 @@ const kGroups: readonly { title: string; figures: readonly Described[] }[] = [
     {
         title: "How faces join",
         figures: [
-            { name: "sound", label: "Sound", says: "Closed, without bad edges, and of one side: it has an inside.", isBad: (value) => value === false },
+            { name: "sound", label: "Sound", says: "Watertight, and no faces cross.", isBad: (value) => value === false },
+            { name: "watertight", label: "Watertight", says: "Closed, without bad edges, and of one side: it has an inside.", isBad: (value) => value === false },
             { name: "vertices", label: "Vertices", says: "" },
             { name: "faces", label: "Faces", says: "" },
             { name: "quads_percent", label: "Quads", unit: "%", says: "Faces with four corners." },

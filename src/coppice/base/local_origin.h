@@ -1,0 +1,22 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "coppice/base/vec.h"
+
+namespace coppice {
+
+/// The origin that coordinates in the box from `low` to `high` are stored relative to, so that floats resolve
+/// them: zero when the box lies within eight times its diagonal of zero, else `anchor`, a point of the box,
+/// rounded to a power of two that is a 16th to a 32nd of the diagonal. Coordinates times a power of two have
+/// the origin times that power, exactly.
+inline Vec3d local_origin(Vec3d low, Vec3d high, Vec3d anchor) {
+    const double size = length(high - low);
+    if (!(size > 0) || std::max(length(low), length(high)) < 8 * size) return {};
+    const double step = std::ldexp(1.0, std::ilogb(size) - 4);
+    const auto rounded = [step](double c) { return step * std::round(c / step); };
+    return {rounded(anchor.x), rounded(anchor.y), rounded(anchor.z)};
+}
+
+}  // namespace coppice
