@@ -8,8 +8,8 @@ set(COPPICE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/coppice)
 #
 # One folder of src/coppice = one library coppice::NAME, which depends on what layers.txt names. It is a component of the
 # package: find_package(coppice COMPONENTS NAME) looks for the packages that NAME and the modules below it need, and no others.
-# Its tests lie in tests/NAME/ and link this module alone, so that a call to a higher layer fails at link time; every header is
-# also compiled on its own (all_verify_interface_header_sets).
+# Its tests lie in tests/NAME/ and link this module alone, so that a call to a higher layer fails at link time; script/headers
+# compiles every header on its own.
 function(coppice_module)
   cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;TESTS;TEST_LIBRARIES;PACKAGES;LIBRARIES;PRIVATE_PACKAGES;PRIVATE_LIBRARIES;BUILD_PACKAGES;BUILD_LIBRARIES" ${ARGN})
   foreach(package IN LISTS M_PACKAGES M_PRIVATE_PACKAGES M_BUILD_PACKAGES)
@@ -21,7 +21,7 @@ function(coppice_module)
   add_library(${target} ${M_SOURCES})
   add_library(coppice::${M_NAME} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${M_HEADERS})
-  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON POSITION_INDEPENDENT_CODE ON
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON
                         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
                         DEFINE_SYMBOL "")
   target_compile_features(${target} PUBLIC cxx_std_20)
@@ -89,26 +89,26 @@ function(coppice_test name)
   coppice_note_thread_tests(${T_SOURCES})
 endfunction()
 
-# coppice_group_sources(TARGET): with COPPICE_GROUPED_SOURCES, sources that get along are compiled eight at a time, which takes half of the
+# coppice_group_sources(TARGET): with COPPICE_GROUPED_SOURCES, compatible sources are compiled eight at a time, which takes half of the
 # time. A group is compiled whole when one of its sources changes.
 function(coppice_group_sources target)
   if(NOT COPPICE_GROUPED_SOURCES)
     return()
   endif()
   get_target_property(listed ${target} SOURCES)
+  set(others ${listed})
   list(FILTER listed INCLUDE REGEX "[.]cpp$")
+  list(FILTER others EXCLUDE REGEX "[.]cpp$")
   foreach(source IN LISTS listed)
     cmake_path(ABSOLUTE_PATH source)
     list(APPEND sources ${source})
   endforeach()
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/script/source_groups.py)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/script/source_groups.py 8 ${sources}
-                  OUTPUT_VARIABLE groups COMMAND_ERROR_IS_FATAL ANY)
-  foreach(source group IN ZIP_LISTS sources groups)
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${target}_${group})
-  endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/script/source_groups.py 8 ${CMAKE_CURRENT_BINARY_DIR}/${target}_groups
+                          ${sources}
+                  OUTPUT_VARIABLE grouped COMMAND_ERROR_IS_FATAL ANY)
+  set_property(TARGET ${target} PROPERTY SOURCES ${grouped} ${others})
   # Names of one source may be used within another, but not twice within one function; and no other source can see what stands in
   # an anonymous namespace, though the compiler takes it for what a header holds.
   set(options -Wno-shadow "$<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wno-subobject-linkage>")

@@ -12,7 +12,7 @@ std::string shortened(std::string_view text, std::size_t max_bytes) {
     return std::string(text.substr(0, end)) + "...";
 }
 
-std::string quote(std::string_view text) { return "'" + shortened(text) + "'"; }
+std::string quote(std::string_view text) { return fmt::format("'{}'", shortened(text)); }
 
 std::string printable(std::string_view text) {
     std::string out;
