@@ -12,7 +12,7 @@ std::string shortened(std::string_view text, std::size_t max_bytes = 80);
 /// The same in single quotes.
 std::string quote(std::string_view text);
 
-/// The text as one line: control characters, which names of files may hold, are written as \n, \t or \x1b.
+/// The text as one line: control characters, which names of files may hold, are written as escape sequences.
 std::string printable(std::string_view text);
 
 }  // namespace coppice
