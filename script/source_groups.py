@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Groups sources that can be compiled as one translation unit: most of the time goes into the headers of others and into
-instantiating their templates, which is then done once for each group. A name in an anonymous namespace must differ from every
-name that the other sources of its group see.
+instantiating their templates, which is then done once for each group.
+
+A name in an anonymous namespace must differ from every name that the other sources of its group see. Where two sources have such a
+name each, as with file-local functions, a macro renames it in one of them, unless a header of either could mean something else by it.
 
     script/source_groups.py MAXIMUM FOLDER SOURCE...  writes a source for each group into FOLDER; prints all to compile, with ;
 
@@ -19,15 +21,20 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # A name that is defined or declared in the first column; of an alias the whole line, since equal aliases do not conflict.
 NAMED = re.compile(r"^(?:struct|class|enum class|enum) (\w+)|^(using \w+ = .*)|"
                    r"^(?!namespace|using)[a-zA-Z][^=;(){}\n]*?[\s&*>](\w+)(?:\[\w*\])? ?[=({;]", re.MULTILINE)
+DECLARATION = re.compile(r"^constexpr [^(){}\n]*;", re.MULTILINE)  # of several constants, perhaps
 BROUGHT = re.compile(r"^using (?:\w*::)+(\w+);", re.MULTILINE)
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 OWN_HEADER = re.compile(r'^#include "(.*)"', re.MULTILINE)
+# Compound words, which neither the standard library nor other people's headers contain by chance: file_local, kConstant, TypeName.
+RENAMABLE = re.compile(r"[a-z]\w*_\w+|k[A-Z]\w+|[A-Z][a-z0-9]+[A-Z]\w*")
 
 
 def named_in(text):
     """The names in a text, with the kind of each."""
-    return {(what.split()[1] if what.startswith("using ") else what): what
-            for match in NAMED.findall(text) for what in match if what not in ("", "main")}
+    names = {(what.split()[1] if what.startswith("using ") else what): what
+             for match in NAMED.findall(text) for what in match if what not in ("", "main")}
+    others = {name: name for declaration in DECLARATION.findall(text) for name in re.findall(r", (\w+) =", declaration)}
+    return names | others | {match[1]: match[0] for match in BROUGHT.finditer(text)}
 
 
 def own_includes(file):
@@ -44,17 +51,32 @@ def names_of(file):
     """The names private to a file, and the names that others of its group would see, those of its headers included."""
     text = file.read_text()
     own = named_in("\n".join(ANONYMOUS.findall(text))) if file.suffix == ".cpp" else {}
-    seen = {*named_in(ANONYMOUS.sub("", text)), *BROUGHT.findall(text)}
+    seen = {*named_in(ANONYMOUS.sub("", text))}
     for header in own_includes(file):
         seen |= names_of(header)[1]
     return own, seen
 
 
+@functools.cache
+def words_of_headers(file):
+    """All words in the headers of this project that a file includes, directly or not."""
+    words = set()
+    for header in own_includes(file):
+        words |= words_of_headers(header) | {*re.findall(r"\w+", header.read_text())}
+    return words
+
+
+def clashes(source, other):
+    """The names in the anonymous namespaces of a source that another source sees or has too, other than equal aliases."""
+    (own, _), (own_other, seen_other) = names_of(source), names_of(other)
+    return {name for name in own if name in seen_other or name in own_other and not own[name] == own_other[name] != name}
+
+
+@functools.cache
 def compatible(a, b):
     """Whether two sources can be compiled as one."""
-    (own_a, seen_a), (own_b, seen_b) = names_of(a), names_of(b)
-    both = own_a.keys() & own_b.keys()
-    return all(own_a[name] == own_b[name] != name for name in both) and not own_a.keys() & seen_b and not own_b.keys() & seen_a
+    return all(RENAMABLE.fullmatch(name) and name not in words_of_headers(source)
+               for source, other in ((a, b), (b, a)) for name in clashes(source, other))
 
 
 def groups_of(sources, maximum):
@@ -85,9 +107,19 @@ def compile_flags(build):
     return [*flags]
 
 
+def includes_of(group, path_of=str):
+    """The text that includes each source of a group, with its names that clash renamed; path_of(source) is the path to include."""
+    texts = []
+    for i, source in enumerate(group):
+        renamed = sorted(set().union(*(clashes(source, other) for other in group if other != source)))
+        lines = [*(f"#define {name} {name}{i}" for name in renamed), f'#include "{path_of(source)}"', *(f"#undef {name}" for name in renamed)]
+        texts.append("".join(line + "\n" for line in lines))
+    return texts
+
+
 def write_group(file, group):
     """Writes the source of a group, unless it is there as it should be."""
-    text = "".join(f'#include "{os.path.relpath(source, file.parent)}"\n' for source in group)
+    text = "".join(includes_of(group, lambda source: os.path.relpath(source, file.parent)))
     if not file.exists() or file.read_text() != text:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
