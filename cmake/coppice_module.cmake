@@ -1,7 +1,7 @@
 include(GNUInstallDirs)
 set(COPPICE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/coppice)
 
-# coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [TESTS a_test.cpp ...] [TEST_LIBRARIES coppice_zoo ...]
+# coppice_module(NAME field HEADERS a.h ... SOURCES a.cpp ... [TESTS a_test.cpp ...] [TEST_LIBRARIES coppice_zoo ...] [TEST_SHARDS n]
 #                [PACKAGES fmt ...] [LIBRARIES fmt::fmt ...]                  what its headers need
 #                [PRIVATE_PACKAGES "embree 3" ...] [PRIVATE_LIBRARIES ...]    what has to be linked
 #                [BUILD_PACKAGES nanoflann ...] [BUILD_LIBRARIES ...])        headers that only its sources include
@@ -11,7 +11,7 @@ set(COPPICE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/coppice)
 # Its tests lie in tests/NAME/ and link this module alone, so that a call to a higher layer fails at link time; script/headers
 # compiles every header on its own.
 function(coppice_module)
-  cmake_parse_arguments(M "" "NAME" "HEADERS;SOURCES;TESTS;TEST_LIBRARIES;PACKAGES;LIBRARIES;PRIVATE_PACKAGES;PRIVATE_LIBRARIES;BUILD_PACKAGES;BUILD_LIBRARIES" ${ARGN})
+  cmake_parse_arguments(M "" "NAME;TEST_SHARDS" "HEADERS;SOURCES;TESTS;TEST_LIBRARIES;PACKAGES;LIBRARIES;PRIVATE_PACKAGES;PRIVATE_LIBRARIES;BUILD_PACKAGES;BUILD_LIBRARIES" ${ARGN})
   foreach(package IN LISTS M_PACKAGES M_PRIVATE_PACKAGES M_BUILD_PACKAGES)
     separate_arguments(package)
     find_package(${package} REQUIRED)
@@ -44,7 +44,7 @@ function(coppice_module)
 
   if(COPPICE_BUILD_TESTS AND M_TESTS)
     list(TRANSFORM M_TESTS PREPEND ${PROJECT_SOURCE_DIR}/tests/${M_NAME}/)
-    coppice_test(${M_NAME}_test SOURCES ${M_TESTS} LIBRARIES coppice::${M_NAME} ${M_TEST_LIBRARIES})
+    coppice_test(${M_NAME}_test SOURCES ${M_TESTS} LIBRARIES coppice::${M_NAME} ${M_TEST_LIBRARIES} SHARDS ${M_TEST_SHARDS})
   endif()
 endfunction()
 
@@ -74,9 +74,9 @@ function(coppice_component name below packages)
   endif()
 endfunction()
 
-# coppice_test(NAME SOURCES ... LIBRARIES ... [PREFIX ...]): a GoogleTest program whose cases CTest lists one by one.
+# coppice_test(NAME SOURCES ... LIBRARIES ... [SHARDS n]): a GoogleTest program of unit tests.
 function(coppice_test name)
-  cmake_parse_arguments(T "" "PREFIX" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(T "" "SHARDS" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${T_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_BINARY_DIR}/tests/include)
   target_link_libraries(${name} PRIVATE ${T_LIBRARIES} GTest::gtest_main)
@@ -85,27 +85,44 @@ function(coppice_test name)
   coppice_group_sources(${name})
   target_compile_options(${name} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${COPPICE_TEST_OPTIONS}>")
   add_dependencies(unit_tests ${name})
-  gtest_discover_tests(${name} TEST_PREFIX "${T_PREFIX}" DISCOVERY_TIMEOUT 120 PROPERTIES LABELS unit)
+  coppice_add_shards(${name} unit "${T_SHARDS}" "*")
   coppice_note_thread_tests(${T_SOURCES})
 endfunction()
 
-# coppice_group_sources(TARGET): with COPPICE_GROUPED_SOURCES, compatible sources are compiled eight at a time, which takes half of the
-# time. A group is compiled whole when one of its sources changes.
+# coppice_add_shards(NAME LABEL COUNT FILTER): tests of CTest that run the cases of a GoogleTest program which match, each an equal number
+# of them in one process, since starting a process takes longer than most cases do. Results of single cases are written to
+# results/NAME.SHARD.xml in the build folder.
+function(coppice_add_shards name label count filter)
+  if(NOT count)
+    set(count 1)
+  endif()
+  math(EXPR last "${count} - 1")
+  foreach(shard RANGE ${last})
+    set(test ${label}.${name}.${shard})
+    add_test(NAME ${test} COMMAND ${name} --gtest_brief=1 "--gtest_filter=${filter}" --gtest_output=xml:${PROJECT_BINARY_DIR}/results/${test}.xml)
+    set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${shard}")
+  endforeach()
+endfunction()
+
+# coppice_group_sources(TARGET): with COPPICE_GROUPED_SOURCES, up to 16 compatible sources are compiled as one, which takes less than half
+# of the time. A group is compiled whole when one of its sources changes. Sources with SKIP_UNITY_BUILD_INCLUSION are compiled alone.
 function(coppice_group_sources target)
   if(NOT COPPICE_GROUPED_SOURCES)
     return()
   endif()
   get_target_property(listed ${target} SOURCES)
-  set(others ${listed})
-  list(FILTER listed INCLUDE REGEX "[.]cpp$")
-  list(FILTER others EXCLUDE REGEX "[.]cpp$")
   foreach(source IN LISTS listed)
-    cmake_path(ABSOLUTE_PATH source)
-    list(APPEND sources ${source})
+    get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+    if(source MATCHES "[.]cpp$" AND NOT alone)
+      cmake_path(ABSOLUTE_PATH source)
+      list(APPEND sources ${source})
+    else()
+      list(APPEND others ${source})
+    endif()
   endforeach()
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/script/source_groups.py)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/script/source_groups.py 8 ${CMAKE_CURRENT_BINARY_DIR}/${target}_groups
+  execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/script/source_groups.py 16 ${CMAKE_CURRENT_BINARY_DIR}/${target}_groups
                           ${sources}
                   OUTPUT_VARIABLE grouped COMMAND_ERROR_IS_FATAL ANY)
   set_property(TARGET ${target} PROPERTY SOURCES ${grouped} ${others})
