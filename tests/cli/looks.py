@@ -5,7 +5,10 @@ import zlib
 
 
 def nearest(left, above, corner):
-    return min((left, above, corner), key=lambda v: abs(left + above - corner - v))
+    to_left, to_above, to_corner = abs(above - corner), abs(left - corner), abs(left + above - 2 * corner)
+    if to_left <= to_above and to_left <= to_corner:
+        return left
+    return above if to_above <= to_corner else corner
 
 
 # How the rows of a PNG predict a byte from those to the left, above, and above on the left.
@@ -24,8 +27,8 @@ def unfiltered(rows, width, depth):
         yield before
 
 
-def look_at_picture(name):
-    """What can be said of a picture without knowing what it shows: shares are in percent of its pixels."""
+def read_picture(name):
+    """Width, height, bytes per pixel and the bytes of the rows of a PNG."""
     with open(name, "rb") as file:
         data = file.read()
     width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
@@ -35,7 +38,21 @@ def look_at_picture(name):
         size, chunk = struct.unpack(">I4s", data[at:at + 8])
         packed += data[at + 8:at + 8 + size] if chunk == b"IDAT" else b""
         at += size + 12
-    raw, stride = zlib.decompress(packed), width * depth + 1
+    raw = zlib.decompress(packed)
+    assert len(raw) == height * (width * depth + 1)
+    return width, height, depth, raw
+
+
+def look_at_size(name):
+    """The size of a picture that is whole."""
+    width, height, _, _ = read_picture(name)
+    return {"width": width, "height": height}
+
+
+def look_at_picture(name):
+    """What can be said of a picture without knowing what it shows: shares are in percent of its pixels."""
+    width, height, depth, raw = read_picture(name)
+    stride = width * depth + 1
     rows = [(raw[y * stride], raw[y * stride + 1:(y + 1) * stride]) for y in range(height)]
     pixels = [line[i:i + depth] for line in unfiltered(rows, width, depth) for i in range(0, width * depth, depth)]
     share = 100 / len(pixels)
@@ -50,4 +67,4 @@ def look_at_text(name):
     return {"lines": len(lines), "first": lines[0]}
 
 
-LOOKS = {"picture": look_at_picture, "text": look_at_text}
+LOOKS = {"picture": look_at_picture, "size": look_at_size, "text": look_at_text}

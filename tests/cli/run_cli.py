@@ -4,7 +4,7 @@ and files.
 
 CASES has one JSON object a line, written by cli_test() in CMakeLists.txt. Conditions on JSON (conditions.py) are on the output where
 OUT begins with "json:", on a file by REPORT FILE:conditions, and on what was written by THEN "COMMAND => conditions": the command of
-the program (check, info, compare) is run with --json in the same folder; `picture FILE` and `text FILE` look at a file (looks.py).
+the program (check, info, compare) is run with --json in the same folder; `picture FILE`, `size FILE` and `text FILE` look at a file (looks.py).
 """
 
 import argparse
@@ -31,6 +31,7 @@ import looks
 
 CASE_LIMIT = 120  # [s] for all commands of a case
 SLOWEST_END = 2  # [s] after a signal; one is promised, but other tests are at work
+BUSY_TICKS = 0.3 * os.sysconf("SC_CLK_TCK")
 LIBRARY = "twigs.branches"  # made by the program itself
 MEMORY_FOLDER = "/dev/shm"  # on a disk the inputs of a case take 30 times as long to write
 
@@ -75,7 +76,7 @@ class Runner:
         process = subprocess.Popen([self.program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    env=self.environment, preexec_fn=limiter(limit) if limit else None)
         if signal_name:
-            time.sleep(0.7)
+            wait_until_busy(process.pid)
             process.send_signal(getattr(signal, signal_name))
         sent = time.monotonic()
         try:
@@ -87,6 +88,13 @@ class Runner:
         if signal_name and time.monotonic() - sent > SLOWEST_END:
             err += f"it took {time.monotonic() - sent:.1f} s to end\n"
         return process.returncode, out, err
+
+
+def wait_until_busy(process):
+    """Until it has computed for longer than it takes to start, or for 0.7 s where it waits for something else."""
+    stat, end = pathlib.Path(f"/proc/{process}/stat"), time.monotonic() + 0.7
+    while time.monotonic() < end and sum(map(int, stat.read_text().rsplit(")", 1)[1].split()[11:13])) < BUSY_TICKS:
+        time.sleep(0.02)
 
 
 def limiter(limit):
