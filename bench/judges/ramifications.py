@@ -28,10 +28,10 @@ def stages(counts, seconds):
     return 1000 * r["connection_seconds"], 1000 * r["paste_seconds"], 1000 * (r["subdivision_seconds"] + second)
 
 
-def timed(coppice, path, folder, way):
+def timed(coppice, path, folder, way, runs):
     """What the check says, the counts, and the least milliseconds of each stage."""
     least = None
-    for _ in range(RUNS):
+    for _ in range(runs):
         judged, counts, seconds = in_turn(coppice, path, folder, {"": way}, 1)[""]
         now = stages(counts, seconds)
         least = now if least is None else tuple(map(min, least, now))
@@ -67,23 +67,23 @@ def figure7(coppice, skeletons, folder):
     return text
 
 
-def figure9(coppice, folder, out):
+def figure9(coppice, folder, out, runs):
     text = head("place", "height, m", "turned by, degrees", "radius over trunk's", "pastes", "cut-paste, ms", "faces", "closed, manifold", "crossing pairs",
                 "forks: bending", "angle between faces, degrees, p95")
     for place, (height, turn, radius) in made_up.PASTED.items():
         path = os.path.join(out, f"pasted_{place}.swc")
-        judged, counts, ms = timed(coppice, path, folder, (*AS_PRINTED, "--all-additional"))
+        judged, counts, ms = timed(coppice, path, folder, (*AS_PRINTED, "--all-additional"), runs)
         text += row(place, height, turn, f"{radius / 0.1:.2f}", f"{counts['ramifications']['objective_after']['pastes']:.2f}", f"{ms[1]:.3f}",
                     f"{judged['faces']:,}", watertight(judged), judged["intersections"]["total"], *at_forks(judged))
     return text
 
 
-def figure11(coppice, folder, out):
+def figure11(coppice, folder, out, runs):
     text = head("furcation", "row", "faces", "cut-paste, ms", "two subdivisions, ms", "closed, manifold", "crossing pairs", "projected: crossing pairs",
                 "forks: bending", "angle between faces, degrees, p95")
     for n, (faces, paste, both) in PRINTED_FURCATIONS.items():
         path = os.path.join(out, f"furcation_{n}.swc")
-        judged, _, ms = timed(coppice, path, folder, (*AS_PRINTED, "--all-additional"))
+        judged, _, ms = timed(coppice, path, folder, (*AS_PRINTED, "--all-additional"), runs)
         projected, _, _ = mesh_and_check(coppice, path, folder, *UNITS, "--all-additional")
         text += row(n, "Huang2017", f"{faces:,}", paste, both, "yes", "-", "-", "-", "-")
         text += row(n, "ours", f"{judged['faces']:,}", f"{ms[1]:.2f}", f"{ms[2]:.2f}", watertight(judged), judged["intersections"]["total"],
@@ -91,13 +91,13 @@ def figure11(coppice, folder, out):
     return text
 
 
-def figure12(coppice, skeletons, folder):
+def figure12(coppice, skeletons, folder, runs):
     text = head("tree", "row", "branches", "additional", "connection, ms", "cut-paste, ms", "both subdivisions, ms", "closed, manifold", "crossing pairs",
                 "projected: crossing pairs", "s in all")
     branches = {name: count for name, count, _ in made_up.trees()}
     for name, path in skeletons:
         additional, *printed = PRINTED_TREES[name]
-        judged, counts, ms = timed(coppice, path, folder, AS_PRINTED)
+        judged, counts, ms = timed(coppice, path, folder, AS_PRINTED, runs)
         projected, _, seconds = mesh_and_check(coppice, path, folder, *UNITS)
         r = counts["ramifications"]
         text += row(name, "Huang2017", branches[name], additional, *printed, "yes", "-", "-", "-")
@@ -149,10 +149,12 @@ def main():
 
     trees = made("tree 3") if told.small else made("tree 1", "tree 2", "tree 3")
     others = [(os.path.basename(path), path) for path in told.files]
+    runs, count = (1, 1) if told.small else (RUNS, 100)
     with tempfile.TemporaryDirectory() as folder:
         tables = {"figure1": figure1(coppice, made("fork") + trees, folder), "figure7": figure7(coppice, made("neighbours", "close neighbours") + trees + others, folder),
-                  "figure9": figure9(coppice, folder, out), "figure11": figure11(coppice, folder, out),
-                  "figure12": figure12(coppice, trees, folder), "variants": variants(coppice, others, folder), "forks": forks(coppice, folder, 1 if told.small else 100)}
+                  "figure9": figure9(coppice, folder, out, runs),
+                  "figure11": figure11(coppice, folder, out, runs),
+                  "figure12": figure12(coppice, trees, folder, runs), "variants": variants(coppice, others, folder), "forks": forks(coppice, folder, count)}
     for name, text in tables.items():
         with open(os.path.join(out, name + ".md"), "w", encoding="utf-8") as file:
             file.write(text)

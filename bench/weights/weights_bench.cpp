@@ -172,15 +172,18 @@ double median_of(const WeightsResult& row, std::string_view name) {
     return 0;
 }
 
+Scene scene_of(const std::string& name) {
+    if (name == "chain") return straight_chain();
+    return name == "Y" ? even_fork() : make_scene(name);
+}
+
 }  // namespace
 
-std::vector<WeightsResult> bench_weights(const std::vector<std::string>& files, int repeat,
+std::vector<WeightsResult> bench_weights(const std::vector<std::string>& scenes, int repeat,
                                          const Context& ctx) {
-    std::vector<Scene> scenes;
-    for (const std::string& file : files) scenes.push_back(make_scene(file));
-    if (scenes.empty()) scenes = {straight_chain(), even_fork(), make_scene("tree300")};
     std::vector<WeightsResult> rows;
-    for (const Scene& scene : scenes) {
+    for (const std::string& name : scenes) {
+        const Scene scene = scene_of(name);
         for (const auto& named : kernels()) {
             const auto& kernel = named.second;
             FieldOptions plain = kernel, global = kernel;

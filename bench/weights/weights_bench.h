@@ -33,10 +33,11 @@ struct NnlsTiming {
     Measure measure;
 };
 
-/// Straight chain, Y of equal children, and tree300 (or the skeletons in the files named), with the quartic
-/// kernel of supports 1.5 and 2 and Cauchy 2, each with local weights of blend 4 and 1, and with global ones
-/// that are fitted to the usual points, to fewer, and to points that leave out most of the upper half.
-std::vector<WeightsResult> bench_weights(const std::vector<std::string>& files, int repeat,
+/// Each scene, "chain" (straight), "Y" (of equal children), a made-up tree or a skeleton file, with the
+/// quartic kernel of supports 1.5 and 2 and Cauchy 2, each with local weights of blend 4 and 1, and with
+/// global ones that are fitted to the usual points, to fewer, and to points that leave out most of the upper
+/// half.
+std::vector<WeightsResult> bench_weights(const std::vector<std::string>& scenes, int repeat,
                                          const Context& ctx);
 
 /// 300 unknowns and 1,548 rows, dense; and the whole of global_weights on trees of 300, 3,000 and 30,000

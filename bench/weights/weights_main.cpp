@@ -10,12 +10,12 @@
 
 int main(int argc, char** argv) {
     using namespace coppice;
-    std::vector<std::string> scenes;
+    std::vector<std::string> scenes{"chain", "Y", "tree300"};
     unsigned threads = 2;
     int repeat = 5;
     bool surfaces_only = false;
     CLI::App app("Measures local and global weights");
-    app.add_option("scenes", scenes, "made-up trees or skeleton files; none: chain, Y and tree300");
+    app.add_option("scenes", scenes, "chain, Y, made-up trees or skeleton files")->capture_default_str();
     app.add_option("--threads", threads, "threads to use; 0 takes all")->capture_default_str();
     app.add_option("--repeat", repeat, "timed runs")->check(CLI::PositiveNumber)->capture_default_str();
     app.add_flag("--surfaces-only", surfaces_only, "leave out the times of the solver");

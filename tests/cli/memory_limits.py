@@ -14,7 +14,7 @@ SKIPPED = 77
 LIMITS = (64, 80, 96, 128, 160, 200, 260, 340)  # MiB
 COMMANDS = (
     "mesh walk.swc -o out.ply --levels 1",
-    "mesh walk.swc -o out.ply --method tetrahedra --edge 1.5",
+    "mesh short.swc -o out.ply --method tetrahedra --edge 1.5",
     "mesh walk.swc -o out.stl -o out.glb -o out.usda --levels 0",
     "extract tube.ply -o out.swc",
     "extract tube.xyz -o out.swc",
@@ -35,18 +35,21 @@ COMMANDS = (
 
 
 def make_inputs():
-    """A walk of many segments, a tube of many triangles, its vertices as points, and a scene."""
+    """A walk of many segments and the beginning of it, a tube of many triangles, most of its vertices as points, and scenes."""
     random.seed(1)
     place = [0.0, 0.0, 0.0]
-    with open("walk.swc", "w") as file:
-        for i in range(20000):
-            file.write("%d 1 %.3f %.3f %.3f 0.05 %d\n" % (i + 1, *place, i or -1))
-            place = [x + random.gauss(0, 0.2) for x in place[:2]] + [place[2] + 0.3]
+    nodes = []
+    for i in range(20000):
+        nodes.append("%d 1 %.3f %.3f %.3f 0.05 %d\n" % (i + 1, *place, i or -1))
+        place = [x + random.gauss(0, 0.2) for x in place[:2]] + [place[2] + 0.3]
+    for name, count in (("walk.swc", 20000), ("short.swc", 5000)):
+        with open(name, "w") as file:
+            file.writelines(nodes[:count])
     rings, sides = 5000, 20
     points = ["%.4f %.4f %.4f\n" % (1.5 * math.cos(math.tau * k / sides), 1.5 * math.sin(math.tau * k / sides), 0.02 * i)
               for i in range(rings) for k in range(sides)]
     with open("tube.xyz", "w") as file:
-        file.writelines(points)
+        file.writelines(points[:80000])
     with open("tube.ply", "w") as file:
         file.write("ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
                    "element face %d\nproperty list uchar int vertex_indices\nend_header\n" % (len(points), (rings - 1) * sides))
@@ -56,10 +59,10 @@ def make_inputs():
                 a, b = i * sides + k, i * sides + (k + 1) % sides
                 file.write("4 %d %d %d %d\n" % (a, b, b + sides, a + sides))
     with open("scene.coppice", "w") as file:
-        file.write("sphere s\npointset gen s poisson count=20000\n"
+        file.write("sphere s\npointset gen s poisson count=8000\n"
                    "grow s s root=0,0,-1.5 influence_radius=2 kill_radius=0.03 step=0.02\nmesh s levels=1\n")
     with open("tetra.coppice", "w") as file:
-        file.write("loadtree walk walk.swc\nmesh walk method=tetrahedra edge=4 tetra_levels=0\n")
+        file.write("loadtree walk short.swc\nmesh walk method=tetrahedra edge=4 tetra_levels=0\n")
 
 
 def peak_of(program, words, limit):

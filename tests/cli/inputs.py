@@ -1,0 +1,176 @@
+"""The small inputs of the tests of the program: their contents, made once, and create(), which writes them into a folder."""
+
+import json
+import math
+import os
+import pathlib
+import re
+import struct
+import zlib
+
+UNREADABLE = "secret.swc"
+FOLDERS = ("old", "folder", "folder.ply")
+FILES = {}  # the content of each file, by its name
+
+
+def add(name, content):
+    FILES[name] = content.encode() if isinstance(content, str) else content
+
+
+def create(folder):
+    """Writes all inputs into an empty folder."""
+    for name in FOLDERS:
+        os.mkdir(f"{folder}/{name}")
+    for name, content in FILES.items():
+        file = os.open(f"{folder}/{name}", os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        os.write(file, content)
+        os.close(file)
+    os.chmod(f"{folder}/{UNREADABLE}", 0)
+    os.symlink("folder", f"{folder}/linked")
+    os.mkfifo(f"{folder}/never.ply")
+
+
+def box_obj(low, high, before):
+    """A box as OBJ, after so many vertices."""
+    vertices = re.sub(r"v (\S+) (\S+) (\S+)",
+                      lambda v: "v %g %g %g" % tuple((low, high)[int(v[k + 1]) > 0][k] for k in range(3)), CUBE)
+    return vertices + re.sub(r"\d+", lambda i: str(int(i[0]) + before), "".join(CUBE_FACES))
+
+
+CUBE = "".join(f"v {x} {y} {z}\n" for z in (-1, 1) for y in (-1, 1) for x in (-1, 1))
+CUBE_FACES = ["f 1 3 4 2\n", "f 5 6 8 7\n", "f 1 2 6 5\n", "f 3 7 8 4\n", "f 1 5 7 3\n", "f 2 4 8 6\n"]
+TREE = "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.15 1\n3 1 0.5 0 1.8 0.1 2\n4 1 -0.5 0 1.8 0.1 2\n"
+
+
+add("tree.swc", TREE)
+# A branch that comes back and runs through its own stem, out again on the other side.
+add("loop.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 1 1 0 2 0.05 4\n6 1 -2 0 2 0.05 5\n")
+# Two trees: a stem, and one that runs across it in steps.
+add("crossed.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n3 1 -1 0.02 1 0.04 -1\n" +
+    "".join("%d 1 %g 0.02 1 0.04 %d\n" % (4 + i, -0.8 + 0.2 * i, 3 + i) for i in range(10)))
+# A trunk with two laterals, of which one forks: six branches that begin at branch nodes.
+add("twigs.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.18 1\n3 1 0 0 2 0.15 2\n4 1 0 0 3 0.1 3\n5 1 1 0 1.5 0.1 2\n"
+    "6 1 1.6 0 2 0.07 5\n7 1 1.2 0.6 2 0.05 5\n8 1 -0.9 0 2.6 0.08 3\n")
+add("presumed.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
+                                 "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
+add("sprout.coppice", "sprout tree root=0,0,0 root=2,0,0 seasons=7 seed=2\nradii tree\n")
+add("small.coppice", "sphere s radius=0.01\n")
+add("neuron.swc", "1 1 0 0 0 5 -1\n2 3 0 0 150 1 1\n3 3 0 0 250 1 2\n")
+add("tree_cm.swc", "1 1 0 0 0 20 -1\n2 1 0 0 100 15 1\n3 1 50 0 180 10 2\n4 1 -50 0 180 10 2\n")
+sketch = {"format": "coppice-sketch", "version": 1,
+          "views": [{"name": side, "orthographic": side, "pixels_per_metre": 100, "origin": [200, 300]} for side in ("front", "side")],
+          "branches": [{"name": "stem", "strokes": {side: {"points": [[200, 300], [200, 100]], "widths": [20, 10]} for side in ("front", "side")}},
+                       {"name": "lateral", "parent": "stem", "strokes": {"front": {"points": [[200, 200], [240, 150], [260, 110]]},
+                                                                         "side": {"points": [[200, 200], [230, 150], [250, 110]]}}}]}
+add("fork.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.075 1\n3 1 0 0 2 0.05 2\n4 1 0.4 0.3 1.5 0.032 2\n5 1 0.6 0.5 1.9 0.0225 4\n")
+add("fork.sketch.json", json.dumps(sketch))
+chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+picture = lambda rows: (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 400, 320, 8, 2, 0, 0, 0)) +
+                        chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
+sky = b"\x80\xc0\xff"
+add("photo.png", picture([sky * 400] * 320))
+add("bar.png", picture([sky * 400] * 100 + [sky * 190 + b"\x40\x30\x20" * 20 + sky * 190] * 200 + [sky * 400] * 20))
+add("bar.sketch.json", json.dumps({"format": "coppice-sketch", "version": 1, "views": [view | {"image": "bar.png"} for view in sketch["views"]]}))
+add("broken.sketch.json", json.dumps(sketch).replace('"parent": "stem"', '"parent": "trunk"'))
+add("torn.sketch.json", json.dumps(sketch).replace("[230, 150], [250, 110]", "[230, 250], [250, 290]"))
+add("messy.swc", "2 1 0 0 1 0.15 1\n1 1 0 0 0 0.2 -1\n3 1 0 0 2 0 2\n")
+add("roots.rsml", "<rsml><metadata><unit>cm</unit></metadata><scene><plant><root><geometry><polyline><point x='0' y='0'/><point x='0' y='9'/>"
+    "</polyline></geometry><functions><function name='diameter'><sample>0.4</sample><sample>0.2</sample></function></functions><root>"
+    "<geometry><polyline><point x='0' y='4'/><point x='3' y='6'/></polyline></geometry></root></root></plant></scene></rsml>\n")
+head = "CODE:\tFORM-A\nCLASSES:\nP\t1\nA\t2\nN\t3\nFEATURES:\nXX\tREAL\nYY\tREAL\nZZ\tREAL\nTopDia\tREAL\nMTG:\nENTITY-CODE\t\tXX\tYY\tZZ\tTopDia\n"
+add("branch.mtg", head + "/P1\n^/A1/N1\t\t0\t0\t0\t0.4\n^<N2\t\t0\t0\t2\t0.3\n\t+A2/N1\t1\t0\t3\t0.2\n^<N3\t\t0\t0\t4\t0.2\n")
+add("shapeless.mtg", head + "/P1\n^/A1/N1<N2\n")
+add("torn.rsml", "<rsml><scene>\n<plant></scene></rsml>\n")
+add("broken.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.1 1\n2 1 0 0 2 0.1 1\n")
+add("lines.obj", "v 0 0 0\nv 0 0 1\nv 0 0 2\nl 1 2 3\n")
+add("cube.obj", CUBE + "".join(CUBE_FACES))
+add("open.obj", CUBE + "".join(CUBE_FACES[1:]))
+# A stem with a branch; the piece of it above 1.7 m hangs in the air.
+add("torn.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 1.6), 0) + box_obj((-0.1, -0.1, 1.7), (0.1, 0.1, 2), 8))
+# A stem and a bar across it, for cross.swc.
+add("crossed.obj", box_obj((-0.1, -0.1, 0), (0.1, 0.1, 2), 0) + box_obj((-0.5, -0.05, 0.95), (0.5, 0.05, 1.05), 8))
+add("cross.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1.2 0.1 1\n3 1 0 0 2 0.1 2\n4 1 -0.1 0 1 0.05 -1\n5 1 0.5 0 1 0.05 4\n")
+add("empty.swc", "")
+# Rings of 16 points on a stem of radius 0.1 and 2 m.
+stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
+        for k in range(51) for i in range(16)]
+add("burl.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.4 1\n3 1 0 0 2 0.1 2\n")  # the stem, swollen in the middle
+rows = ["%.4f %.4f %.4f" % p for p in stem]
+add("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1]) / 10, int(v[2]) / 10, int(v[3]) + 1),
+                       CUBE) + "".join(CUBE_FACES))
+add("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # what these points were laid around
+add("stem.xyz", "\n".join(rows))
+# Three balls of leaves beside the stem's top, of 150 points each, along a spiral that fills them evenly.
+leaves = []
+for x, y, z in ((0.5, 0, 1.8), (-0.4, 0.3, 1.6), (0, -0.5, 2.1)):
+    for i in range(150):
+        r, up, turn = 0.2 * (i * 0.618034 % 1) ** (1 / 3), 1 - (2 * i + 1) / 150, 2.399963 * i
+        wide = r * math.sqrt(1 - up * up)
+        leaves.append("%.4f %.4f %.4f" % (x + wide * math.cos(turn), y + wide * math.sin(turn), z + r * up))
+add("leafy.xyz", "\n".join(rows + leaves))
+# Three stems of 4 m on a slope, each with two branches, and the ground around them.
+plot = ["%.4f %.4f %.4f" % (0.25 * i, 0.25 * k, 0.05 * i) for i in range(33) for k in range(25)]
+for x, y, r in ((1.5, 1.5, 0.1), (4.5, 2, 0.12), (3, 4.5, 0.08)):
+    plot += ["%.4f %.4f %.4f" % (x + r * px / 0.1, y + r * py / 0.1, 0.2 * x + 2 * pz) for px, py, pz in stem]
+    plot += ["%.4f %.4f %.4f" % (x + 0.02 * k * side, y + 0.03 * math.sin(k), 0.2 * x + 3 + 0.01 * k + 0.03 * math.cos(k))
+             for k in range(40) for side in (-1, 1)]
+add("plot.xyz", "\n".join(plot))
+add("old/tree_099.swc", TREE)
+add("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
+# That stem as class 5, amid 400 points of the ground and three of noise.
+classed = ["x y z classification"] + [row + " 5" for row in rows]
+classed += ["%.2f %.2f 0 2" % (0.2 * (i % 20) - 2, 0.2 * (i // 20) - 2) for i in range(400)] + ["0 0 9 7", "1 0 9 7", "0 1 9 7"]
+add("classed.xyz", "\n".join(classed))
+add("leafy_far.xyz", "\n".join("%d %s" % (5000, row) for row in ("0 0", "1 0", "1 1")))
+add("stem.txt", "".join(row + " 1 200 90 40\n" for row in rows))
+add("tree.txt", TREE)
+add("stem.ply", "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+    "end_header\n" % len(rows) + "\n".join(rows) + "\n")
+add("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF\0\1\1\0\0\1\0\1\0\0\xff\xd9")
+add("notes.md", "# Notes\n\nThe oak was scanned in May.\n")
+add("named.txt", '"id" "X" "Y" "Z"\n1001 0 0 0\n1002 1 0 0\n1003 1 2 3\n')
+add("unnamed.txt", "id,height,girth\n1,2,3\n")
+add("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n1 2 3\n")
+add("long.xyz", "0 0 0\n500 1 2\n9 0 0\n")
+add("gap.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
+    "1,0,0,0,0,0,0,1,0.1\n2,1,0,0,1.5,0,0,2,0.1\n")
+add("two.xyz", "0 0 0\n0 0 1\n")
+las = bytearray(227)
+las[0:4], las[24:26], las[94:96], las[96:100] = b"LASF", b"\x01\x02", b"\xe3\x00", b"\xe3\x00\x00\x00"
+las[104], las[105], las[107] = 0x80, 20, 1  # compressed points of 20 bytes, of which there is one
+las[131:155] = struct.pack("<3d", 0.01, 0.01, 0.01)
+add("cut.laz", bytes(las))
+add("scan.laz", (pathlib.Path(__file__).parent / "../io/laz/format7.laz").read_bytes())
+add("cell.asc", "; a cell\n( (Color Blue)\n  (Axon)\n  (1 2 3 0.5)\n)\n")
+add("grid.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n3 4\n")
+add("cell.h5", b"\x89HDF\r\n\x1a\n points structure")
+add("comma.swc", "1 1 0,0 0,5 0,0 0,1 -1\n2 1 0,0 0,5 1,0 0,1 1\n")
+add("scan.e57", b"ASTM-E57\1\0\0\0")
+add("scan.las.gz", b"\x1f\x8b\x08\0")
+add("scan.pts", "3\n0 0 0 -700 1 2 3\n1 0 0 800 1 2 3\n1 2 3 0 1 2 3\n")
+add("scan.ptx", "1\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 0 0 1\n0 0 0 0.5\n1 0 0 0.5\n1 2 3 0.5\n")
+add("cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 50\nproperty list uchar int vertex_indices\nend_header\n1234")
+add("cut.glb", b"glTF\x02\x00\x00\x00\xff\xff\x00\x00")
+add(UNREADABLE, TREE)
+add("tree.coppice", "sphere s\npointset gen s poisson count=200\n"
+    "grow s s root=0,0,-1.5 influence_radius=2 kill_radius=0.2 step=0.1\nmesh s levels=1\ndescribe s\n"
+    "save s s.ply kind=points\n")
+add("ball.coppice", "sphere ball\n")
+add("late.coppice", "sphere s\npointset gen s poisson count=200\nsave s s.ply kind=points\npolygonize s\n")
+add("many.coppice", "sphere s\npointset gen s poisson count=20000000\n")
+# Cut flat at its base, which is twenty times as wide as it is high.
+add("stump.swc", "1 1 0 0 0 10 -1\n2 1 0 0 1 0.1 1\n")
+add("wrong.coppice", "sphere s\nshpere t\n")
+add("edits.txt", "# a node more\nsplit 3; append 3 0 0 1\nprune solid=ball; undo\n")
+node = lambda i, place: {"id": i, "place": place, "order": 0, "along": 0.5, "length": 1, "radius": 0.1}
+add("order.txt", "split 3 parts=4; prune order=0\n")
+add("cycle.txt", "split 3; graft 1 2\n")
+add("saved.edits.json", json.dumps({"format": "coppice-edits", "version": 1, "base": [0, 0, 0], "size": 1.8, "edits": [
+    {"command": "split 1", "nodes": [node(1, [0, 0, 1 / 1.8])]}, {"command": "delete 9", "nodes": [node(9, [-2, -1, 0])]}]}))
+add("lines.coppice", "list\nscale bal 2\nquit\nlist\n")
+add("variables.coppice", 'let n = 2\nlet name = "ball"\nfor i in 1..n\n  sphere ${name}${i} radius=${random(1, 2)}\n'
+    '  pointset gen ${name}${i} count=${10 * n}\nend\ndescribe ${name}1\n')
+add("misspelt.coppice", "let height = 2\nrepeat 2\n  sphere s radius=${hieght}\nend\n")
+add("loops.coppice", "for i in 1..2\nsphere s${i}\nend\nlist\nrepeat 2\n")

@@ -1,0 +1,70 @@
+"""What can be said of files without the program: of pictures and of texts."""
+
+import struct
+import zlib
+
+
+def nearest(left, above, corner):
+    to_left, to_above, to_corner = abs(above - corner), abs(left - corner), abs(left + above - 2 * corner)
+    if to_left <= to_above and to_left <= to_corner:
+        return left
+    return above if to_above <= to_corner else corner
+
+
+# How the rows of a PNG predict a byte from those to the left, above, and above on the left.
+PREDICTIONS = [lambda left, above, corner: 0, lambda left, above, corner: left, lambda left, above, corner: above,
+               lambda left, above, corner: (left + above) // 2, nearest]
+
+
+def unfiltered(rows, width, depth):
+    """The bytes of the rows of a PNG, each of which says first how it is predicted."""
+    before = bytes(width * depth)
+    for kind, row in rows:
+        line, predict = bytearray(depth) + row, PREDICTIONS[kind]
+        for i, (above, corner) in enumerate(zip(before, bytes(depth) + before)):
+            line[i + depth] = (line[i + depth] + predict(line[i], above, corner)) % 256
+        before = bytes(line[depth:])
+        yield before
+
+
+def read_picture(name):
+    """Width, height, bytes per pixel and the bytes of the rows of a PNG."""
+    with open(name, "rb") as file:
+        data = file.read()
+    width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
+    depth, packed, at = {2: 3, 6: 4}[kind], b"", 8
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and bits == 8
+    while at < len(data):
+        size, chunk = struct.unpack(">I4s", data[at:at + 8])
+        packed += data[at + 8:at + 8 + size] if chunk == b"IDAT" else b""
+        at += size + 12
+    raw = zlib.decompress(packed)
+    assert len(raw) == height * (width * depth + 1)
+    return width, height, depth, raw
+
+
+def look_at_size(name):
+    """The size of a picture that is whole."""
+    width, height, _, _ = read_picture(name)
+    return {"width": width, "height": height}
+
+
+def look_at_picture(name):
+    """What can be said of a picture without knowing what it shows: shares are in percent of its pixels."""
+    width, height, depth, raw = read_picture(name)
+    stride = width * depth + 1
+    rows = [(raw[y * stride], raw[y * stride + 1:(y + 1) * stride]) for y in range(height)]
+    pixels = [line[i:i + depth] for line in unfiltered(rows, width, depth) for i in range(0, width * depth, depth)]
+    share = 100 / len(pixels)
+    return {"width": width, "height": height, "shades": len(set(pixels)),
+            "clear": share * sum(p[3] == 0 for p in pixels) if depth == 4 else 0,
+            "colored": share * sum(max(p[:3]) - min(p[:3]) > 100 for p in pixels)}
+
+
+def look_at_text(name):
+    with open(name, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    return {"lines": len(lines), "first": lines[0]}
+
+
+LOOKS = {"picture": look_at_picture, "size": look_at_size, "text": look_at_text}
