@@ -202,6 +202,7 @@ def write_junit(file, results):
             xml.SubElement(case, "failure").text = re.sub("[^\t\n\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", result.failure)
         if result.skipped:
             xml.SubElement(case, "skipped", message=result.skipped)
+    pathlib.Path(file).parent.mkdir(parents=True, exist_ok=True)
     xml.ElementTree(suite).write(file, encoding="utf-8", xml_declaration=True)
 
 
