@@ -55,6 +55,7 @@ export interface Store {
     selection: Signal<Selection>;
     hover: Signal<Pick | null>;
     hidden: Signal<ReadonlySet<string>>; // "kind:name"
+    hideFor(objects: readonly ObjectName[], by: ObjectName): void; // hides objects as long as another one exists
     tool: Signal<string>; // id of the tool in hand
     messages: Signal<Message[]>; // the newest last
     say(text: string, level?: Message["level"]): void;

@@ -238,7 +238,8 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     assert.match(grown, /^grow tree crown root=0,0,0 .*jitter=0\.1/);
     assert.match(radii, /^radii tree tip_radius=/);
     assert.equal(tidy, "tidy tree");
-    assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("points:crown")), "points make room");
+    const pointsHidden = () => page.evaluate(() => globalThis.coppice.store.hidden.value.has("points:crown"));
+    assert.ok(await pointsHidden(), "points make room");
     await unfold("tree");
     const tree = step("tree");
     await tree.getByRole("button", { name: "Next seed" }).click();
@@ -259,6 +260,12 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     await tree.getByRole("button", { name: "Grow a tree" }).click();
     await untilObject(page, "skeleton", "tree2");
     assert.match(await lineOf("sprout"), /^sprout tree2 .*seasons=4/);
+    assert.ok(await pointsHidden());
+    while (await page.evaluate(() => globalThis.coppice.store.find("skeleton", "tree") !== undefined)) {
+        await page.evaluate(() => globalThis.coppice.engine.request("undo"));
+        await settled(page);
+    }
+    assert.ok(!(await pointsHidden()), "and are seen again when the tree is taken back");
     await assertCalm(page);
 });
 
