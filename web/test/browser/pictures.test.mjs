@@ -418,3 +418,22 @@ test("a browser without WebGL is told so", async () => {
     assert.match(await other.getByRole("alert").textContent(), /cannot start here.*WebGL 2/);
     await context.close();
 });
+
+test("a mesh too slow to be moved is drawn when its skeleton is hidden meanwhile", async () => {
+    await runLines(page, ...kTree, "mesh tree levels=6");
+    const isMeshSeen = () => page.evaluate(() => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" }).surface.group.visible);
+    await until(page, "a mesh of many triangles is drawn", () => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" })?.surface?.triangleCount > 150_000);
+    assert.ok(await isMeshSeen());
+    await page.evaluate(() => {
+        const { view, store } = globalThis.coppice;
+        view.setPlainer(true); // as after a frame that took too long while the picture was turned
+        store.selection.value = { ...store.selection.peek(), object: { kind: "skeleton", name: "tree" } };
+    });
+    assert.ok(!(await isMeshSeen()), "capsules are drawn in its place");
+    await page.keyboard.press("h");
+    assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("skeleton:tree")), "H hides the skeleton");
+    assert.ok(await isMeshSeen(), "the mesh is drawn, since nothing else is");
+    await page.evaluate(() => globalThis.coppice.view.setPlainer(false));
+    assert.ok(await isMeshSeen());
+    await assertCalm(page);
+});

@@ -1,7 +1,8 @@
 // A skeleton as tools look at it: who grows from whom, and what a selection holds.
 import { effect, untracked } from "@preact/signals-core";
-import type { App, Geometry, Selection } from "../../app";
+import type { App, Geometry, Pick, Selection } from "../../app";
 import type { Point } from "../../protocol";
+import { meshSources } from "../../view/sources";
 import { toSegment } from "./vector";
 
 const kNone = 0xffffffff;
@@ -222,6 +223,17 @@ export class Skeleton {
         }
         return best;
     }
+}
+
+/** The branch under the pointer. Says where it cannot be worked on since its skeleton is hidden. */
+export function pickBranch(app: App, x: number, y: number): Pick | null {
+    const pick = app.view.pick(x, y, ["skeleton"]);
+    const mesh = pick ? undefined : app.view.pick(x, y, ["mesh"])?.object.name;
+    const source = mesh && meshSources(app.store).get(mesh);
+    if (source && app.store.hidden.peek().has(`skeleton:${source}`)) {
+        app.store.say(`The skeleton ${source} is hidden; show it in the list of objects to work on its branches.`, "warning");
+    }
+    return pick;
 }
 
 interface Kept {
