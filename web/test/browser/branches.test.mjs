@@ -211,6 +211,33 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
     await assertCalm(page);
 });
 
+test("strokes that end before it is known where they begin become branches, each of them", async () => {
+    await begin(page, ...kTree);
+    await take(page, "Branches", "Draw");
+    await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"]))); // so that its axes have to be asked for
+    let release;
+    const released = new Promise((resolve) => (release = resolve));
+    await page.route("**/blob/**", async (route) => {
+        await released;
+        await route.continue();
+    });
+    try {
+        await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1"));
+        await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]]);
+        await dragIn(page, [[0, 0, 1.5], [-0.3, 0, 1.8], [-0.7, 0, 1.9]]);
+        await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1")); // what was asked for is old now
+        assert.equal((await lines(page)).length, 5, "both wait");
+    } finally {
+        release();
+    }
+    await until(page, "both are branches of the tree", () => {
+        const { statements, running } = globalThis.coppice.store.state.peek();
+        return running === null && statements.slice(5).filter(({ text }) => text.startsWith("edit draw tree ")).length === 2;
+    });
+    await page.unroute("**/blob/**");
+    await assertCalm(page);
+});
+
 test("the prune brush takes the tips that it passes", async () => {
     await begin(page, ...kTree);
     const whole = await picture(page);

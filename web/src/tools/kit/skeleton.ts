@@ -285,14 +285,19 @@ export function followSkeletons(app: App, known?: () => void): () => void {
     };
 }
 
+// Where the skeleton has changed meanwhile it is asked for again.
 async function ask(app: App, name: string, version: number): Promise<Skeleton | null> {
+    const isOld = () => app.store.find("skeleton", name)?.version !== version;
     try {
         const { key } = await app.engine.request<{ key: string }>("show", { kind: "skeleton", name, form: "axes" });
         const geometry = await app.engine.blob(key);
         const skeleton = Skeleton.of(geometry);
         kept.set(name, { version, geometry, skeleton });
-        return skeleton;
+        return isOld() ? fetchSkeleton(app, name) : skeleton;
     } catch (error) {
+        if (isOld()) {
+            return fetchSkeleton(app, name);
+        }
         app.store.say((error as Error).message, "error");
         return null;
     }
