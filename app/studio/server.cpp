@@ -51,16 +51,65 @@ void set_common_fields(Fields& out) {
     out.set("Cross-Origin-Resource-Policy", "same-origin");
 }
 
-class Socket;
+/// The other end of a connection, of whatever kind.
+class Peer {
+  public:
+    virtual ~Peer() = default;
+    virtual void cut() = 0;  ///< ends the connection without a word
+    bool has_token() const { return has_token_; }
+
+  protected:
+    void note_token() { has_token_ = true; }  ///< a request or a hello with the token came
+
+  private:
+    bool has_token_ = false;
+};
+
+/// The open connections, the oldest first.
+class Peers {
+  public:
+    explicit Peers(std::size_t max_count) : max_count_(max_count) {}
+
+    void add(const std::shared_ptr<Peer>& peer) { all_.push_back(peer); }
+
+    /// Makes room for one more where there is none: ends the oldest connection that has not shown the token,
+    /// so that programs of other users cannot keep the owner out. Returns whether there is room.
+    bool make_room() {
+        std::erase_if(all_, [](const auto& peer) { return peer.expired(); });
+        if (all_.size() < max_count_) return true;
+        const auto oldest = std::ranges::find_if(all_, [](const auto& peer) {
+            const auto open = peer.lock();
+            return !open || !open->has_token();
+        });
+        if (oldest == all_.end()) return false;
+        if (const auto open = oldest->lock()) open->cut();
+        all_.erase(oldest);
+        return true;
+    }
+
+    void cut_all() {
+        for (const auto& peer : std::exchange(all_, {})) {
+            if (const auto open = peer.lock()) open->cut();
+        }
+    }
+
+  private:
+    std::vector<std::weak_ptr<Peer>> all_;
+    std::size_t max_count_;
+};
+
+/// Whether the rules gave this to a request that had the token.
+bool shows_token(const Plan& plan) {
+    return !std::holds_alternative<HttpReply>(plan) && !std::holds_alternative<OpenSocket>(plan);
+}
 
 /// What all connections share.
 struct Shared {
     const Router& router;
     StudioEngine& engine;
     ServerLimits limits;
-    int clients = 0;
-    int connections = 0;
-    std::vector<std::weak_ptr<Socket>> sockets = {};  ///< that may be open still
+    Peers peers{limits.connections};
+    int clients = 0;  ///< WebSockets whose hello had the token
     asio::io_context io{1};
     asio::thread_pool workers{kWorkers};
 };
@@ -78,10 +127,10 @@ class Counted {
 };
 
 /// A WebSocket of a page, or of whoever knows the token.
-class Socket final : public StudioClient, public std::enable_shared_from_this<Socket> {
+class Socket final : public Peer, public StudioClient, public std::enable_shared_from_this<Socket> {
   public:
     Socket(beast::tcp_stream stream, Shared& shared)
-        : shared_(shared), counted_(shared.clients), stream_(std::move(stream)), timer_(shared.io) {}
+        : shared_(shared), stream_(std::move(stream)), timer_(shared.io) {}
 
     void start(const http::request<http::empty_body>& request) {
         websocket::stream_base::timeout times{};
@@ -93,7 +142,7 @@ class Socket final : public StudioClient, public std::enable_shared_from_this<So
         stream_.set_option(websocket::stream_base::decorator(
             [](websocket::response_type& response) { set_common_fields(response); }));
         stream_.read_message_max(shared_.limits.message);
-        shared_.sockets.push_back(weak_from_this());
+        shared_.peers.add(shared_from_this());
         stream_.async_accept(request, [self = shared_from_this()](Failure failure) {
             if (failure) return;
             self->wait_for_hello();
@@ -106,8 +155,7 @@ class Socket final : public StudioClient, public std::enable_shared_from_this<So
     }
     void send_binary(StudioBytes frame) override { post({false, std::move(frame)}); }
 
-    /// Ends the connection without a word.
-    void cut() {
+    void cut() override {
         leave();
         beast::get_lowest_layer(stream_).close();
     }
@@ -191,7 +239,11 @@ class Socket final : public StudioClient, public std::enable_shared_from_this<So
         } else if (hello.value("version", nlohmann::json()) != kProtocol) {
             close(websocket::close_code::policy_error,
                   "The studio is of another version; load the page again.");
+        } else if (shared_.clients >= shared_.limits.clients) {
+            close(websocket::close_code::try_again_later, "too many pages are open already");
         } else {
+            note_token();
+            counted_.emplace(shared_.clients);
             name_ = client;
             timer_.cancel();
             shared_.engine.join(name_, shared_from_this());
@@ -215,7 +267,7 @@ class Socket final : public StudioClient, public std::enable_shared_from_this<So
     }
 
     Shared& shared_;
-    Counted counted_;
+    std::optional<Counted> counted_;  ///< among the clients, once it said hello
     websocket::stream<beast::tcp_stream> stream_;
     asio::steady_timer timer_;
     beast::flat_buffer buffer_;
@@ -226,23 +278,29 @@ class Socket final : public StudioClient, public std::enable_shared_from_this<So
 };
 
 /// A connection that asks by HTTP: one request after the other, until one asks for a WebSocket.
-class Connection : public std::enable_shared_from_this<Connection> {
+class Connection final : public Peer, public std::enable_shared_from_this<Connection> {
   public:
-    Connection(tcp::socket socket, Shared& shared)
-        : shared_(shared), counted_(shared.connections), stream_(std::move(socket)) {}
+    Connection(tcp::socket socket, Shared& shared) : shared_(shared), stream_(std::move(socket)) {}
 
     void start() {
+        shared_.peers.add(shared_from_this());
+        read_head();
+    }
+
+    void cut() override { stream_.close(); }
+
+  private:
+    void wait_at_most(int seconds) { stream_.expires_after(std::chrono::seconds(seconds)); }
+
+    void read_head() {
         head_.emplace();
         head_->header_limit(kMostHead);
         head_->body_limit(std::numeric_limits<std::uint64_t>::max());  // the router says what may be sent
-        wait_at_most(shared_.limits.idle_seconds);
+        wait_at_most(has_token() ? shared_.limits.idle_seconds : shared_.limits.hello_seconds);
         http::async_read_header(
             stream_, buffer_, *head_,
             [self = shared_from_this()](Failure failure, std::size_t) { self->take_head(failure); });
     }
-
-  private:
-    void wait_at_most(int seconds) { stream_.expires_after(std::chrono::seconds(seconds)); }
 
     void take_head(Failure failure) {
         if (failure == http::error::header_limit) return refuse(431, "the head of the request is too long");
@@ -251,6 +309,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
             return refuse(400, "this is no request of HTTP");
         if (failure) return;  // it went, or took too long
         Plan plan = shared_.router.plan(head_of(head_->get()));
+        if (shows_token(plan)) note_token();
         std::visit([this](auto& wanted) { serve(wanted); }, plan);
     }
 
@@ -390,7 +449,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
         http::async_write(stream_, out, [self = shared_from_this()](Failure failure, std::size_t) {
             self->reply_ = {};
             if (failure) return;
-            if (!self->is_last_) return self->start();
+            if (!self->is_last_) return self->read_head();
             self->end();
         });
     }
@@ -413,7 +472,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
     }
 
     Shared& shared_;
-    Counted counted_;
     beast::tcp_stream stream_;
     beast::flat_buffer buffer_{kPiece + kMostHead};
     std::optional<http::request_parser<http::empty_body>> head_;
@@ -464,19 +522,16 @@ struct Server::State {
     ~State() {
         shared.workers.stop();
         shared.workers.join();
-        for (const auto& socket : shared.sockets) {
-            if (const auto open = socket.lock()) open->cut();
-        }
+        shared.peers.cut_all();
     }
 
     void accept() {
         acceptor.async_accept([this](Failure failure, tcp::socket socket) {
-            if (!failure && shared.connections < shared.limits.connections) {
+            if (!failure && shared.peers.make_room()) {
                 Failure ignored;
                 socket.set_option(tcp::no_delay(true), ignored);
                 std::make_shared<Connection>(std::move(socket), shared)->start();
             }
-            std::erase_if(shared.sockets, [](const auto& s) { return s.expired(); });
             if (!failure) return accept();
             // No descriptors left, say: others may end meanwhile.
             pause.expires_after(std::chrono::milliseconds(100));

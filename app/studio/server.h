@@ -29,12 +29,12 @@ class Listener {
 
 /// What connections may cost.
 struct ServerLimits {
-    int clients = 16;                              ///< WebSockets at once
-    int connections = 128;                         ///< of any kind at once
+    int clients = 16;                              ///< WebSockets of pages at once
+    std::size_t connections = 128;                 ///< of any kind at once; those without the token make room
     std::size_t message = std::size_t{1} << 20;    ///< [bytes] from a client
     std::size_t waiting = std::size_t{256} << 20;  ///< [bytes] for a client that does not read them
-    int hello_seconds = 15;                        ///< until a client says who it is
-    int idle_seconds = 60;                         ///< without a request, or a sign of life
+    int hello_seconds = 15;                        ///< without a request or a hello, until the token comes
+    int idle_seconds = 60;                         ///< without a request or a sign of life, after that
     int transfer_seconds = 600;                    ///< for one body
 };
 

@@ -4,6 +4,7 @@ import os
 import struct
 import sys
 import tempfile
+import time
 import unittest
 
 from studio_client import BINARY, CLOSE, PING, TEXT, Client, Closed, Studio, parse_answer
@@ -228,6 +229,33 @@ class Hostile(unittest.TestCase):
         self.assertEqual(self.studio.ask("GET", "/file/secret.swc")[2], b"precious")
         for connection in held:
             connection.close()
+
+    def must_let_in(self):
+        """The owner gets files and opens a page."""
+        self.assertEqual(self.studio.ask("GET", "/file/secret.swc")[2], b"precious")
+        with Client(self.studio) as client:
+            self.assertTrue(client.must("ping"))
+
+    def test_connections_without_the_token_make_room(self):
+        """Idle connections and sockets without a hello do not keep the owner out, and end no page that is open."""
+        with Client(self.studio) as good:
+            silent = {"idle": self.studio.connect, "without hello": lambda: Client(self.studio, hello=False).connection}
+            for what, connect in silent.items():
+                with self.subTest(what):
+                    held = [connect() for _ in range(200)]
+                    self.must_let_in()
+                    held[0].settimeout(20)
+                    self.assertEqual(held[0].recv(1 << 16), b"", "the oldest is the one that ended")
+                    self.assertTrue(good.must("ping"))
+                    for connection in held:
+                        connection.close()
+
+    def test_silent_connections_end(self):
+        with self.studio.connect() as silent:
+            silent.settimeout(30)
+            begun = time.monotonic()
+            self.assertEqual(silent.recv(1), b"")
+            self.assertLess(time.monotonic() - begun, 25)
 
     def test_cut_uploads_leave_nothing(self):
         before = self.listing()

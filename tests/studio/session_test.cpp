@@ -38,6 +38,20 @@ TEST_F(Session, RefusesWhatMakesNoSense) {
     EXPECT_NE(refused({{"type", "run"}, {"line", "spher a"}}).find("sphere"), std::string::npos);
 }
 
+TEST_F(Session, ChoosesNamesOfNewObjectsThatAreFree) {
+    const auto names = [this](const char* line) { return must({{"type", "run"}, {"line", line}})["names"]; };
+    EXPECT_EQ(names("sphere ${new ball}"), Json::array({"ball"}));
+    EXPECT_EQ(names("sphere ${new ball}"), Json::array({"ball2"}));
+    EXPECT_EQ(names("box ${new ball2}"), Json::array({"ball3"}));  // counted on from its digits
+    EXPECT_EQ(names("sphere ${new a}\nsphere ${new b} center=1,0,0\nunion ${new a} ${new b} ${new ball}"),
+              Json::array({"a", "b", "ball4"}));  // a name that is repeated is one object
+    EXPECT_EQ(names("sphere plain"), Json::array());
+    EXPECT_EQ(session_->state()["objects"].size(), 7u);
+    must({{"type", "preview"}, {"seq", 1}, {"line", "sphere ${new ball}"}});
+    EXPECT_EQ(header(frames_.back())["object"]["name"], "ball5");
+    EXPECT_FALSE(refused({{"type", "run"}, {"line", "sphere ${new 2 balls}"}}).empty());
+}
+
 TEST_F(Session, ShowsObjectsAsBlobs) {
     run("sphere a");
     const Json shown = must({{"type", "show"}, {"kind", "solid"}, {"name", "a"}, {"form", "coarse"}});

@@ -16,11 +16,17 @@ export class EngineError extends Error {
     }
 }
 
+export interface Ran {
+    statement: number; // its number
+    says: string;
+    names: string[]; // that the engine chose for the new objects of the line: newName() in tools/kit/words.ts
+}
+
 // The way to the engine: a server today, a worker perhaps one day.
 export interface Engine {
     readonly client: string; // name of this tab in STATE.by
     request<Reply = Record<string, unknown>>(type: string, fields?: Record<string, unknown>): Promise<Reply>;
-    run(line: string, about?: ObjectName): Promise<{ statement: number; says: string }>;
+    run(line: string, about?: ObjectName): Promise<Ran>;
     // One at a time: while one is under way, the newest waits and what waited before is dropped (false).
     // The geometry of what it changes reaches the view by itself.
     preview(line: string, about?: ObjectName, surface?: Record<string, unknown>): Promise<boolean>;
@@ -55,6 +61,7 @@ export interface Store {
     selection: Signal<Selection>;
     hover: Signal<Pick | null>;
     hidden: Signal<ReadonlySet<string>>; // "kind:name"
+    hideFor(objects: readonly ObjectName[], by: ObjectName): void; // hides objects as long as another one exists
     tool: Signal<string>; // id of the tool in hand
     messages: Signal<Message[]>; // the newest last
     say(text: string, level?: Message["level"]): void;

@@ -1,7 +1,7 @@
 // What the page knows of the document and of what is looked at.
 import { signal } from "@preact/signals-core";
 import type { Connection, Message, Pick, Selection, Store } from "./app";
-import type { Command, State } from "./protocol";
+import type { Command, ObjectName, State } from "./protocol";
 
 const kMostMessages = 50;
 
@@ -24,6 +24,8 @@ export const kEmptyState: State = {
 export function createStore(): Store {
     const state = signal<State>(kEmptyState);
     const messages = signal<Message[]>([]);
+    const hidden = signal<ReadonlySet<string>>(new Set<string>());
+    const replaced = new Map<string, Replaced>();
     const store: Store = {
         state,
         messages,
@@ -35,10 +37,16 @@ export function createStore(): Store {
         keepsGrown: signal(false),
         selection: signal<Selection>({ object: null, nodes: [], extent: "branch" }),
         hover: signal<Pick | null>(null),
-        hidden: signal<ReadonlySet<string>>(new Set<string>()),
+        hidden,
         tool: signal("select"),
         say(text, level = "info") {
             messages.value = [...messages.peek(), { level, text }].slice(-kMostMessages);
+        },
+        hideFor(objects, by) {
+            const shown = objects.map(keyOf).filter((key) => !hidden.peek().has(key));
+            const keys = [...(replaced.get(keyOf(by))?.keys ?? []), ...shown];
+            replaced.set(keyOf(by), { keys, by, isHidden: true });
+            setHidden(store, shown, true);
         },
         find(kind, name) {
             return state.peek().objects.find((object) => object.kind === kind && object.name === name);
@@ -52,7 +60,35 @@ export function createStore(): Store {
             return name;
         },
     };
+    state.subscribe(() => followReplaced(store, replaced.values()));
     return store;
+}
+
+/** Objects that are hidden as long as another one exists, which shows them in another form. */
+interface Replaced {
+    keys: string[];
+    by: ObjectName;
+    isHidden: boolean;
+}
+
+// Undo takes the object away that others were hidden for, redo brings it back.
+function followReplaced(store: Store, all: Iterable<Replaced>): void {
+    for (const one of all) {
+        const isThere = store.find(one.by.kind, one.by.name) !== undefined;
+        if (isThere !== one.isHidden) {
+            one.isHidden = isThere;
+            setHidden(store, one.keys, isThere);
+        }
+    }
+}
+
+function setHidden({ hidden }: Store, keys: readonly string[], isHidden: boolean): void {
+    const others = [...hidden.peek()].filter((key) => !keys.includes(key));
+    hidden.value = new Set(isHidden ? [...others, ...keys] : others);
+}
+
+function keyOf({ kind, name }: ObjectName): string {
+    return `${kind}:${name}`;
 }
 
 /** The state with the line that failed, within a block too: messages begin with it, as "tree.coppice:12: ". */

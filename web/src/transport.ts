@@ -1,5 +1,5 @@
 // The engine behind a WebSocket and HTTP: docs/library/studio-protocol.md.
-import { type Connection, type Engine, EngineError, type Geometry } from "./app";
+import { type Connection, type Engine, EngineError, type Geometry, type Ran } from "./app";
 import { parseGeometry } from "./blob";
 import type { ErrorKind, Grown, ObjectName, State } from "./protocol";
 
@@ -120,7 +120,7 @@ export class Transport implements Engine {
         return reply;
     }
 
-    run(line: string, about?: ObjectName): Promise<{ statement: number; says: string }> {
+    run(line: string, about?: ObjectName): Promise<Ran> {
         return this.request("run", { line, about });
     }
 

@@ -130,6 +130,14 @@ export function stepsOf(schema: readonly Command[], statements: readonly { text:
     return steps;
 }
 
+/** The skeleton that the mesh of this name was made from by this statement; null where the statement does not say so. */
+export function meshSource(schema: readonly Command[], statement: string, mesh: string): string | null {
+    const places = placesIn(schema, statement);
+    const isMade = places.some((place) => place.role === "makes" && means(place, { kind: "mesh", name: mesh }));
+    const used = new Set(places.filter(({ role, kinds }) => role === "uses" && kinds[0] === "skeleton").map(({ name }) => name));
+    return isMade && used.size === 1 ? [...used][0] : null;
+}
+
 /** The text with all objects of a name called otherwise, and how often the name stood there. */
 export function renamed(schema: readonly Command[], text: string, name: string, to: string): { text: string; lines: Set<number> } {
     let out = "";

@@ -1,6 +1,7 @@
 // The forms beside the panes: views and their cameras, branches, height, and what is done with the sketch.
 import type { TargetedEvent, VNode } from "preact";
 import { useState } from "preact/hooks";
+import { FieldTrouble, useNumber } from "../number_field";
 import { tracked } from "../use";
 import { changeView, removeBranch, removeView, renameBranch, setParent, type Side, type SketchView } from "./model";
 import type { SketchWork } from "./work";
@@ -105,11 +106,15 @@ function Line({ label, value, set }: FieldProps<string>): VNode {
 }
 
 function Amount({ label, value, set }: FieldProps<number>): VNode {
+    const { field, trouble } = useNumber({ value, take: (number, done) => done && set(number) });
     return (
-        <label class="tool-field">
-            <span>{label}</span>
-            <input type="number" step="any" {...useDraft(String(value), (text) => text !== "" && Number.isFinite(Number(text)) && set(Number(text)))} />
-        </label>
+        <>
+            <label class="tool-field">
+                <span>{label}</span>
+                <input {...field} />
+            </label>
+            <FieldTrouble text={trouble} />
+        </>
     );
 }
 

@@ -9,7 +9,6 @@ import { Button, CheckField, PointField, pointSignals } from "./kit/fields";
 import { skeletonOf } from "./kit/skeleton";
 import { distance, mix } from "./kit/vector";
 import { angleAt, degreesText, kMostSpots, type Measure, measureText, radiusBeside, type Spot, spotText } from "./measure_text";
-import { pickAt } from "./select";
 
 const kStill = 4; // [px] that a click may move
 const kSnap = 14; // [px] from a node that counts as it
@@ -23,7 +22,7 @@ const typedPoint = pointSignals([0, 0, 0]);
 
 /** What lies under a point of the picture, as a place to measure from. */
 function spotAt(app: App, x: number, y: number): Spot | null {
-    const pick = pickAt(app, x, y);
+    const pick = app.view.pick(x, y);
     if (!pick) {
         return null;
     }

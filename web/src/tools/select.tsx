@@ -49,16 +49,6 @@ export function choose(app: App, pick: Pick | null, more: boolean): void {
     }
 }
 
-/** A surface that is picked stands for the skeleton of its name, where it tells the node. */
-export function pickAt(app: App, x: number, y: number): Pick | null {
-    const pick = app.view.pick(x, y);
-    if (pick?.object.kind === "mesh" && app.store.find("skeleton", pick.object.name)) {
-        const under = app.view.pick(x, y, ["skeleton"]);
-        return under ?? pick;
-    }
-    return pick;
-}
-
 type Step = "parent" | "child" | "before" | "after";
 
 /** The node that a step along the skeleton leads to; the same where there is none. */
@@ -102,7 +92,7 @@ class SelectRun implements ToolRun {
         } else if (event.phase === "up" && this.pressed) {
             const still = Math.hypot(event.x - this.pressed.x, event.y - this.pressed.y) <= kStill;
             if (still) {
-                choose(this.app, pickAt(this.app, event.x, event.y), event.shift || event.control);
+                choose(this.app, this.app.view.pick(event.x, event.y), event.shift || event.control);
             }
             this.pressed = null;
         }

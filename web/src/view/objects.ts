@@ -7,6 +7,7 @@ import type { Range } from "./colors";
 import type { Display } from "./display";
 import { Fetcher } from "./fetcher";
 import { keyOf, type Look, Shown, type Slot } from "./shown";
+import { meshSources } from "./sources";
 import { colorAsked, union } from "./values";
 
 const kStaleWait = 200; // [ms] that a surface may lag behind its skeleton before capsules stand for it
@@ -192,7 +193,7 @@ export class Objects {
             this.order(entry, object, slot, { form: "coarse" }, true, () => this.order(entry, object, slot, { form: "fine" }, false));
         } else if (object.kind === "skeleton") {
             this.order(entry, object, slot, { form: "axes", color: colorAsked(color, "axes") }, true);
-            if (this.meshOf(object) && object.count > kMostFollowed) {
+            if (object.count > kMostFollowed && this.hasMesh(object)) {
                 this.forget(entry, "surface"); // previews would not bring it either
             } else {
                 this.wantSurface(entry, object);
@@ -226,35 +227,42 @@ export class Objects {
         }
     }
 
-    /** The mesh that was made of a skeleton as it is, where it can be seen in place of that. */
-    private meshOf(skeleton: SceneObject): SceneObject | undefined {
-        const mesh = this.store.find("mesh", skeleton.name);
-        const isSeen = this.isMadeOf(skeleton) && !this.store.hidden.peek().has(`mesh:${skeleton.name}`);
-        const isPlain = colorAsked(this.display.color.peek(), "surface") === "plain" && this.display.skeletons.peek() === "surface";
-        return isSeen && isPlain ? mesh : undefined;
+    /** Whether a mesh that was made from a skeleton can be seen in its place. */
+    private hasMesh(skeleton: SceneObject): boolean {
+        const hidden = this.store.hidden.peek();
+        return this.isPlain() && [...meshSources(this.store)].some(([mesh, source]) => source === skeleton.name && !hidden.has(`mesh:${mesh}`));
     }
 
-    // A skeleton and its mesh are the same tree: only one of them is drawn. The mesh, unless it lags behind.
+    private isPlain(): boolean {
+        return colorAsked(this.display.color.peek(), "surface") === "plain" && this.display.skeletons.peek() === "surface";
+    }
+
+    // A skeleton and the mesh that was made from it are the same tree: only one of them is drawn.
     private cover(): void {
-        for (const object of this.store.state.peek().objects) {
-            const entry = object.kind === "skeleton" ? this.entries.get(keyOf(object)) : undefined;
-            const covering = entry && this.entries.get(`mesh:${object.name}`);
-            if (entry) {
-                const mesh = this.meshOf(object);
-                const isNew = mesh !== undefined && covering?.surfaceOf === mesh.version && !this.held.has(keyOf(object));
-                const look = this.look();
-                const isShown = isNew && !covering?.shown.isTooSlow(look);
-                entry.shown.setCovered(isShown, look);
-                if (covering) {
-                    covering.shown.isWood = this.isMadeOf(object);
-                    covering.shown.setCovered(!isShown && covering.shown.isWood, look);
+        const look = this.look();
+        const sources = meshSources(this.store);
+        const covered = new Set<Entry>();
+        for (const mesh of this.entries.values()) {
+            const { shown } = mesh;
+            if (shown.object.kind === "mesh") {
+                const source = sources.get(shown.object.name);
+                const skeleton = this.entries.get(`skeleton:${source}`);
+                shown.isWood = source !== undefined;
+                shown.source = skeleton?.shown ?? null;
+                if (skeleton) {
+                    covered.add(this.replaces(mesh, skeleton, look) ? skeleton : mesh);
                 }
             }
         }
+        for (const entry of this.entries.values()) {
+            entry.shown.setCovered(covered.has(entry), look);
+        }
     }
 
-    private isMadeOf(skeleton: SceneObject): boolean {
-        return (this.store.find("mesh", skeleton.name)?.statement ?? -1) > skeleton.statement;
+    // The mesh is drawn, unless it lags behind the skeleton or is too slow to be moved.
+    private replaces(mesh: Entry, skeleton: Entry, look: Look): boolean {
+        const isNew = mesh.surfaceOf === this.store.find("mesh", mesh.shown.object.name)?.version && !this.held.has(keyOf(skeleton.shown.object));
+        return this.isPlain() && isNew && !mesh.shown.isTooSlow(look);
     }
 
     private forget(entry: Entry, slot: Slot): void {

@@ -46,6 +46,7 @@ export class View3D implements View {
     private readonly slice: FieldSlice;
     private readonly crossings = new CrossingMarks();
     private readonly labels = new Labels();
+    private readonly lost = document.createElement("p"); // says that there is no picture
     private readonly navigation: Navigation;
     private readonly box = new THREE.Box3(); // of all objects that are shown
     private readonly around = new THREE.Sphere(new THREE.Vector3(0, 0, 2), 5); // of the same
@@ -82,10 +83,11 @@ export class View3D implements View {
         this.navigation = new Navigation(this.navigated(), () => this.hand);
         this.followScheme();
         this.followSignals();
+        this.followContext();
     }
 
     attach(holder: HTMLElement): void {
-        holder.append(this.canvas, this.labels.element);
+        holder.append(this.canvas, this.labels.element, this.lost);
         new ResizeObserver(() => this.resize(holder)).observe(holder);
     }
 
@@ -274,6 +276,21 @@ export class View3D implements View {
         effect(() => {
             void [display.crossings.value, display.crossing.value];
             this.requestDraw();
+        });
+    }
+
+    // The renderer restores what it needs when the browser restores the context; the picture has to be drawn again.
+    private followContext(): void {
+        this.lost.className = "picture-lost";
+        this.lost.setAttribute("role", "alert");
+        this.lost.hidden = true;
+        this.canvas.addEventListener("webglcontextlost", () => {
+            this.lost.hidden = false;
+            this.lost.textContent = "The browser has lost the graphics card. The picture comes back as soon as it is available again; if it does not, reload the page: the scene is kept.";
+        });
+        this.canvas.addEventListener("webglcontextrestored", () => {
+            this.lost.hidden = true;
+            this.changed();
         });
     }
 

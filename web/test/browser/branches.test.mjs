@@ -2,9 +2,9 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
-import { drag, lines, placeOf, settled, withStudio } from "./browser.mjs";
+import { drag, lines, openPanel, placeOf, runLines, settled, withStudio } from "./browser.mjs";
 import {
-    assertCalm, assertDiffer, begin, button, clickAt, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, select, selection, take, untilFollows,
+    assertCalm, assertDiffer, begin, button, clickAt, differing, dragIn, field, kTree, lastLine, moveTo, near, numbers, openFront, picture, said, select, selection, take, untilFollows,
 } from "./hands.mjs";
 import { until } from "./user.mjs";
 
@@ -51,6 +51,62 @@ test("branches glow under the pointer and are picked whole, in part, and with al
     await dragIn(page, [[0.4, 0, 1.2], [1.7, 0, 2.2]]);
     await until(page, "the box holds the branch", () => globalThis.coppice.store.selection.value.nodes.length === 3);
     assert.deepEqual((await selection(page)).nodes.sort(), [19, 20, 21]);
+    await assertCalm(page);
+});
+
+test("on the surface that was made of a tree its branches are picked, bent and pruned; undo brings back what was there", async () => {
+    await begin(page, ...kTree);
+    const eye = () => page.evaluate(() => globalThis.coppice.view.rig.pose.eye.toArray());
+    const hidden = () => page.evaluate(() => [...globalThis.coppice.store.hidden.value]);
+    const before = await eye();
+    const plain = await picture(page);
+    await select(page, "skeleton", "tree");
+    await openPanel(page, "Growth");
+    await page.getByRole("button", { name: "Make the surface" }).click();
+    assert.match(await lastLine(page, /^mesh /), /^mesh tree/);
+    const surface = (drawn) => until(page, drawn ? "the mesh is drawn" : "the tree is drawn", (wanted) => {
+        const { view } = globalThis.coppice;
+        const isSeen = (kind) => view.objects.shown({ kind, name: "tree" })?.surface?.group.visible === true;
+        return isSeen("mesh") === wanted && isSeen("skeleton") !== wanted;
+    }, drawn);
+    await surface(true);
+
+    await take(page, "View", "Select");
+    await clickAt(page, kOnRight);
+    assert.deepEqual(await selection(page), { object: { kind: "skeleton", name: "tree" }, nodes: [20], extent: "branch" });
+    await take(page, "Branches", "Bend");
+    const made = await picture(page);
+    await dragIn(page, [kOnRight, [0.9, 0, 1.32]], { during: () => untilFollows(page, "skeleton", "tree") });
+    await until(page, "a line bends the tree before its mesh is made", () => {
+        const { statements, running } = globalThis.coppice.store.state.peek();
+        return running === null && statements.length === 5 && statements[3].text.startsWith("edit bend tree");
+    });
+    await surface(true);
+    assertDiffer(await picture(page), made, "the mesh has bent");
+    await take(page, "Branches", "Prune");
+    await dragIn(page, [[-1.2, 0, 2.7], [-1.5, 0, 2.85]]);
+    await until(page, "a tip was cut", () => globalThis.coppice.store.state.peek().statements.some(({ text }) => text.startsWith("edit delete tree")));
+    await surface(true);
+
+    for (let steps = 3; steps > 0; --steps) {
+        await page.keyboard.press("Control+z");
+        await until(page, `${steps} steps are left`, (left) => globalThis.coppice.store.state.peek().statements.length === left, 2 + steps);
+    }
+    await surface(false);
+    assert.deepEqual(await lines(page), kTree);
+    assert.deepEqual(await hidden(), []);
+    assert.deepEqual(await eye(), before, "the eye stays where it is");
+    await take(page, "View", "Select");
+    await select(page, "skeleton", "none");
+    assert.ok(differing(await picture(page), plain) < 50, "the picture is as before");
+
+    await runLines(page, "mesh tree skin");
+    await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"])));
+    await settled(page);
+    await take(page, "Branches", "Bend");
+    await dragIn(page, [kOnRight, [0.9, 0, 1.32]]);
+    assert.match((await said(page)).at(-1), /^The skeleton tree is hidden; show it/);
+    assert.equal((await lines(page)).length, 4);
     await assertCalm(page);
 });
 
@@ -152,6 +208,33 @@ test("a branch is drawn from the axis under the pen; beside trees a stem of its 
     assertDiffer(await picture(page), before, "a branch more is drawn");
     await dragIn(page, [[1.4, 0, 0.1], [1.4, 0, 0.5], [1.5, 0, 1]]);
     assert.match(await lastLine(page, /^limb /), /^limb tree2 /);
+    await assertCalm(page);
+});
+
+test("strokes that end before it is known where they begin become branches, each of them", async () => {
+    await begin(page, ...kTree);
+    await take(page, "Branches", "Draw");
+    await page.evaluate(() => (globalThis.coppice.store.hidden.value = new Set(["skeleton:tree"]))); // so that its axes have to be asked for
+    let release;
+    const released = new Promise((resolve) => (release = resolve));
+    await page.route("**/blob/**", async (route) => {
+        await released;
+        await route.continue();
+    });
+    try {
+        await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1"));
+        await dragIn(page, [[0, 0, 2.5], [0.3, 0, 2.8], [0.7, 0, 2.9]]);
+        await dragIn(page, [[0, 0, 1.5], [-0.3, 0, 1.8], [-0.7, 0, 1.9]]);
+        await page.evaluate(() => globalThis.coppice.engine.run("edit move tree 24 by=0,0,0.1")); // what was asked for is old now
+        assert.equal((await lines(page)).length, 5, "both wait");
+    } finally {
+        release();
+    }
+    await until(page, "both are branches of the tree", () => {
+        const { statements, running } = globalThis.coppice.store.state.peek();
+        return running === null && statements.slice(5).filter(({ text }) => text.startsWith("edit draw tree ")).length === 2;
+    });
+    await page.unroute("**/blob/**");
     await assertCalm(page);
 });
 

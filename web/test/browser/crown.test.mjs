@@ -52,6 +52,59 @@ test("every primitive is placed by a drag, and by its fields", async () => {
     await assertCalm(page);
 });
 
+const names = (page) => page.evaluate(() => globalThis.coppice.store.state.peek().objects.map(({ name }) => name).sort());
+const untilBalls = (page, count) => until(page, `${count} balls are there`, (wanted) => {
+    const { objects, statements, running } = globalThis.coppice.store.state.peek();
+    return running === null && statements.length >= wanted && objects.filter(({ name }) => name.startsWith("ball")).length === wanted;
+}, count);
+
+test("each click with Place makes one object, however fast the clicks come and whatever runs", async () => {
+    await page.evaluate(() => {
+        globalThis.coppice.view.look("top");
+        globalThis.coppice.view.frameAround([-0.8, 0, 0], 2);
+    });
+    await take(page, "Crown", "Place");
+    const eye = () => page.evaluate(() => globalThis.coppice.view.rig.pose.eye.toArray());
+    const before = await eye();
+    const at = await placeOf(page, [0, 0.8, 0]);
+    await page.mouse.dblclick(at.x, at.y);
+    for (const x of [-0.2, 0.2, 0.6]) {
+        const { x: left, y: top } = await placeOf(page, [x, 0, 0]);
+        await page.mouse.click(left, top);
+    }
+    await untilBalls(page, 5);
+    assert.deepEqual(await names(page), ["ball", "ball2", "ball3", "ball4", "ball5"]);
+    assert.equal((await lines(page)).length, 5);
+    assert.deepEqual(await eye(), before, "a double click with a tool in hand moves nothing");
+    assert.equal(await field(page, "Name").inputValue(), "ball6");
+
+    const long = page.evaluate(() => globalThis.coppice.engine.run("pointset generate ball uniform count=400000").then(() => true));
+    await until(page, "the long line runs", () => globalThis.coppice.store.state.peek().running !== null);
+    for (const x of [-0.2, 0.2, 0.6]) {
+        await clickAt(page, [x, -0.8, 0]);
+    }
+    assert.ok(await long);
+    await untilBalls(page, 9); // the points are called as their ball
+    assert.equal((await lines(page)).length, 9);
+    await assertCalm(page);
+});
+
+test("two pages that place objects at once take nothing from each other", async () => {
+    const other = await openFront(studio);
+    try {
+        for (const tab of [page, other]) {
+            await take(tab, "Crown", "Place");
+        }
+        await Promise.all([page, other].map((tab, i) => clickAt(tab, [i, 0, 1])));
+        await untilBalls(page, 2);
+        await untilBalls(other, 2);
+        assert.deepEqual(await names(page), ["ball", "ball2"]);
+    } finally {
+        await other.context().close();
+    }
+    await assertCalm(page);
+});
+
 test("handles move, turn and size solids; numbers may be typed, Ctrl snaps, Escape takes back", async () => {
     await begin(page, "sphere a center=0,0,1.5 radius=0.5");
     await select(page, "solid", "a");

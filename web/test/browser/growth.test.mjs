@@ -202,8 +202,25 @@ test("parameters say what they take, and take nothing else", async () => {
     assert.equal(await kill.getAttribute("aria-invalid"), "true");
     assert.equal(await tree.locator("code.line").textContent(), before, "it is not taken");
     await kill.fill("0.3");
+    await kill.press("Enter");
     assert.equal(await kill.getAttribute("aria-invalid"), null);
     assert.match(await tree.locator("code.line").textContent(), /kill_radius=0\.3/);
+    const refused = tree.getByRole("alert");
+    for (const [typed, why] of [["1,5", "has a comma"], ["1e999", "is too large"], ["abc", "is not a number"], ["-2*3", "This takes a number from"]]) {
+        await kill.fill("");
+        await kill.pressSequentially(typed);
+        await kill.press("Enter");
+        assert.match(await refused.textContent(), new RegExp(`${why}.* The field stays 0\\.3\\.$`), typed);
+        assert.equal(await kill.inputValue(), "0.3", typed);
+        assert.match(await tree.locator("code.line").textContent(), /kill_radius=0\.3\b/, typed);
+    }
+    await kill.fill("");
+    await kill.pressSequentially("0.1*3+0.1");
+    await kill.press("Enter");
+    assert.equal(await kill.inputValue(), "0.4", "arithmetic is computed");
+    assert.equal(await refused.count(), 0);
+    await kill.press("ArrowDown");
+    assert.equal(await kill.inputValue(), "0.3", "a step down");
     await tree.getByText("All options").click();
     await tree.getByLabel("Max turn [°]").fill("40");
     assert.match(await tree.locator("code.line").textContent(), /max_turn=40/);
@@ -221,7 +238,8 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     assert.match(grown, /^grow tree crown root=0,0,0 .*jitter=0\.1/);
     assert.match(radii, /^radii tree tip_radius=/);
     assert.equal(tidy, "tidy tree");
-    assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("points:crown")), "points make room");
+    const pointsHidden = () => page.evaluate(() => globalThis.coppice.store.hidden.value.has("points:crown"));
+    assert.ok(await pointsHidden(), "points make room");
     await unfold("tree");
     const tree = step("tree");
     await tree.getByRole("button", { name: "Next seed" }).click();
@@ -242,6 +260,12 @@ test("a tree grows, and changes with its seed and its radii", async () => {
     await tree.getByRole("button", { name: "Grow a tree" }).click();
     await untilObject(page, "skeleton", "tree2");
     assert.match(await lineOf("sprout"), /^sprout tree2 .*seasons=4/);
+    assert.ok(await pointsHidden());
+    while (await page.evaluate(() => globalThis.coppice.store.find("skeleton", "tree") !== undefined)) {
+        await page.evaluate(() => globalThis.coppice.engine.request("undo"));
+        await settled(page);
+    }
+    assert.ok(!(await pointsHidden()), "and are seen again when the tree is taken back");
     await assertCalm(page);
 });
 

@@ -388,3 +388,52 @@ test("dark and light themes draw the same things before another sky", async () =
     assert.ok(both > 0.97 * Math.max(count(masks[0]), count(masks[1])), `${masks.map(count)} pixels, of which ${both} are the same`);
     await assertCalm(page);
 });
+
+test("a picture that the graphics card has lost is told of, and drawn again when it is back", async () => {
+    await runLines(page, ...kTree);
+    const before = await drawn();
+    const lost = page.getByRole("alert").filter({ hasText: "has lost the graphics card" });
+    await page.evaluate(() => {
+        globalThis.losing = globalThis.coppice.view.element().getContext("webgl2").getExtension("WEBGL_lose_context");
+        globalThis.losing.loseContext();
+    });
+    await lost.waitFor();
+    await runLines(page, "sphere ball radius=0.15 center=0.6,0,0.6"); // what comes meanwhile is drawn as well
+    await page.evaluate(() => globalThis.losing.restoreContext());
+    await lost.waitFor({ state: "hidden" });
+    await hide((key) => (key === "solid:ball" ? key : null));
+    assert.equal(count(changes(await drawn(), before)), 0, "the picture is as it was");
+    await hide(() => null);
+    assert.ok(count(changes(await drawn(), before)) > 300, "and the ball is there");
+    await assertCalm(page);
+});
+
+test("a browser without WebGL is told so", async () => {
+    const context = await page.context().browser().newContext();
+    const other = await context.newPage();
+    await other.addInitScript(() => {
+        HTMLCanvasElement.prototype.getContext = () => null;
+    });
+    await other.goto(studio.address);
+    assert.match(await other.getByRole("alert").textContent(), /cannot start here.*WebGL 2/);
+    await context.close();
+});
+
+test("a mesh too slow to be moved is drawn when its skeleton is hidden meanwhile", async () => {
+    await runLines(page, ...kTree, "mesh tree levels=6");
+    const isMeshSeen = () => page.evaluate(() => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" }).surface.group.visible);
+    await until(page, "a mesh of many triangles is drawn", () => globalThis.coppice.view.objects.shown({ kind: "mesh", name: "tree" })?.surface?.triangleCount > 150_000);
+    assert.ok(await isMeshSeen());
+    await page.evaluate(() => {
+        const { view, store } = globalThis.coppice;
+        view.setPlainer(true); // as after a frame that took too long while the picture was turned
+        store.selection.value = { ...store.selection.peek(), object: { kind: "skeleton", name: "tree" } };
+    });
+    assert.ok(!(await isMeshSeen()), "capsules are drawn in its place");
+    await page.keyboard.press("h");
+    assert.ok(await page.evaluate(() => globalThis.coppice.store.hidden.value.has("skeleton:tree")), "H hides the skeleton");
+    assert.ok(await isMeshSeen(), "the mesh is drawn, since nothing else is");
+    await page.evaluate(() => globalThis.coppice.view.setPlainer(false));
+    assert.ok(await isMeshSeen());
+    await assertCalm(page);
+});

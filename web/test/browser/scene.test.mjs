@@ -123,6 +123,28 @@ test("a parameter follows its slider, and one undo takes the drag back", async (
     await untilLines(page, ["sphere crown", "translate crown 0 0 2"]);
 });
 
+test("the numbers of a point are computed one by one, or refused with the old ones kept", async () => {
+    await write("sphere crown center=1,2,3");
+    await page.getByRole("treeitem", { name: /^crown/ }).click();
+    const center = page.getByRole("group", { name: "Center [m]" });
+    const type = async (label, text) => {
+        await center.getByLabel(label).fill("");
+        await center.getByLabel(label).pressSequentially(text);
+        await center.getByLabel(label).press("Enter");
+    };
+    await type("Y", "2*3");
+    await untilLines(page, ["sphere crown center=1,6,3"]);
+    for (const [text, why] of [["1,5", /has a comma.*stays 6\.$/], ["1e999", /is too large.*stays 6\.$/], ["abc", /is not a number.*stays 6\.$/]]) {
+        await type("Y", text);
+        assert.match(await center.getByRole("alert").textContent(), why);
+        assert.equal(await center.getByLabel("Y").inputValue(), "6");
+        await settled(page);
+        assert.deepEqual(await lines(page), ["sphere crown center=1,6,3"], text);
+    }
+    await center.getByLabel("Z").press("ArrowUp");
+    await untilLines(page, ["sphere crown center=1,6,4"]);
+});
+
 test("another name goes through the whole scene", async () => {
     await write("sphere crown", "scale crown 2", "pointset generate crown count=100", "delete crown kind=solid", "# crown is gone");
     await page.getByRole("treeitem", { name: /^crown/ }).click();

@@ -32,7 +32,9 @@ async function take(group, label) {
     if ((await heading.getAttribute("aria-expanded")) === "false") {
         await heading.tap();
     }
-    await page.getByRole("group", { name: group, exact: true }).getByRole("button", { name: label, exact: true }).tap();
+    const tool = page.getByRole("group", { name: group, exact: true }).getByRole("button", { name: label, exact: true });
+    await tool.tap();
+    await tool.and(page.locator("[aria-pressed=true]")).waitFor(); // browsers make a click of a tap in their own time
     await settled(page);
 }
 

@@ -8,7 +8,7 @@ import { foremost } from "../../src/panels/scene/forms/fields";
 import { canShow, Form } from "../../src/panels/scene/forms/form";
 import { tupleWord } from "../../src/panels/scene/forms/tuple_field";
 import { changesOf } from "../../src/panels/scene/history/model";
-import { nextName, refusal } from "../../src/panels/scene/objects/actions";
+import { refusal } from "../../src/panels/scene/objects/actions";
 import { consumers, found, rowsOf } from "../../src/panels/scene/objects/model";
 import { createStore } from "../../src/store";
 import { called, schema, stateOf } from "./schema";
@@ -55,11 +55,6 @@ test("names that are taken or are none are refused", () => {
     assert.match(refusal(app, "a", "crown"), /called crown already/);
     assert.match(refusal(app, "a", "2a"), /letter/);
     assert.match(refusal(app, "a", "a b"), /letter/);
-});
-
-test("copies have the next number", () => {
-    const taken = (name: string) => ["ball", "ball2", "ball4"].includes(name);
-    assert.deepEqual(["ball", "ball2", "ball3"].map((name) => nextName(name, taken)), ["ball3", "ball3", "ball5"]);
 });
 
 test("the history goes back and forth by counts", () => {

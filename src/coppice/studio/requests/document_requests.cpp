@@ -4,6 +4,7 @@
 #include "coppice/edit/anchor.h"
 #include "coppice/scene/reference.h"
 #include "coppice/scene/words.h"
+#include "coppice/studio/requests/new_names_internal.h"
 #include "coppice/studio/session_internal.h"
 
 namespace coppice::studio_internal {
@@ -11,8 +12,9 @@ namespace {
 
 Json run(Studio& studio, const Request& request) {
     studio.previewed.clear();
-    const std::size_t at = studio.document.run(request.text("line"), request.about(), request.ctx);
-    return {{"statement", at}, {"says", studio.document.statements()[at].says}};
+    const NamedLine named = with_new_names(request.text("line"), studio.document.scene().state().objects);
+    const std::size_t at = studio.document.run(named.line, request.about(), request.ctx);
+    return {{"statement", at}, {"says", studio.document.statements()[at].says}, {"names", named.names}};
 }
 
 Json text(Studio& studio, const Request& request) {

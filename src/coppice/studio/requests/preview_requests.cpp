@@ -4,6 +4,7 @@
 #include "coppice/base/error.h"
 #include "coppice/scene/script/statements.h"
 #include "coppice/scene/words.h"
+#include "coppice/studio/requests/new_names_internal.h"
 #include "coppice/studio/requests/surface_wish_internal.h"
 
 namespace coppice::studio_internal {
@@ -55,7 +56,8 @@ Preview previewed(const Studio& studio, const Request& request) {
     const auto before = studio.document.scene_behind(at, request.ctx);
     Preview preview{*before, {}};
     preview.scene.forbid_outputs();
-    run_piece(preview.scene, request.text("line"), 1, "preview", request.ctx);
+    const NamedLine named = with_new_names(request.text("line"), studio.document.scene().state().objects);
+    run_piece(preview.scene, named.line, 1, "preview", request.ctx);
     for (const Document::Name& name : changed_objects(before->state().objects, preview.scene.state().objects))
         preview.changed.insert(name);
     follow_solids(studio, at, preview, request.ctx);

@@ -1,6 +1,7 @@
 // A number by a slider and by typing.
 import type { VNode } from "preact";
 import { useId } from "preact/hooks";
+import { FieldTrouble, useNumber } from "../../number_field";
 
 interface Props {
     label: string;
@@ -14,18 +15,15 @@ interface Props {
 
 export function Slider({ label, unit, value, low, high, step, changed }: Props): VNode {
     const id = useId();
-    const take = (event: Event) => {
-        const typed = (event.currentTarget as HTMLInputElement).valueAsNumber;
-        if (Number.isFinite(typed)) {
-            changed(typed);
-        }
-    };
+    const shown = String(Number(value.toPrecision(5)));
+    const { field, trouble } = useNumber({ value, shown, step, take: (number, done) => done && changed(number) });
     const name = unit ? `${label} [${unit}]` : label;
     return (
         <div class="slider" role="group" aria-labelledby={id}>
             <span id={id}>{name}</span>
-            <input type="range" aria-label={name} min={low} max={high} step={step} value={value} onInput={take} />
-            <input type="number" aria-label={`${name}, typed`} step="any" value={String(Number(value.toPrecision(5)))} onChange={take} />
+            <input type="range" aria-label={name} min={low} max={high} step={step} value={value} onInput={(event) => changed(event.currentTarget.valueAsNumber)} />
+            <input aria-label={`${name}, typed`} {...field} />
+            <FieldTrouble text={trouble} />
         </div>
     );
 }

@@ -3,12 +3,12 @@ import { signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import type { App } from "../../app";
-import type { Kind, ObjectName } from "../../protocol";
+import type { Kind } from "../../protocol";
 import { joined, readLine } from "../../script/words";
 import { readSketch } from "../../sketch/model";
 import { layOutSketch } from "../../sketch/tool";
 import { runLine } from "../../tools/kit/gesture";
-import { commandLine } from "../../tools/kit/words";
+import { commandLine, newName } from "../../tools/kit/words";
 import { useValue } from "../../use";
 import { selectWhenThere } from "./arrival";
 import { ask, choose, Dialog } from "./dialog";
@@ -164,7 +164,7 @@ async function takeIn(app: App, { file, content, use, isThere }: Coming): Promis
     const makes = kMakes[use];
     if (makes) {
         kUnderway.value = use === "extract" ? `Looking for the skeleton in ${name}…` : `Reading ${name}…`;
-        await make(app, use, { kind: makes, name: app.store.freeName(objectName(name)) }, name);
+        await make(app, use, makes, name);
     } else if (use === "open") {
         await openFile(app, name);
     } else if (use === "sketch") {
@@ -209,10 +209,11 @@ async function isAlike(a: Blob, b: Blob): Promise<boolean> {
     return left.length === right.length && left.every((byte, at) => byte === right[at]);
 }
 
-async function make(app: App, use: Use, { kind, name }: ObjectName, file: string): Promise<void> {
-    const line = commandLine([...use.split(" "), name, file]);
-    if ((await runLine(app, line)) !== null && (await selectWhenThere(app, (object) => object.kind === kind && object.name === name))) {
-        app.view.frame([{ kind, name }]);
+async function make(app: App, use: Use, kind: Kind, file: string): Promise<void> {
+    const ran = await runLine(app, commandLine([...use.split(" "), newName(objectName(file)), file]));
+    const made = ran && (await selectWhenThere(app, (object) => object.kind === kind && object.name === ran.names[0]));
+    if (made) {
+        app.view.frame([made]);
     }
 }
 

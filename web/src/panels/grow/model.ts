@@ -7,7 +7,7 @@ import { commandLine } from "../../tools/kit/words";
 import { check } from "../display/checks";
 import { kDefaults } from "../scene/defaults";
 import { Attractors } from "./attractors";
-import { Card, type CardOptions, makerOf, setShown } from "./card";
+import { Card, type CardOptions, makerOf } from "./card";
 import { Extraction } from "./extraction";
 import { GrowthWatch } from "./growing";
 import type { Balls, RadiusName } from "./balls";
@@ -174,15 +174,16 @@ export class GrowthModel {
         if (target) {
             this.select(target);
         }
-        if (step === "tree") {
-            this.hide("points", this.tree.values.peek().points?.[0]);
+        const points = this.tree.values.peek().points?.[0];
+        if (step === "tree" && target && points) {
+            this.app.store.hideFor([{ kind: "points", name: points }], target);
         } else if (step === "surface" && target) {
-            void this.finish(target, this.surface.values.peek().tree?.[0]);
+            void this.judge(target);
         }
     }
 
-    // The tree makes room for its surface once that can be seen; then it is judged.
-    private async finish(target: ObjectName, tree: string | undefined): Promise<void> {
+    // Of a surface the figures follow once it can be seen.
+    private async judge(target: ObjectName): Promise<void> {
         const { store, view } = this.app;
         const isComing = () => store.find(target.kind, target.name) && !store.hidden.peek().has(keyOf(target)) && !view.geometry(target, "surface");
         while (isComing()) {
@@ -190,14 +191,7 @@ export class GrowthModel {
         }
         const surface = store.find(target.kind, target.name);
         if (surface) {
-            this.hide("skeleton", tree);
             await check(this.app, surface);
-        }
-    }
-
-    private hide(kind: Kind, name: string | undefined): void {
-        if (name) {
-            setShown(this.app, { kind, name }, false);
         }
     }
 

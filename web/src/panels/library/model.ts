@@ -9,7 +9,7 @@ import { type Skeleton, selectedTops } from "../../tools/kit/skeleton";
 import { commandLine } from "../../tools/kit/words";
 import { chosenBranch } from "../../tools/branch/library_graft";
 import { listFiles } from "../files/folder";
-import { Card, makerOf, setShown } from "../grow/card";
+import { Card, makerOf } from "../grow/card";
 import { objectOf } from "../grow/model";
 import { type Branch, type Filter, filterValues, kAll, type Order } from "./filter";
 
@@ -47,8 +47,8 @@ export class LibraryModel {
                 if (target) {
                     app.store.selection.value = { ...app.store.selection.peek(), object: target, nodes: [] };
                 }
-                if (template) {
-                    setShown(app, template, false); // both stand in one place
+                if (target && template) {
+                    app.store.hideFor([template], target); // both stand in one place
                 }
             },
         });

@@ -2,6 +2,7 @@
 import type { VNode } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { selectedTops } from "../../tools/kit/skeleton";
+import { FieldTrouble, useNumber } from "../../number_field";
 import { tracked } from "../../use";
 import { withEnding } from "../files/folder";
 import { filtered, kAll, type Order, tagsOf } from "./filter";
@@ -82,23 +83,29 @@ const Adding = tracked(({ model }: { model: LibraryModel }) => {
     );
 });
 
+interface MetresProps {
+    label: string;
+    placeholder: string;
+    value: number; // 0: none
+    set(value: number): void;
+}
+
+function Metres({ label, placeholder, value, set }: MetresProps): VNode {
+    const { field, trouble } = useNumber({ value: value || null, low: 0, take: set, clear: () => set(0) });
+    return (
+        <>
+            <input aria-label={label} placeholder={placeholder} {...field} />
+            <FieldTrouble text={trouble} />
+        </>
+    );
+}
+
 const Filters = tracked(({ model }: { model: LibraryModel }) => {
     const filter = model.filter.value;
     const tags = tagsOf(model.branches.value);
     const set = (change: Partial<typeof filter>) => {
         model.filter.value = { ...filter, ...change };
     };
-    const metres = (label: string, name: "least" | "most") => (
-        <input
-            type="number"
-            min={0}
-            step="any"
-            aria-label={label}
-            placeholder={name === "least" ? "from [m]" : "to [m]"}
-            value={filter[name] || ""}
-            onInput={(event) => set({ [name]: Math.max(event.currentTarget.valueAsNumber || 0, 0) })}
-        />
-    );
     return (
         <div class="filters" role="group" aria-label="Which branches are shown">
             <input type="search" aria-label="Find by number, tag or source" placeholder="Find" value={filter.text} onInput={(event) => set({ text: event.currentTarget.value })} />
@@ -111,8 +118,8 @@ const Filters = tracked(({ model }: { model: LibraryModel }) => {
                     {tags.map((tag) => <option key={tag} value={tag}>{tag}</option>)}
                 </select>
             )}
-            {metres("Least length in metres", "least")}
-            {metres("Greatest length in metres", "most")}
+            <Metres label="Least length in metres" placeholder="from [m]" value={filter.least} set={(least) => set({ least })} />
+            <Metres label="Greatest length in metres" placeholder="to [m]" value={filter.most} set={(most) => set({ most })} />
         </div>
     );
 });

@@ -3,6 +3,7 @@ import type { Argument, Command, Kind } from "../../protocol";
 import { bind, findCommand, kindsOf, numbersIn } from "../../script/commands";
 import { written } from "../../script/values";
 import { isComputed, readLine } from "../../script/words";
+import { newName } from "../../tools/kit/words";
 
 export type Part =
     | { is: "text"; text: string }
@@ -52,15 +53,13 @@ export function kindsWanted(schema: readonly Command[], line: string): readonly 
 
 export interface Filling {
     object: string; // name of the selected one
-    freeName(base: string): string;
     answers: readonly string[]; // to each ${ask}, in order
 }
 
 const kQuoted = new Set<Argument["type"]>(["word", "input_file", "output_file", "properties"]);
 
-/** The line to run, and the names that it gives. The same base is the same name throughout. */
-export function filled(parts: readonly Part[], filling: Filling, schema: readonly Command[]): { line: string; made: string[] } {
-    const names = new Map<string, string>();
+/** The line to run. Names of new objects are left to the engine, which knows those that are free. */
+export function filled(parts: readonly Part[], filling: Filling, schema: readonly Command[]): string {
     const stands = argumentsOf(schema, parts);
     let asked = 0;
     const words = parts.map((part, at) => {
@@ -70,10 +69,7 @@ export function filled(parts: readonly Part[], filling: Filling, schema: readonl
             case "object":
                 return filling.object;
             case "new":
-                if (!names.has(part.base)) {
-                    names.set(part.base, filling.freeName(part.base));
-                }
-                return names.get(part.base);
+                return newName(part.base);
             case "ask": {
                 const answer = filling.answers[asked++]?.trim() ?? "";
                 const type = stands[at]?.type;
@@ -81,7 +77,7 @@ export function filled(parts: readonly Part[], filling: Filling, schema: readonl
             }
         }
     });
-    return { line: words.join(""), made: [...names.values()] };
+    return words.join("");
 }
 
 /** What is wrong with an answer; empty where nothing is that can be seen before the line runs. */

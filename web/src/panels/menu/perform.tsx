@@ -99,21 +99,18 @@ async function performLine(app: App, item: MenuItem): Promise<void> {
     const schema = app.store.schema.peek();
     const kinds = kindsWanted(schema, item.text);
     const about = kinds ? objectFor(app, kinds) : undefined;
-    const fill = (answers: readonly string[]) => filled(parts, { object: about?.name ?? "", freeName: app.store.freeName, answers }, schema);
+    const fill = (answers: readonly string[]) => filled(parts, { object: about?.name ?? "", answers }, schema);
     if (!parts.some(({ is }) => is === "ask")) {
-        const { line, made } = fill([]);
-        if ((await runLine(app, line, about)) !== null) {
-            await selectMade(app, made);
-        }
+        const ran = await runLine(app, fill([]), about);
+        await selectMade(app, ran?.names ?? []);
         return;
     }
     const made = await askAnswers(app, item.label, parts, async (answers) => {
-        const { line, made } = fill(answers);
-        const { says } = await app.engine.run(line, about);
+        const { says, names } = await app.engine.run(fill(answers), about);
         if (says) {
             app.store.say(says);
         }
-        return made;
+        return names;
     });
     await selectMade(app, made ?? []);
 }

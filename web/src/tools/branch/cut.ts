@@ -3,7 +3,7 @@ import type { App, Pick, Tool, ToolPointer, ToolRun } from "../../app";
 import { Drawn, kColors } from "../kit/drawn";
 import { runLine } from "../kit/gesture";
 import { anchored } from "../kit/naming";
-import { fetchSkeleton, selectedTops, type Skeleton, skeletonOf } from "../kit/skeleton";
+import { fetchSkeleton, pickBranch, selectedTops, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { commandLine } from "../kit/words";
 
 /** Deletes the branches or nodes that are selected; false where none are. */
@@ -67,7 +67,7 @@ class CutRun implements ToolRun {
         if (event.phase === "down" && event.buttons === 1) {
             this.pressed = event;
             void this.aim(event);
-            return this.app.view.pick(event.x, event.y, ["skeleton"]) !== null;
+            return pickBranch(this.app, event.x, event.y) !== null;
         }
         if (event.phase === "move" && event.buttons === 0) {
             void this.aim(event);

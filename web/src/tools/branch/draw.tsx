@@ -5,10 +5,10 @@ import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { ObjectName, Point } from "../../protocol";
 import { Drawn, kColors } from "../kit/drawn";
 import { Button, NumberField, PointField, pointSignals } from "../kit/fields";
-import { Gesture } from "../kit/gesture";
+import { Gesture, runLine } from "../kit/gesture";
 import { fetchSkeleton, followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { onPlane } from "../kit/vector";
-import { commandLine, pointWord, sizeWord } from "../kit/words";
+import { commandLine, newName, pointWord, sizeWord } from "../kit/words";
 import { placeOnSegment } from "./bend";
 import { drawnBranch, type Pixel } from "./stroke";
 
@@ -33,14 +33,19 @@ export function drawLine(
     return about ? commandLine(["edit", "draw", about.name, ...words], options) : commandLine(["limb", name, ...words], options);
 }
 
+/** What a hand draws, from where it is pressed to where it is lifted. */
+interface Stroke {
+    pixels: Pixel[];
+    pressure: number; // of a pen; 0: none
+    start: Point | null; // null until it is known where it begins
+    about: ObjectName | null; // the skeleton that it begins on
+    skeleton: Skeleton | null;
+    rooted: Promise<void>; // until `start` is known
+}
+
 class DrawRun implements ToolRun {
-    private stroke: Pixel[] = [];
-    private rooted: Promise<void> = Promise.resolve(); // when it is known where the stroke begins
-    private start: Point | null = null;
-    private about: ObjectName | null = null;
-    private skeleton: Skeleton | null = null;
+    private stroke: Stroke | null = null; // under way
     private gesture: Gesture | null = null;
-    private pressure = 0;
     private readonly drawn: Drawn;
     private readonly unfollow: () => void;
     private readonly from = pointSignals([0, 0, 0]);
@@ -61,7 +66,7 @@ class DrawRun implements ToolRun {
     status(): string {
         return (
             this.gesture?.refusal ||
-            (this.stroke.length > 0
+            (this.stroke
                 ? "Release to end the branch; Esc takes it back; the wheel changes its radius."
                 : "Draw a branch, from an axis outward; beside all trees it becomes a stem of its own.")
         );
@@ -72,31 +77,32 @@ class DrawRun implements ToolRun {
             this.begin(event);
             return true;
         }
-        if (this.stroke.length === 0) {
+        if (!this.stroke) {
             return false;
         }
         if (event.phase === "cancel") {
             this.reset();
         } else if (event.phase === "up") {
-            void this.end();
+            this.extend(this.stroke, event); // pages that are slow get few moves
+            void this.end(this.stroke);
         } else if (event.buttons === 1) {
-            this.extend(event);
+            this.extend(this.stroke, event);
         }
         return true;
     }
 
     wheel(delta: number): boolean {
-        if (!this.start) {
+        if (!this.stroke?.start) {
             return false;
         }
-        const least = this.app.view.pixelSize(this.start) / 2;
+        const least = this.app.view.pixelSize(this.stroke.start) / 2;
         radius.value = Math.max((radius.peek() || 10 * least) * Math.exp(-delta / 800), least);
-        this.show();
+        this.show(this.stroke);
         return true;
     }
 
     key(event: KeyboardEvent): boolean {
-        if (event.key === "Escape" && this.stroke.length > 0) {
+        if (event.key === "Escape" && this.stroke) {
             this.reset();
             return true;
         }
@@ -120,7 +126,7 @@ class DrawRun implements ToolRun {
         const [from, to] = [this.from, this.to].map((part) => part.map((value) => value.peek()) as unknown as Point);
         const { object } = this.app.store.selection.peek();
         const about = object?.kind === "skeleton" ? object : null;
-        await this.run(about, drawLine(about, this.app.store.freeName("tree"), [from, to], 1e-4, this.radii()));
+        await runLine(this.app, drawLine(about, newName("tree"), [from, to], 1e-4, { first: radius.peek(), last: tipRadius.peek() }), about ?? undefined);
     }
 
     private fromSelection(): void {
@@ -139,25 +145,23 @@ class DrawRun implements ToolRun {
 
     private begin(event: ToolPointer): void {
         this.reset();
-        this.stroke = [[event.x, event.y]];
-        this.pressure = event.type === "pen" ? event.pressure : 0;
-        this.rooted = this.root(event);
+        const pressure = event.type === "pen" ? event.pressure : 0;
+        const stroke: Stroke = { pixels: [[event.x, event.y]], pressure, start: null, about: null, skeleton: null, rooted: Promise.resolve() };
+        this.stroke = stroke;
+        stroke.rooted = this.root(stroke, event);
     }
 
     // A branch that begins on a tree whose axes are still on their way must not become a stem of its own.
-    private async root(event: ToolPointer): Promise<void> {
-        const { stroke } = this;
+    private async root(stroke: Stroke, event: ToolPointer): Promise<void> {
         const names = this.skeletonNames();
         if (!names.every((name) => skeletonOf(this.app, name))) {
             await Promise.all(names.map((name) => fetchSkeleton(this.app, name)));
         }
-        if (stroke === this.stroke) {
-            const found = this.host(event);
-            this.about = found?.about ?? null;
-            this.skeleton = found?.skeleton ?? null;
-            this.start = found?.start ?? this.open(event);
-            this.show();
-        }
+        const found = this.host(event);
+        stroke.about = found?.about ?? null;
+        stroke.skeleton = found?.skeleton ?? null;
+        stroke.start = found?.start ?? this.open(event);
+        this.show(stroke);
     }
 
     private skeletonNames(): string[] {
@@ -191,72 +195,64 @@ class DrawRun implements ToolRun {
         );
     }
 
-    private extend(event: ToolPointer): void {
-        const last = this.stroke[this.stroke.length - 1];
+    private extend(stroke: Stroke, event: ToolPointer): void {
+        const last = stroke.pixels[stroke.pixels.length - 1];
         if (Math.hypot(event.x - last[0], event.y - last[1]) >= 3) {
-            this.stroke.push([event.x, event.y]);
-            this.show();
+            stroke.pixels.push([event.x, event.y]);
+            this.show(stroke);
         }
     }
 
-    private radii(): { first: number; last: number } {
-        // A pen's pressure makes the branch thicker or thinner than it would be.
-        const host = this.skeleton && this.pressure > 0 && radius.peek() === 0 ? this.nearRadius() * this.pressure : 0;
-        return { first: host || radius.peek(), last: tipRadius.peek() };
-    }
-
-    private nearRadius(): number {
-        const [x, y] = this.stroke[0];
-        const found = this.skeleton?.nearest(x, y, (point) => this.app.view.toPixels(point));
-        return found && this.skeleton ? this.skeleton.radius[found.node] : 0;
-    }
-
-    private line(): { line: string; points: Point[] } | null {
+    private line(stroke: Stroke): { line: string; points: Point[] } | null {
         const { view } = this.app;
-        const points = this.start && drawnBranch(this.stroke, this.start, this.skeleton, view);
-        if (!points || !this.start) {
+        const { start, skeleton, about } = stroke;
+        const points = start && drawnBranch(stroke.pixels, start, skeleton, view);
+        if (!points || !start) {
             return null;
         }
-        const step = view.pixelSize(this.start) / 10;
-        const radii = this.radii();
-        const first = !this.about && radii.first === 0 ? 6 * view.pixelSize(this.start) : radii.first;
-        return { line: drawLine(this.about, this.app.store.freeName("tree"), points, step, { ...radii, first }), points };
+        const step = view.pixelSize(start) / 10;
+        // A pen's pressure makes the branch thicker or thinner than it would be.
+        const pressed = stroke.pressure > 0 && radius.peek() === 0 ? this.hostRadius(stroke) * stroke.pressure : 0;
+        const own = pressed || radius.peek();
+        const first = !about && own === 0 ? 6 * view.pixelSize(start) : own;
+        return { line: drawLine(about, newName("tree"), points, step, { first, last: tipRadius.peek() }), points };
     }
 
-    private show(): void {
-        const made = this.line();
-        this.drawn.clear();
+    private hostRadius({ skeleton, pixels }: Stroke): number {
+        const [x, y] = pixels[0];
+        const found = skeleton?.nearest(x, y, (point) => this.app.view.toPixels(point));
+        return found && skeleton ? skeleton.radius[found.node] : 0;
+    }
+
+    // Of a stroke that is over and waits for where it begins nothing is shown any more.
+    private show(stroke: Stroke): void {
+        const made = stroke === this.stroke ? this.line(stroke) : null;
         if (made) {
+            this.drawn.clear();
             this.drawn.line(made.points, kColors.grow);
-            this.gesture ??= new Gesture(this.app, this.about ?? undefined);
+            this.gesture ??= new Gesture(this.app, stroke.about ?? undefined);
             this.gesture.preview(made.line);
         }
     }
 
-    private async end(): Promise<void> {
-        const { stroke } = this;
-        await this.rooted;
-        if (stroke !== this.stroke) {
-            return;
-        }
-        const made = this.line();
-        const { about, gesture } = this;
+    // Whatever the hand does next, the stroke that it has ended becomes a branch.
+    private async end(stroke: Stroke): Promise<void> {
+        const { gesture } = this;
         this.gesture = null;
         this.reset();
+        await stroke.rooted;
+        const made = this.line(stroke);
         if (made) {
-            await this.run(about, made.line, gesture);
+            await (gesture ?? new Gesture(this.app, stroke.about ?? undefined)).run(made.line);
+        } else {
+            gesture?.cancel();
         }
-    }
-
-    private async run(about: ObjectName | null, line: string, gesture?: Gesture | null): Promise<void> {
-        await (gesture ?? new Gesture(this.app, about ?? undefined)).run(line);
     }
 
     private reset(): void {
         this.gesture?.cancel();
         this.gesture = null;
-        this.stroke = [];
-        this.start = null;
+        this.stroke = null;
         this.drawn.clear();
     }
 }

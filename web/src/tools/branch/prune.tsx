@@ -7,7 +7,7 @@ import { Drawn, kColors } from "../kit/drawn";
 import { Button, NumberField } from "../kit/fields";
 import { Gesture, runLine } from "../kit/gesture";
 import { anchored } from "../kit/naming";
-import { followSkeletons, type Skeleton, skeletonOf } from "../kit/skeleton";
+import { followSkeletons, pickBranch, type Skeleton, skeletonOf } from "../kit/skeleton";
 import { toSegment } from "../kit/vector";
 import { commandLine, idSelection, sizeWord } from "../kit/words";
 import { anySkeleton, subtreeSegments } from "./cut";
@@ -47,6 +47,10 @@ export function touched(
         const from = parent < 0 ? pixels[n] : [0, 1].map((k) => (pixels[parent][k] + pixels[n][k]) / 2);
         return Math.abs(pixels[n][2]) <= 1 && toSegment(x, y, from, pixels[n]).far <= radius;
     });
+}
+
+function pruneLine(about: ObjectName, selection: string): string {
+    return commandLine(["edit", "delete", about.name, selection]);
 }
 
 class PruneRun implements ToolRun {
@@ -140,7 +144,8 @@ class PruneRun implements ToolRun {
         if (object?.kind === "skeleton") {
             return object;
         }
-        const first = this.app.store.state.peek().objects.find(({ kind }) => kind === "skeleton");
+        const hidden = this.app.store.hidden.peek();
+        const first = this.app.store.state.peek().objects.find(({ kind, name }) => kind === "skeleton" && !hidden.has(`skeleton:${name}`));
         return first ? { kind: "skeleton", name: first.name } : null;
     }
 
@@ -154,7 +159,7 @@ class PruneRun implements ToolRun {
     }
 
     private begin(event: ToolPointer): boolean {
-        const pick = this.app.view.pick(event.x, event.y, ["skeleton"]);
+        const pick = pickBranch(this.app, event.x, event.y);
         this.about = pick?.object ?? this.chosen();
         this.skeleton = this.about && skeletonOf(this.app, this.about.name);
         if (!this.about || !this.skeleton) {
@@ -179,7 +184,7 @@ class PruneRun implements ToolRun {
         const tops = prunable(skeleton, this.painted);
         if (tops.length > 0) {
             this.gesture ??= new Gesture(this.app, this.about);
-            this.gesture.preview(this.line(idSelection(tops.map((n) => skeleton.ids[n]))));
+            this.gesture.preview(pruneLine(this.about, idSelection(tops.map((n) => skeleton.ids[n]))));
             this.drawn.clear();
             this.drawn.line(
                 tops.flatMap((n) => subtreeSegments(skeleton, n)),
@@ -189,20 +194,13 @@ class PruneRun implements ToolRun {
         }
     }
 
-    private line(selection: string): string {
-        return commandLine(["edit", "delete", this.about?.name ?? "", selection]);
-    }
-
     private async end(): Promise<void> {
         const { skeleton, gesture, about } = this;
-        const tops = skeleton ? prunable(skeleton, this.painted) : [];
+        const ids = skeleton ? prunable(skeleton, this.painted).map((n) => skeleton.ids[n]) : [];
         this.gesture = null;
-        const ids = tops.map((n) => skeleton?.ids[n] ?? -1);
-        const selection = about && ids.length > 0 ? await anchored(this.app, about.name, ids) : "";
-        const line = this.line(selection);
-        this.reset();
-        if (gesture && selection !== "") {
-            await gesture.run(line);
+        this.reset(); // the hand may begin again before the line has run
+        if (gesture && about && ids.length > 0) {
+            await gesture.run(pruneLine(about, await anchored(this.app, about.name, ids)));
         }
     }
 

@@ -1,5 +1,5 @@
 // A stroke across two solids picks them; a list at the cursor says what becomes of them. Skeletons are joined so.
-import { type Signal, signal } from "@preact/signals-core";
+import { batch, type Signal, signal } from "@preact/signals-core";
 import { render, type VNode } from "preact";
 import type { App, Label, Tool, ToolPointer, ToolRun } from "../../app";
 import type { Kind, ObjectName, Point } from "../../protocol";
@@ -281,11 +281,13 @@ class CombineRun implements ToolRun {
         const gesture = this.gesture ?? new Gesture(this.app);
         this.gesture = null;
         if ((await gesture.run(line)) !== null) {
-            const { selection } = this.app.store;
-            // The operands are in the result; they come back by "show everything".
-            this.hideParts();
-            this.before = null;
-            selection.value = { ...selection.peek(), object: { kind: parts[0].kind, name }, nodes: [] };
+            const { selection, hideFor } = this.app.store;
+            const result = { kind: parts[0].kind, name };
+            batch(() => {
+                this.showParts();
+                hideFor(parts.filter((part) => part.name !== name), result); // they are in it
+            });
+            selection.value = { ...selection.peek(), object: result, nodes: [] };
             this.first.value = parts[0].kind === "solid" ? name : this.first.peek();
         }
         this.reset();

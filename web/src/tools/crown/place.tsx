@@ -1,5 +1,5 @@
 // Primitives placed by dragging on the ground or on a surface: first how wide, then how high.
-import { type Signal, signal } from "@preact/signals-core";
+import { effect, type Signal, signal } from "@preact/signals-core";
 import type { VNode } from "preact";
 import type { App, Tool, ToolPointer, ToolRun } from "../../app";
 import type { Point } from "../../protocol";
@@ -8,7 +8,7 @@ import { Button, ChoiceField, NumberField, PointField, pointSignals, TextField }
 import { Gesture } from "../kit/gesture";
 import { Typed } from "../kit/typed";
 import { add, distance, kAxes, onLine, onPlane, roundStep, snapped } from "../kit/vector";
-import { commandLine, numberWord, pointWord, sizeWord } from "../kit/words";
+import { commandLine, newName, numberWord, pointWord, sizeWord } from "../kit/words";
 
 export type Primitive = "sphere" | "box" | "cylinder" | "cone" | "line" | "circle" | "disc";
 
@@ -79,13 +79,21 @@ class PlaceRun implements ToolRun {
     private gesture: Gesture | null = null;
     private readonly typed = new Typed();
     private readonly drawn: Drawn;
+    private readonly unfollow: () => void;
 
     constructor(private readonly app: App) {
         this.drawn = new Drawn(app);
         this.rename();
+        this.unfollow = effect(() => {
+            const isTaken = app.store.state.value.objects.some(({ name }) => name === this.name.peek());
+            if (isTaken) {
+                this.rename();
+            }
+        });
     }
 
     stop(): void {
+        this.unfollow();
         this.gesture?.cancel();
         this.drawn.stop();
     }
@@ -257,7 +265,7 @@ class PlaceRun implements ToolRun {
 
     private line(): string {
         const height = Math.abs(this.height.peek()) < this.step() ? this.step() : this.height.peek();
-        return primitiveLine(shape.peek(), this.name.peek(), this.at, this.radius.peek(), height, this.step());
+        return primitiveLine(shape.peek(), newName(this.name.peek()), this.at, this.radius.peek(), height, this.step());
     }
 
     private show(): void {
@@ -274,14 +282,15 @@ class PlaceRun implements ToolRun {
             this.reset();
             return;
         }
-        const name = this.name.peek();
+        const wanted = this.name.peek();
         const line = this.line();
         const gesture = this.gesture ?? new Gesture(this.app);
         this.gesture = null;
         this.reset();
-        if ((await gesture.run(line)) !== null) {
+        const ran = await gesture.run(line);
+        if (ran) {
+            const name = ran.names[0] ?? wanted;
             this.app.store.selection.value = { ...this.app.store.selection.peek(), object: { kind: "solid", name }, nodes: [] };
-            this.rename();
         }
     }
 

@@ -5,7 +5,7 @@ import type { ObjectName, Point } from "../../protocol";
 import { Drawn } from "./drawn";
 import { Gesture } from "./gesture";
 import { finalLine, type NodeLine, previewLine } from "./naming";
-import { followSkeletons, selectedTops, type Skeleton, skeletonOf } from "./skeleton";
+import { followSkeletons, pickBranch, selectedTops, type Skeleton, skeletonOf } from "./skeleton";
 import { Typed } from "./typed";
 import { subtract } from "./vector";
 
@@ -173,7 +173,7 @@ export abstract class BranchDragRun implements ToolRun {
     }
 
     private press(event: ToolPointer): boolean {
-        const pick = this.app.view.pick(event.x, event.y, ["skeleton"]);
+        const pick = pickBranch(this.app, event.x, event.y);
         const skeleton = pick && skeletonOf(this.app, pick.object.name);
         const n = skeleton && pick?.node !== undefined ? skeleton.index(pick.node) : -1;
         if (!pick || !skeleton || n < 0) {

@@ -1,7 +1,7 @@
 // Fields of tools' panels.
 import { signal, type Signal } from "@preact/signals-core";
 import type { ComponentChildren, VNode } from "preact";
-import { useRef } from "preact/hooks";
+import { FieldTrouble, useNumber } from "../../number_field";
 import { useValue } from "../../use";
 import type { Axis } from "./typed";
 
@@ -30,32 +30,28 @@ interface NumberProps {
     changed?(): void;
 }
 
-/** The field shows what was typed as it was typed, as long as it is the value. */
 export function NumberField({ label, value, unit, low, high, step, changed }: NumberProps): VNode {
     const now = useValue(value);
-    const typed = useRef("");
-    const shown = typed.current !== "" && Number(typed.current) === now ? typed.current : String(Number(now.toPrecision(6)));
+    const { field, trouble } = useNumber({
+        value: now,
+        shown: String(Number(now.toPrecision(6))),
+        low,
+        high,
+        step,
+        take: (number) => {
+            if (number !== value.peek()) {
+                value.value = number;
+                changed?.();
+            }
+        },
+    });
     return (
-        <Field label={label} unit={unit}>
-            <input
-                type="number"
-                value={shown}
-                min={low}
-                max={high}
-                step={step ?? "any"}
-                onInput={(event) => {
-                    const number = event.currentTarget.valueAsNumber;
-                    if (Number.isFinite(number) && number >= (low ?? -Infinity) && number <= (high ?? Infinity)) {
-                        typed.current = event.currentTarget.value;
-                        value.value = number;
-                        changed?.();
-                    }
-                }}
-                onBlur={() => {
-                    typed.current = "";
-                }}
-            />
-        </Field>
+        <>
+            <Field label={label} unit={unit}>
+                <input {...field} />
+            </Field>
+            <FieldTrouble text={trouble} />
+        </>
     );
 }
 

@@ -1,6 +1,6 @@
 // One gesture: the same line shown while it goes on, and run once at its end.
 import { signal } from "@preact/signals-core";
-import type { App } from "../../app";
+import type { App, Ran } from "../../app";
 import type { ObjectName } from "../../protocol";
 
 export class Gesture {
@@ -40,17 +40,17 @@ export class Gesture {
         );
     }
 
-    /** Runs the line; says why where that is refused. Tells the number of the statement, or null. */
-    async run(line: string): Promise<number | null> {
+    /** Runs the line; says why where that is refused, and returns null. */
+    async run(line: string): Promise<Ran | null> {
         const had = this.open;
         this.open = false;
         this.shown = "";
         try {
-            const { statement, says } = await this.app.engine.run(line, this.about);
-            if (says) {
-                this.app.store.say(says);
+            const ran = await this.app.engine.run(line, this.about);
+            if (ran.says) {
+                this.app.store.say(ran.says);
             }
-            return statement;
+            return ran;
         } catch (error) {
             this.app.store.say((error as Error).message, "error");
             if (had) {
@@ -71,6 +71,6 @@ export class Gesture {
 }
 
 /** Runs one line that needs no preview. */
-export function runLine(app: App, line: string, about?: ObjectName): Promise<number | null> {
+export function runLine(app: App, line: string, about?: ObjectName): Promise<Ran | null> {
     return new Gesture(app, about).run(line);
 }

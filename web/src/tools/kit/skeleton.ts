@@ -1,7 +1,8 @@
 // A skeleton as tools look at it: who grows from whom, and what a selection holds.
 import { effect, untracked } from "@preact/signals-core";
-import type { App, Geometry, Selection } from "../../app";
+import type { App, Geometry, Pick, Selection } from "../../app";
 import type { Point } from "../../protocol";
+import { meshSources } from "../../view/sources";
 import { toSegment } from "./vector";
 
 const kNone = 0xffffffff;
@@ -224,6 +225,17 @@ export class Skeleton {
     }
 }
 
+/** The branch under the pointer. Says where it cannot be worked on since its skeleton is hidden. */
+export function pickBranch(app: App, x: number, y: number): Pick | null {
+    const pick = app.view.pick(x, y, ["skeleton"]);
+    const mesh = pick ? undefined : app.view.pick(x, y, ["mesh"])?.object.name;
+    const source = mesh && meshSources(app.store).get(mesh);
+    if (source && app.store.hidden.peek().has(`skeleton:${source}`)) {
+        app.store.say(`The skeleton ${source} is hidden; show it in the list of objects to work on its branches.`, "warning");
+    }
+    return pick;
+}
+
 interface Kept {
     version: number;
     geometry: Geometry;
@@ -273,14 +285,19 @@ export function followSkeletons(app: App, known?: () => void): () => void {
     };
 }
 
+// Where the skeleton has changed meanwhile it is asked for again.
 async function ask(app: App, name: string, version: number): Promise<Skeleton | null> {
+    const isOld = () => app.store.find("skeleton", name)?.version !== version;
     try {
         const { key } = await app.engine.request<{ key: string }>("show", { kind: "skeleton", name, form: "axes" });
         const geometry = await app.engine.blob(key);
         const skeleton = Skeleton.of(geometry);
         kept.set(name, { version, geometry, skeleton });
-        return skeleton;
+        return isOld() ? fetchSkeleton(app, name) : skeleton;
     } catch (error) {
+        if (isOld()) {
+            return fetchSkeleton(app, name);
+        }
         app.store.say((error as Error).message, "error");
         return null;
     }

@@ -1,5 +1,6 @@
 // Lines of commands: words with quotes where they need them, numbers with no more digits than the hand has.
 import type { Kind, ObjectName, Point } from "../../protocol";
+import { isObjectName } from "../../script/names";
 
 const kMostDigits = 9;
 
@@ -29,8 +30,18 @@ export function directionWord(direction: Point): string {
     return pointWord(direction, 1e-4);
 }
 
+const kNewName = /^\$\{new [\w.-]+\}$/;
+
+/** The name of a new object in a line that is run or previewed: where an object has this name already the engine takes the next free one. */
+export function newName(name: string): string {
+    return isObjectName(name) ? `\${new ${name}}` : name;
+}
+
 /** A word as a scene reads it again: in quotes where it has blanks, quotes or the beginning of an option or a comment. */
 export function quoted(text: string): string {
+    if (kNewName.test(text)) {
+        return text;
+    }
     const safe = text.replaceAll("${", () => "$${");
     const plain = safe !== "" && !/^#|^[a-z0-9_]+=|[\s"\\]/.test(safe);
     return plain ? safe : `"${safe.replace(/["\\]/g, "\\$&")}"`;

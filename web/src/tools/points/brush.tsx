@@ -7,7 +7,7 @@ import { Drawn, kColors, sight } from "../kit/drawn";
 import { Button, ChoiceField, NumberField, PointField, pointSignals } from "../kit/fields";
 import { runLine } from "../kit/gesture";
 import { distance, kAxes, onPlane } from "../kit/vector";
-import { commandLine, numberWord, pointWord, sizeWord } from "../kit/words";
+import { commandLine, newName, numberWord, pointWord, sizeWord } from "../kit/words";
 
 type Way = "thin" | "densify";
 
@@ -140,7 +140,7 @@ class BrushRun implements ToolRun {
             const step = this.app.view.pixelSize(ball.center) / 10;
             await runLine(
                 this.app,
-                dabLines(points.name, this.app.store.freeName("dab"), ball, way.peek(), amount, step),
+                dabLines(points.name, newName("dab"), ball, way.peek(), amount, step),
                 points,
             );
         }
@@ -232,10 +232,11 @@ class RootRun implements ToolRun {
         const name = this.name.peek();
         const root = pointWord(this.at.map((value) => value.peek()));
         const points = this.points.peek();
-        if ((await runLine(this.app, commandLine(["grow", name, points], { root }))) !== null) {
+        const ran = await runLine(this.app, commandLine(["grow", newName(name), points], { root }));
+        if (ran) {
             this.app.store.selection.value = {
                 ...this.app.store.selection.peek(),
-                object: { kind: "skeleton", name },
+                object: { kind: "skeleton", name: ran.names[0] ?? name },
                 nodes: [],
             };
             this.app.take("select");

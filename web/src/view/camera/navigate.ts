@@ -38,6 +38,7 @@ export class Navigation {
     private start: Held = { x: 0, y: 0 };
     private readonly held = new Map<number, Held>(); // fingers and buttons down
     private readonly pivot = new THREE.Vector3();
+    private wasTool = false; // the last press was a tool's
     private longPress: ReturnType<typeof setTimeout> | undefined;
 
     constructor(private readonly view: Navigated, private readonly hand: () => Hand | null) {
@@ -135,6 +136,7 @@ export class Navigation {
     private up(event: PointerEvent): void {
         clearTimeout(this.longPress);
         this.held.delete(event.pointerId);
+        this.wasTool = this.phase === "tool";
         if (this.phase === "tool") {
             this.tell(event, "up");
         } else if (this.phase === "undecided") {
@@ -233,7 +235,7 @@ export class Navigation {
     }
 
     private doubleClick(event: MouseEvent): void {
-        const under = this.view.pointUnder(event.offsetX, event.offsetY);
+        const under = this.wasTool ? null : this.view.pointUnder(event.offsetX, event.offsetY);
         if (under) {
             this.view.centre(under);
         }

@@ -6,7 +6,7 @@ import type { Rig } from "../camera/rig";
 import { treeOf } from "../extent";
 import type { SectionPlane } from "../section";
 import type { Shown } from "../shown";
-import { hitLine, hitPoints, hitSkeleton, type Projection } from "./rays";
+import { closestSegment, hitLine, hitPoints, hitSkeleton, type Projection } from "./rays";
 
 const kTwig = 3.5; // [px] a segment counts as thick as this
 const kPoint = 7;
@@ -34,8 +34,11 @@ const kThroughGlass: Kind[] = ["skeleton", "mesh", "path", "profile"];
 /** What lies nearest to the eye; where solids are glass what is in them comes before them. */
 export function pickAt(picture: Picture, ray: THREE.Ray, shown: Shown[], x: number, y: number, kinds: Kind[] = kPickable): Pick | null {
     const found = shown
-        .filter(({ object }) => kinds.includes(object.kind))
-        .map((one) => pickOne(picture, ray, one, x, y))
+        .filter(({ object, source }) => kinds.includes(object.kind) || (source && kinds.includes("skeleton")))
+        .map((one) => {
+            const hit = pickOne(picture, ray, one, x, y);
+            return hit && one.source && kinds.includes("skeleton") ? onSource(hit, one.source) : hit;
+        })
         .filter((one) => one !== null)
         .sort((a, b) => a.distance - b.distance);
     const inside = picture.glass ? found.find(({ pick }) => kThroughGlass.includes(pick.object.kind)) : undefined;
@@ -88,6 +91,19 @@ function pickSurface({ section }: Picture, ray: THREE.Ray, shown: Shown): Found 
     const at = new THREE.Vector3();
     const distance = shown.surface.triangleTree().hit(from, ray.direction.toArray(), (far) => !section.hides(ray.at(far, at)));
     return distance === null ? null : { distance, pick: { object: shown.object, point: ray.at(distance, at).toArray() } };
+}
+
+/** What is found on a mesh, as the branch of the skeleton that it was made from. */
+function onSource(hit: Found, source: Shown): Found {
+    const geometry = source.geometries.get("axes");
+    if (!geometry) {
+        return hit;
+    }
+    const { point } = hit.pick;
+    const tree = treeOf(geometry);
+    const local = point.map((value, i) => value - geometry.header.origin[i]) as Point;
+    const node = tree.id[closestSegment(tree, geometry.arrays.position as Float32Array, local)];
+    return { ...hit, pick: { object: source.object, point, node } };
 }
 
 function projection({ rig, width, height }: Picture, origin: Point): Projection {

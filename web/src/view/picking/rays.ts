@@ -62,6 +62,29 @@ export function hitSkeleton(
     return best;
 }
 
+/** The outer node of the segment whose surface is closest to a point. Cost: all segments. */
+export function closestSegment({ parent, radius, leader }: Tree, position: Float32Array, [x, y, z]: Point): number {
+    let best = 0;
+    let least = Infinity;
+    for (let n = 0; n < parent.length; ++n) {
+        const p = parent[n] === kNone ? n : parent[n];
+        const ax = x - position[3 * p];
+        const ay = y - position[3 * p + 1];
+        const az = z - position[3 * p + 2];
+        const ux = position[3 * n] - position[3 * p];
+        const uy = position[3 * n + 1] - position[3 * p + 1];
+        const uz = position[3 * n + 2] - position[3 * p + 2];
+        const s = Math.min(Math.max((ax * ux + ay * uy + az * uz) / (ux * ux + uy * uy + uz * uz || 1), 0), 1);
+        const inner = leader[p] === n ? radius[p] : radius[n];
+        const apart = Math.abs(Math.hypot(ax - s * ux, ay - s * uy, az - s * uz) - (inner + (radius[n] - inner) * s));
+        if (apart < least) {
+            least = apart;
+            best = n;
+        }
+    }
+    return best;
+}
+
 /** A projection: the sixteen numbers of a matrix by columns, and the size of the picture in pixels. */
 export interface Projection {
     matrix: ArrayLike<number>;

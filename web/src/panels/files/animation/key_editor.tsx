@@ -70,7 +70,7 @@ function ChosenKey({ film, chosen, mine }: { film: Signal<Film>; chosen: Signal<
     };
     return (
         <div class="animation-row">
-            <Amount label="At [s]" value={mine.time} low={0} high={3600} step="any" set={(time) => set({ time: freeTime(film.peek(), time, mine) })} />
+            <Amount label="At [s]" value={mine.time} low={0} high={3600} step={0.1} set={(time) => set({ time: freeTime(film.peek(), time, mine) })} />
             <label>
                 <span>The way to it</span>
                 <select value={mine.easing} onChange={(event) => set({ easing: event.currentTarget.value as Key["easing"] })}>

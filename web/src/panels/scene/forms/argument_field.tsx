@@ -2,6 +2,8 @@
 import type { ComponentChildren, VNode } from "preact";
 import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Argument, Kind } from "../../../protocol";
+import { FieldTrouble, useNumber } from "../../../number_field";
+import type { NumberLimits } from "../../../script/arithmetic";
 import { defaultText, kindsOf, shortUnit, spoken, takes } from "../../../script/commands";
 import { defaultWord, type Values, wordOf } from "../../../script/values";
 import { isComputed } from "../../../script/words";
@@ -51,8 +53,8 @@ export function fieldProps(props: Inner): Record<string, unknown> {
     };
 }
 
-export function fits({ low, high, type }: Argument, value: number): boolean {
-    return Number.isFinite(value) && value >= (low ?? -Infinity) && value <= (high ?? Infinity) && (type !== "whole" || Number.isInteger(value));
+export function limitsOf({ low, high, type }: Argument): NumberLimits {
+    return { low, high, whole: type === "whole" };
 }
 
 /** A step that changes a number by a tenth of its size or so. */
@@ -108,40 +110,33 @@ function SliderInput({ label, slider, word, take }: SliderProps): VNode {
 function NumberField(props: Inner): VNode {
     const { argument, context, id } = props;
     const word = wordOf(argument, context.values);
-    const [bad, setBad] = useState(false);
     const [middle, setMiddle] = useState(Number(word) || Number(argument.default) || 1); // stays while the slider is dragged
     const slider = sliderFor(argument, context.usual?.(argument.name) ?? middle);
     const take = (value: number, done: boolean) => {
-        setBad(!fits(argument, value));
-        if (fits(argument, value)) {
-            context.set(argument.name, [String(value)], done);
-        }
+        context.set(argument.name, [String(value)], done);
         if (done && value !== 0 && Math.abs(Math.log10(Math.abs(value / middle))) > 1) {
             setMiddle(Math.abs(value));
         }
     };
+    const { field, trouble } = useNumber({
+        value: word === "" ? null : Number(word),
+        shown: word,
+        ...limitsOf(argument),
+        step: stepOf(argument, Number(word)),
+        take,
+        clear: () => context.set(argument.name, [], true), // back to the default
+    });
     return (
         <>
             {slider && <SliderInput label={`${spoken(argument.name)}, slider`} slider={slider} word={word} take={take} />}
             <input
                 {...fieldProps(props)}
+                {...field}
                 id={id}
-                type="number"
                 class={`${slider ? "" : "wide"} ${isGiven(props) ? "" : "is-default"}`}
-                aria-invalid={bad || undefined}
                 placeholder={argument.required ? "needed" : "none"}
-                value={word}
-                step={stepOf(argument, Number(word))}
-                onInput={(event) => event.currentTarget.value !== "" && take(event.currentTarget.valueAsNumber, false)}
-                onChange={(event) => {
-                    if (event.currentTarget.value === "") {
-                        setBad(event.currentTarget.validity.badInput);
-                        context.set(argument.name, [], true); // back to the default
-                    } else {
-                        take(event.currentTarget.valueAsNumber, true);
-                    }
-                }}
             />
+            <FieldTrouble text={trouble} />
         </>
     );
 }

@@ -1,9 +1,10 @@
 // A point, or other numbers that belong together, as a field for each.
 import type { VNode } from "preact";
 import { useState } from "preact/hooks";
+import { FieldTrouble, useNumber } from "../../../number_field";
 import { spoken } from "../../../script/commands";
 import { wordOf } from "../../../script/values";
-import { fieldProps, fits, type Inner, stepOf } from "./argument_field";
+import { fieldProps, type Inner, limitsOf, stepOf } from "./argument_field";
 
 const kNames = ["X", "Y", "Z"];
 
@@ -17,6 +18,33 @@ export function tupleWord(parts: readonly string[], sizes: readonly number[]): s
     return whole && sizes.includes(count) ? given.join(",") : null;
 }
 
+interface PartProps {
+    field: Inner;
+    label: string;
+    placeholder: string;
+    text: string;
+    isInvalid: boolean;
+    set(text: string, done: boolean): void;
+}
+
+function PartField({ field: whole, label, placeholder, text, isInvalid, set }: PartProps): VNode {
+    const { argument } = whole;
+    const { field, trouble } = useNumber({
+        value: text === "" ? null : Number(text),
+        shown: text,
+        ...limitsOf(argument),
+        step: stepOf(argument, Number(text)),
+        take: (value, done) => set(String(value), done),
+        clear: () => set("", true),
+    });
+    return (
+        <>
+            <input {...fieldProps(whole)} {...field} aria-invalid={isInvalid || field["aria-invalid"]} aria-label={label} placeholder={placeholder} />
+            <FieldTrouble text={trouble} />
+        </>
+    );
+}
+
 export function TupleField(props: Inner): VNode {
     const { argument, context, id } = props;
     const sizes = argument.sizes ?? [3];
@@ -28,26 +56,23 @@ export function TupleField(props: Inner): VNode {
         const next = Array.from({ length: most }, (_, i) => (i === at ? text : (parts[i] ?? "")));
         const empty = next.every((part) => part.trim() === "");
         const now = empty ? null : tupleWord(next, sizes);
-        const good = now !== null && now.split(",").every((part) => fits(argument, Number(part)));
-        setDraft(empty || good ? null : next);
-        if (empty || good) {
+        const good = empty || now !== null;
+        setDraft(good ? null : next);
+        if (good) {
             context.set(argument.name, now === null ? [] : [now], done);
         }
     };
     return (
         <div class="wide tuple" role="group" aria-labelledby={`${id}-label`}>
             {Array.from({ length: most }, (_, at) => (
-                <input
-                    {...fieldProps(props)}
+                <PartField
                     key={at}
-                    type="number"
-                    aria-invalid={draft !== null || undefined}
-                    aria-label={most <= 3 ? kNames[at] : `${spoken(argument.name)} ${at + 1}`}
+                    field={props}
+                    label={most <= 3 ? kNames[at] : `${spoken(argument.name)} ${at + 1}`}
                     placeholder={kNames[at] ?? String(at + 1)}
-                    value={parts[at] ?? ""}
-                    step={stepOf(argument, Number(parts[at] ?? 0))}
-                    onInput={(event) => set(at, event.currentTarget.value, false)}
-                    onChange={(event) => set(at, event.currentTarget.value, true)}
+                    text={parts[at] ?? ""}
+                    isInvalid={draft !== null}
+                    set={(text, done) => set(at, text, done)}
                 />
             ))}
         </div>

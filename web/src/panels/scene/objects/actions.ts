@@ -4,7 +4,7 @@ import type { Kind, ObjectName } from "../../../protocol";
 import { isObjectName, renamed } from "../../../script/names";
 import { textOf } from "../../../script/pieces";
 import { runLine } from "../../../tools/kit/gesture";
-import { commandLine, kindOption } from "../../../tools/kit/words";
+import { commandLine, kindOption, newName } from "../../../tools/kit/words";
 import { editorOf } from "../editor/session";
 import { idOf } from "./model";
 import { askName } from "./rename";
@@ -36,21 +36,10 @@ export async function remove(app: App, object: ObjectName): Promise<void> {
     await runLine(app, commandLine(["delete", object.name], kindOf(app, object)));
 }
 
-/** The name with the next number that no object has. */
-export function nextName(name: string, taken: (name: string) => boolean): string {
-    const [, base, digits] = /^(.*?)(\d*)$/.exec(name) ?? [name, name, ""];
-    let number = Number(digits || 1) + 1;
-    while (taken(`${base}${number}`)) {
-        ++number;
-    }
-    return `${base}${number}`;
-}
-
 export async function duplicate(app: App, object: ObjectName): Promise<void> {
-    const { objects } = app.store.state.peek();
-    const name = nextName(object.name, (one) => objects.some((other) => other.name === one));
-    if ((await runLine(app, commandLine(["copy", object.name, name], kindOf(app, object)))) !== null) {
-        select(app, { kind: object.kind, name });
+    const ran = await runLine(app, commandLine(["copy", object.name, newName(object.name)], kindOf(app, object)));
+    if (ran) {
+        select(app, { kind: object.kind, name: ran.names[0] });
     }
 }
 

@@ -1,0 +1,142 @@
+// Numbers as they are typed into fields: "1.5", "2*3", "(1+2)/4".
+
+export interface NumberLimits {
+    low?: number;
+    high?: number;
+    whole?: boolean;
+}
+
+/** A number, or one sentence on why the text is none. */
+export type NumberRead = { value: number } | { trouble: string };
+
+const kMaxShown = 24; // letters of what was typed in a message
+const kMaxDepth = 100; // of brackets and signs within each other
+const kToken = /\s*(?:((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([-+*/^()]))\s*/y;
+
+class SyntaxTrouble extends Error {}
+
+function tokensOf(text: string): (number | string)[] {
+    const tokens: (number | string)[] = [];
+    kToken.lastIndex = 0;
+    while (kToken.lastIndex < text.length) {
+        const match = kToken.exec(text);
+        if (!match) {
+            throw new SyntaxTrouble();
+        }
+        tokens.push(match[1] === undefined ? match[2] : Number(match[1]));
+    }
+    return tokens;
+}
+
+/** Recursive descent: sum, product, sign, power, number or brackets. */
+class Parser {
+    private at = 0;
+    private depth = 0;
+
+    constructor(private readonly tokens: readonly (number | string)[]) {}
+
+    whole(): number {
+        const value = this.sum();
+        if (this.at < this.tokens.length) {
+            throw new SyntaxTrouble();
+        }
+        return value;
+    }
+
+    private takes(...signs: string[]): string | null {
+        const token = this.tokens[this.at];
+        if (typeof token === "string" && signs.includes(token)) {
+            ++this.at;
+            return token;
+        }
+        return null;
+    }
+
+    private sum(): number {
+        let value = this.product();
+        for (let sign = this.takes("+", "-"); sign; sign = this.takes("+", "-")) {
+            value += sign === "+" ? this.product() : -this.product();
+        }
+        return value;
+    }
+
+    private product(): number {
+        let value = this.signed();
+        for (let sign = this.takes("*", "/"); sign; sign = this.takes("*", "/")) {
+            const factor = this.signed();
+            value = sign === "*" ? value * factor : value / factor;
+        }
+        return value;
+    }
+
+    private signed(): number {
+        if (++this.depth > kMaxDepth) {
+            throw new SyntaxTrouble();
+        }
+        const sign = this.takes("+", "-");
+        const value = sign ? this.signed() : this.power();
+        --this.depth;
+        return sign === "-" ? -value : value;
+    }
+
+    private power(): number {
+        const base = this.atom();
+        return this.takes("^") ? base ** this.signed() : base;
+    }
+
+    private atom(): number {
+        if (this.takes("(")) {
+            const value = this.sum();
+            if (!this.takes(")")) {
+                throw new SyntaxTrouble();
+            }
+            return value;
+        }
+        const token = this.tokens[this.at++];
+        if (typeof token !== "number") {
+            throw new SyntaxTrouble();
+        }
+        return token;
+    }
+}
+
+/** The value of an arithmetic expression; null where the text is none. It may be infinite or NaN. */
+export function computed(text: string): number | null {
+    try {
+        const tokens = tokensOf(text);
+        const value = new Parser(tokens).whole();
+        return tokens.length === 1 ? value : Number(value.toPrecision(15)); // 0.1+0.2 is 0.3
+    } catch (error) {
+        if (error instanceof SyntaxTrouble) {
+            return null;
+        }
+        throw error;
+    }
+}
+
+function rangeText({ low, high, whole }: NumberLimits): string {
+    const what = whole ? "a whole number" : "a number";
+    if (low !== undefined && high !== undefined) {
+        return `${what} from ${low} to ${high}`;
+    }
+    return low !== undefined ? `${what} of at least ${low}` : high !== undefined ? `${what} of at most ${high}` : what;
+}
+
+/** Reads what was typed into a field for a number. */
+export function readNumber(text: string, limits: NumberLimits = {}): NumberRead {
+    const typed = text.trim();
+    const shown = `"${typed.length > kMaxShown ? `${typed.slice(0, kMaxShown)}…` : typed}"`;
+    if (/\d,\d/.test(typed)) {
+        return { trouble: `${shown} has a comma; write a decimal point, as in 1.5.` };
+    }
+    const value = computed(typed);
+    if (value === null || Number.isNaN(value)) {
+        return { trouble: `${shown} is not a number.` };
+    }
+    if (!Number.isFinite(value)) {
+        return { trouble: `${shown} is too large.` };
+    }
+    const { low = -Infinity, high = Infinity, whole } = limits;
+    const fits = value >= low && value <= high && (!whole || Number.isInteger(value));
+    return fits ? { value } : { trouble: `This takes ${rangeText(limits)}, not ${shown}.` };
+}

@@ -1,0 +1,26 @@
+// The skeletons that meshes were made from.
+import type { Store } from "../app";
+import type { State } from "../protocol";
+import { meshSource } from "../script/names";
+
+const kKnown = new WeakMap<State, ReadonlyMap<string, string>>();
+
+/** The skeleton that each mesh is the surface of, by names: of meshes that were made from a skeleton, where neither has changed since. */
+export function meshSources(store: Store): ReadonlyMap<string, string> {
+    const state = store.state.peek();
+    const schema = store.schema.peek();
+    const known = kKnown.get(state);
+    if (known || schema.length === 0) {
+        return known ?? new Map();
+    }
+    const sources = new Map<string, string>();
+    for (const mesh of state.objects.filter(({ kind }) => kind === "mesh")) {
+        const name = meshSource(schema, state.statements[mesh.statement]?.text ?? "", mesh.name);
+        const skeleton = name === null ? undefined : store.find("skeleton", name);
+        if (skeleton && skeleton.statement < mesh.statement) {
+            sources.set(mesh.name, skeleton.name);
+        }
+    }
+    kKnown.set(state, sources);
+    return sources;
+}

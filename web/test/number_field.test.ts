@@ -1,0 +1,31 @@
+// Numbers as they are typed into fields.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { computed, readNumber } from "../src/script/arithmetic";
+
+test("arithmetic is computed", () => {
+    const all: [string, number][] = [
+        ["2*3", 6], ["1.5", 1.5], [" 1 + 2 * 3 ", 7], ["(1+2)*3", 9], ["10/4", 2.5], ["-2^2", -4], ["2^-1", 0.5], ["2^3^2", 512],
+        ["0.1+0.2", 0.3], [".5e1", 5], ["--2", 2], ["7-2-1", 4], ["8/2/2", 2], ["2*-3", -6], ["1e-7", 1e-7],
+    ];
+    for (const [text, value] of all) {
+        assert.equal(computed(text), value, text);
+    }
+    for (const text of ["", "abc", "2*", "(1", "1)", "1 2", "2**3", "1.2.3", "x+1", "Infinity", "0x10", "(".repeat(5000)]) {
+        assert.equal(computed(text), null, text);
+    }
+});
+
+test("what is no number, or none that is taken, is refused in a sentence", () => {
+    assert.deepEqual(readNumber("2*3"), { value: 6 });
+    assert.deepEqual(readNumber("1,5"), { trouble: '"1,5" has a comma; write a decimal point, as in 1.5.' });
+    assert.deepEqual(readNumber("1e999"), { trouble: '"1e999" is too large.' });
+    assert.deepEqual(readNumber("1/0"), { trouble: '"1/0" is too large.' });
+    assert.deepEqual(readNumber("0/0"), { trouble: '"0/0" is not a number.' });
+    assert.deepEqual(readNumber("abc"), { trouble: '"abc" is not a number.' });
+    assert.deepEqual(readNumber("x".repeat(99)), { trouble: `"${"x".repeat(24)}…" is not a number.` });
+    assert.deepEqual(readNumber("3", { low: 0, high: 2 }), { trouble: 'This takes a number from 0 to 2, not "3".' });
+    assert.deepEqual(readNumber("-1", { low: 0 }), { trouble: 'This takes a number of at least 0, not "-1".' });
+    assert.deepEqual(readNumber("5/2", { whole: true }), { trouble: 'This takes a whole number, not "5/2".' });
+    assert.deepEqual(readNumber("5/2*2", { whole: true }), { value: 5 });
+});
