@@ -100,7 +100,7 @@ function(coppice_add_shards name label count filter)
   foreach(shard RANGE ${last})
     set(test ${label}.${name}.${shard})
     add_test(NAME ${test} COMMAND ${name} --gtest_brief=1 "--gtest_filter=${filter}" --gtest_output=xml:${PROJECT_BINARY_DIR}/results/${test}.xml)
-    set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${shard}")
+    set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 COST 100 ENVIRONMENT "GTEST_TOTAL_SHARDS=${count};GTEST_SHARD_INDEX=${shard}")
   endforeach()
 endfunction()
 
