@@ -14,7 +14,7 @@ namespace {
 // Twigs of twelve radii beside a stem fifteen times as thick: what shrinks the one must not shorten the
 // other.
 TEST(AcceptanceMeshSkeletons, TwigsOfAnOakAreFoundByBothMethods) {
-    const Skeleton oak = read_skeleton(COPPICE_SOURCE_DIR "/examples/oak.swc").skeleton;
+    const Skeleton oak = read_skeleton(source_dir() / "examples/oak.swc").skeleton;
     const PolygonMesh surface = to_polygons(mesh_skeleton(oak).quads().mesh);
     for (const MeshSkeletonMethod method : {MeshSkeletonMethod::rings, MeshSkeletonMethod::contraction}) {
         FromMeshOptions options;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "paths.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "paths.h"
 
 // Skeletons of others and the workloads lie in a folder beside the sources that not every checkout has;
 // without it those cases are skipped, and the zoo and made-up trees remain.
@@ -14,7 +14,7 @@ namespace coppice::test {
 
 namespace fs = std::filesystem;
 
-inline const fs::path kShared = fs::path(COPPICE_SOURCE_DIR).parent_path() / "shared";
+inline const fs::path kShared = source_dir().parent_path() / "shared";
 
 /// Tables that were written from a .mat file hold the same trees; a test of the readers compares them.
 inline bool is_twin(const fs::path& file) {

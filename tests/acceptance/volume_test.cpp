@@ -38,7 +38,7 @@ TEST(AcceptanceVolume, OfOtherPeoplesSkeletons) {
 }
 
 TEST(AcceptanceVolume, OfAllLevels) {
-    for (const fs::path& file : {fs::path(COPPICE_SOURCE_DIR "/examples/oak.swc"), workload("tree300")}) {
+    for (const fs::path& file : {source_dir() / "examples/oak.swc", workload("tree300")}) {
         if (!fs::exists(file)) continue;
         const Skeleton skeleton = read_skeleton(file).skeleton;
         for (const int levels : {0, 1, 2, 3}) {

@@ -18,7 +18,7 @@ namespace coppice {
 /// A skeleton of the workloads beside the checkout, by the name of its file of "id type x y z radius parent";
 /// nothing where it is not there.
 inline std::optional<Skeleton> workload(const std::string& name) {
-    std::ifstream file(std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "workloads" / name);
+    std::ifstream file(source_dir() / ".." / "shared" / "workloads" / name);
     if (!file) return {};
     std::vector<NodeId> parent, id_of{NodeId::none()};
     std::vector<Vec3> position;

@@ -43,7 +43,7 @@ struct LazFile {
     std::uint32_t channels = 1;
 
     std::string bytes() const {
-        return read_file(std::filesystem::path(COPPICE_SOURCE_DIR "/tests/io/laz") / name += ".laz");
+        return read_file(source_dir() / "tests/io/laz" / (std::string(name) + ".laz"));
     }
 };
 
@@ -115,8 +115,7 @@ TEST(LazReader, ReadsAllFormatsAndVersions) {
 }
 
 TEST(LazReader, ReadsAScan) {
-    const auto scan =
-        std::filesystem::path(COPPICE_SOURCE_DIR).parent_path() / "shared/data/cloud/treels_pine.laz";
+    const auto scan = source_dir().parent_path() / "shared/data/cloud/treels_pine.laz";
     if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no shared data";
     EXPECT_EQ(read_points(scan).size(), 73851u);  // as its header says
 }

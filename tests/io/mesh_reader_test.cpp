@@ -410,7 +410,7 @@ TEST_F(ReadMeshFile, OtherKindsOfFilesAreNamed) {
 
 /// Faces and welded vertices as counted by the people who collected the files (data/README.md there).
 TEST(MeshReader, RealFiles) {
-    const fs::path data = fs::path(COPPICE_SOURCE_DIR).parent_path() / "shared" / "data";
+    const fs::path data = source_dir().parent_path() / "shared" / "data";
     if (!fs::exists(data)) GTEST_SKIP() << "the collection of real files is not here";
     const std::map<std::string, std::array<std::size_t, 2>> expected{
         {"cgal_retinal.off", {3643, 7282}},

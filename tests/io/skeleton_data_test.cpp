@@ -20,7 +20,7 @@
 namespace coppice {
 namespace {
 
-const std::filesystem::path kData = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "data";
+const std::filesystem::path kData = source_dir() / ".." / "shared" / "data";
 
 std::vector<std::filesystem::path> files_in(const char* folder) {
     std::vector<std::filesystem::path> files;

@@ -52,7 +52,7 @@ TEST(SkeletonWriter, WhatIsReadBackHasTheSameBits) {
 TEST(SkeletonWriter, WholeTreesAndTheirAttributesAreReadBackWithTheSameBits) {
     using enum SkeletonFormat;
     for (const char* name : {"tree300.swc", "tree300hard.swc", "tree3k.swc"}) {
-        const auto path = std::filesystem::path(COPPICE_SOURCE_DIR) / ".." / "shared" / "workloads" / name;
+        const auto path = source_dir() / ".." / "shared" / "workloads" / name;
         if (!std::filesystem::exists(path)) GTEST_SKIP() << "no workloads beside the checkout";
         const Skeleton s = read_skeleton(path).skeleton;
         std::vector<float> numbers;

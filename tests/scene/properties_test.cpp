@@ -64,7 +64,7 @@ TEST_F(SceneProperties, EveryLineOfTheThesisRunsAsPrinted) {
     EXPECT_EQ(saved.size(), 400u);
     EXPECT_GE(least_distance(saved), 8.999);
     EXPECT_EQ(points_of(s, "crown").size(), 20u);
-    const std::string page = read_file(COPPICE_SOURCE_DIR "/docs/user/scenes.md");
+    const std::string page = read_file(source_dir() / "docs/user/scenes.md");
     for (const char* line : {"sphere s1", "line s2", "diff s1 s2 s3", "sphere s", "scale s 50 80 50",
                              "pointset gen s poisson poisson.props", "save pointset points.txt",
                              "pointset thin crown secondary 80"})

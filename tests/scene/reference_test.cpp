@@ -14,7 +14,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 TEST(SceneReference, ThePageIsThatOfTheTable) {
-    const std::string page = read_file(COPPICE_SOURCE_DIR "/docs/user/scene-reference.md");
+    const std::string page = read_file(source_dir() / "docs/user/scene-reference.md");
     EXPECT_TRUE(page == scene_reference())
         << "write it anew: coppice run --reference > docs/user/scene-reference.md";
 }
