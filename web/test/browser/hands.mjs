@@ -142,6 +142,8 @@ export async function moveTo(page, point) {
 
 /** The middle of the 3D view as a picture, without what lies over its edges. */
 export async function picture(page) {
+    // While it turns on a slow machine it has fewer pixels.
+    await page.waitForFunction(() => !globalThis.coppice.view.isPlainer);
     await settled(page);
     // What has been drawn is on the screen a frame later.
     await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next))));
