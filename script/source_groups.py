@@ -47,6 +47,13 @@ def own_includes(file):
 
 
 @functools.cache
+def included_by(file):
+    """All files of this project that a file includes, directly or not."""
+    direct = own_includes(file)
+    return frozenset(direct).union(*map(included_by, direct))
+
+
+@functools.cache
 def names_of(file):
     """The names private to a file, and the names that others of its group would see, those of its headers included."""
     text = file.read_text()
@@ -58,12 +65,14 @@ def names_of(file):
 
 
 @functools.cache
+def words_of(file):
+    return {*re.findall(r"\w+", file.read_text())}
+
+
+@functools.cache
 def words_of_headers(file):
     """All words in the headers of this project that a file includes, directly or not."""
-    words = set()
-    for header in own_includes(file):
-        words |= words_of_headers(header) | {*re.findall(r"\w+", header.read_text())}
-    return words
+    return set().union(*map(words_of, included_by(file)))
 
 
 def clashes(source, other):

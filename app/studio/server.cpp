@@ -109,7 +109,7 @@ struct Shared {
     StudioEngine& engine;
     ServerLimits limits;
     Peers peers{limits.connections};
-    int clients = 0;  ///< WebSockets whose hello had the token
+    int clients = 0;  ///< WebSockets that sent a hello with the token
     asio::io_context io{1};
     asio::thread_pool workers{kWorkers};
 };

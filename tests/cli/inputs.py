@@ -100,7 +100,7 @@ add("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1
                        CUBE) + "".join(CUBE_FACES))
 add("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # what these points were laid around
 add("stem.xyz", "\n".join(rows))
-# Three balls of leaves beside the stem's top, of 150 points each, along a spiral that fills them evenly.
+# Three balls of leaves next to the stem's top, of 150 points each, along a spiral that fills them evenly.
 leaves = []
 for x, y, z in ((0.5, 0, 1.8), (-0.4, 0.3, 1.6), (0, -0.5, 2.1)):
     for i in range(150):

@@ -39,6 +39,12 @@ function buildTree(geometry: Geometry): Tree {
     return { parent, radius, leader, place, id };
 }
 
+/** The radius at the inner end of a node's segment: of laterals that of the node, so that they do not flare. */
+export function innerRadius({ parent, radius, leader }: Tree, node: number): number {
+    const p = parent[node];
+    return p !== kNone && leader[p] === node ? radius[p] : radius[node];
+}
+
 function branchOf(tree: Tree, node: number): number[] {
     let first = node;
     while (tree.parent[first] !== kNone && tree.leader[tree.parent[first]] === first) {

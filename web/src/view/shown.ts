@@ -40,7 +40,7 @@ export class Shown {
     readonly geometries = new Map<Slot, Geometry>(); // as last received
     surface: SurfaceModel | null = null;
     isWood: boolean; // and not plaster
-    source: Shown | null = null; // of a mesh: the skeleton that it was made from, whose branches are picked on it
+    source: Shown | null = null; // of a mesh: the skeleton that it was made from; its branches are picked on the mesh
     private tubes: TubeModel | null = null;
     private tubesRange: Range | null = null;
     private bones: Drawn | null = null;

@@ -1,7 +1,7 @@
 // Segments of a skeleton as tapered capsules, one instance each.
 import * as THREE from "three";
 import type { Geometry } from "../app";
-import type { Tree } from "./extent";
+import { innerRadius, type Tree } from "./extent";
 
 const kNone = 0xffffffff;
 
@@ -90,7 +90,7 @@ export function tubeGeometry(
         const p = tree.parent[n] === kNone ? n : tree.parent[n];
         ends.set(position.subarray(3 * p, 3 * p + 3), 8 * i);
         ends.set(position.subarray(3 * n, 3 * n + 3), 8 * i + 3);
-        ends[8 * i + 6] = tree.leader[p] === n ? tree.radius[p] : tree.radius[n];
+        ends[8 * i + 6] = innerRadius(tree, n);
         ends[8 * i + 7] = tree.radius[n];
         if (color && colors) {
             color.set(colors.subarray(4 * n, 4 * n + 4), 4 * i);

@@ -118,8 +118,8 @@ const Filters = tracked(({ model }: { model: LibraryModel }) => {
                     {tags.map((tag) => <option key={tag} value={tag}>{tag}</option>)}
                 </select>
             )}
-            <Metres label="Least length in metres" placeholder="from [m]" value={filter.least} set={(least) => set({ least })} />
-            <Metres label="Greatest length in metres" placeholder="to [m]" value={filter.most} set={(most) => set({ most })} />
+            <Metres label="Minimum length in metres" placeholder="from [m]" value={filter.least} set={(least) => set({ least })} />
+            <Metres label="Maximum length in metres" placeholder="to [m]" value={filter.most} set={(most) => set({ most })} />
         </div>
     );
 });

@@ -1,6 +1,6 @@
 // Rays against what is no mesh: tapered capsules, and places in the picture.
 import type { Point } from "../../protocol";
-import type { Tree } from "../extent";
+import { innerRadius, type Tree } from "../extent";
 
 const kNone = 0xffffffff;
 
@@ -21,7 +21,7 @@ export function hitSkeleton(
     least: (distance: number) => number,
     isSeen: (distance: number) => boolean = () => true,
 ): Hit | null {
-    const { parent, radius, leader } = tree;
+    const { parent, radius } = tree;
     const [ox, oy, oz] = origin;
     const [dx, dy, dz] = direction;
     let best: Hit | null = null;
@@ -49,7 +49,7 @@ export function hitSkeleton(
         const cy = ay + s * uy - along * dy;
         const cz = az + s * uz - along * dz;
         const apart = cx * cx + cy * cy + cz * cz;
-        const inner = leader[p] === n ? radius[p] : radius[n];
+        const inner = innerRadius(tree, n);
         const thick = Math.max(inner + (radius[n] - inner) * s, least(along));
         if (apart > thick * thick) {
             continue;
@@ -62,8 +62,9 @@ export function hitSkeleton(
     return best;
 }
 
-/** The outer node of the segment whose surface is closest to a point. Cost: all segments. */
-export function closestSegment({ parent, radius, leader }: Tree, position: Float32Array, [x, y, z]: Point): number {
+/** The outer node of the segment that has its surface closest to a point. Cost: all segments. */
+export function closestSegment(tree: Tree, position: Float32Array, [x, y, z]: Point): number {
+    const { parent, radius } = tree;
     let best = 0;
     let least = Infinity;
     for (let n = 0; n < parent.length; ++n) {
@@ -75,7 +76,7 @@ export function closestSegment({ parent, radius, leader }: Tree, position: Float
         const uy = position[3 * n + 1] - position[3 * p + 1];
         const uz = position[3 * n + 2] - position[3 * p + 2];
         const s = Math.min(Math.max((ax * ux + ay * uy + az * uz) / (ux * ux + uy * uy + uz * uz || 1), 0), 1);
-        const inner = leader[p] === n ? radius[p] : radius[n];
+        const inner = innerRadius(tree, n);
         const apart = Math.abs(Math.hypot(ax - s * ux, ay - s * uy, az - s * uz) - (inner + (radius[n] - inner) * s));
         if (apart < least) {
             least = apart;
