@@ -106,7 +106,7 @@ export function merged(base: string, mine: string, theirs: string, prefer?: "min
         const to = Math.max(...all.map((hunk) => hunk.to));
         const ours = applied(old, group.own, from, to);
         const others = applied(old, group.other, from, to);
-        const alike = group.own.length > 0 && ours.join("\n") === others.join("\n");
+        const alike = group.own.length > 0 && ours.length === others.length && ours.every((line, k) => line === others[k]);
         if (group.own.length > 0 && group.other.length > 0 && !alike && !prefer) {
             return null;
         }

@@ -104,6 +104,11 @@ test("cursors in lines that stay are where they were", () => {
     assert.equal(state.selection.main.head, at + " radius=2".length);
 });
 
+test("an empty line and no line are different changes", () => {
+    assert.equal(merged("d\na", "d\n", "d"), null);
+    assert.equal(merged("d\na", "d\n", "d", "mine"), "d\n");
+});
+
 test("of two changes none is lost", () => {
     fc.assert(fc.property(text, text, text, (base, mine, theirs) => {
         assert.equal(merged(base, base, theirs), theirs);
