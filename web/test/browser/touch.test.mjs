@@ -13,7 +13,11 @@ withStudio(async (begun) => {
     page = await openFront(studio, { hasTouch: true, viewport: { width: 1280, height: 760 } });
     await page.evaluate(() => {
         globalThis.pointers = new Set();
+        globalThis.touches = [];
         addEventListener("pointerdown", (event) => globalThis.pointers.add(event.pointerType), true);
+        for (const type of ["pointerdown", "pointerup", "pointercancel", "contextmenu", "click"]) {
+            addEventListener(type, ({ target, timeStamp }) => globalThis.touches.push(`${type} on ${target.className || target.tagName} at ${Math.round(timeStamp)}`), true);
+        }
     });
 });
 
@@ -34,7 +38,12 @@ async function take(group, label) {
     }
     const tool = page.getByRole("group", { name: group, exact: true }).getByRole("button", { name: label, exact: true });
     await tool.tap();
-    await tool.and(page.locator("[aria-pressed=true]")).waitFor(); // browsers make a click of a tap in their own time
+    try {
+        await tool.and(page.locator("[aria-pressed=true]")).waitFor(); // browsers make a click of a tap in their own time
+    } catch (error) {
+        error.message += `\nThe last events: ${await page.evaluate(() => globalThis.touches.slice(-8).join(", "))}`;
+        throw error;
+    }
     await settled(page);
 }
 
