@@ -58,10 +58,11 @@ struct GrowFlags {
 }
 
 ExitCode grow_scene(Run& run, const GrowFlags& flags) {
-    if (flags.scene.empty() || flags.outputs.empty())
-        throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
     for (const auto& output : flags.outputs) check_skeleton_output(output);
-    const std::vector<SceneFile> files = read_scenes(run, {&flags.scene, 1});
+    std::vector<SceneFile> files;  // read first: what is no scene is refused before an output is asked for
+    if (!flags.scene.empty()) files = read_scenes(run, {&flags.scene, 1});
+    if (files.empty() || flags.outputs.empty())
+        throw UsageError("name the scene and the skeleton: coppice grow SCENE -o SKELETON");
     const auto commands = commands_of_scenes(files);
     const auto grows = [](const SceneCommand* c) { return c->name == "grow" || c->name == "sprout"; };
     if (commands && std::ranges::none_of(*commands, grows)) refuse_without_tree(flags.scene);
