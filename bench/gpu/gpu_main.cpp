@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "coppice/base/error.h"
 #include "coppice/io/skeleton/writer.h"
@@ -65,10 +66,9 @@ QuadCase tree30k() {
 QuadCase tree300k() {
     return {"tree300k", {random_tree(300'000, kSeed)}, -1, {{GoalKind::card, 8}, {GoalKind::memory, 80}}};
 }
-QuadCase thousand_trees() {
-    constexpr std::uint64_t kTrees = 1000;
-    QuadCase out{"1,000 trees of 300", {}, -1, {{GoalKind::card, 15}}};
-    for (std::uint64_t i = 0; i < kTrees; ++i) out.trees.push_back(random_tree(300, kSeed + i));
+QuadCase different_trees(std::string name, std::uint64_t trees, std::uint32_t segments, double goal) {
+    QuadCase out{std::move(name), {}, -1, {{GoalKind::card, goal}}};
+    for (std::uint64_t i = 0; i < trees; ++i) out.trees.push_back(random_tree(segments, kSeed + i));
     return out;
 }
 
@@ -165,7 +165,8 @@ void measure(const Flags& flags) {
     if (!flags.small) {
         bench.tetra(fine_tetra_case());
         bench.quads(tree300k());
-        bench.quads(thousand_trees());
+        bench.quads(different_trees("1,000 trees of 300", 1000, 300, 15));
+        bench.quads(different_trees("100 trees of 10,000", 100, 10'000, 100));
     }
     bench.finish();
 }

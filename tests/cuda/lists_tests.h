@@ -244,6 +244,7 @@ class BoxesOn : public OnExecutor<Exec> {
         const std::size_t row = tree.items().size();
         const auto rows = exec.template array<std::uint32_t>(row * queries.size());
         const auto counts = exec.template array<std::uint32_t>(queries.size());
+        exec.clear(rows);  // not all of it is written
         exec.each("visit", queries.size(), VisitBoxes{tree, exec.upload(queries), most, rows, counts});
         const auto found = downloaded(exec, rows), count = downloaded(exec, counts);
         std::vector<std::vector<std::uint32_t>> out;

@@ -54,7 +54,9 @@ TYPED_TEST_P(QuadStagesOn, ProjectAsTheCpu) {
             const QuadCase c(skeleton, levels);
             const Surface cpu = on_cpu(c, {}, kNoUnfolding);
             const Surface kernels = by_kernels<TypeParam>(c, {}, kNoUnfolding);
-            expect_same(cpu, kernels, 0.1, TestFixture::kSameBits ? 0.02 : 0.2);
+            // Children in line have whole sides in planes of symmetry.
+            expect_same(cpu, kernels, TestFixture::kSameBits ? 0.1 : 0.3,
+                        TestFixture::kSameBits ? 0.02 : 0.2);
             apart += differing(cpu, kernels);
             all += cpu.positions.size();
         }

@@ -20,10 +20,10 @@ class CardFrames {
     CardFrames(const DragScene& scene, const VertexBuffers& buffers, const Context& ctx)
         : buffers_(buffers),
           feed_(scene.model, scene.drag, scene.part, ctx),
-          device_(std::max(0, buffers.cuda_device), ctx) {
+          device_(std::max(0, drawing_device()), ctx) {
         if (scene.model.field.contact == 0)
             throw DeviceError("the lists of a field without contact are made on the CPU");
-        is_direct_ = buffers.cuda_device >= 0 && attach();
+        is_direct_ = attach();
         if (!is_direct_) {
             positions_.resize(scene.part.written);
             normals_.resize(scene.part.shaded);
@@ -32,6 +32,7 @@ class CardFrames {
     }
 
     std::string name() const { return device_.name() + (is_direct_ ? "" : ", by way of the host"); }
+    const std::string& note() const { return note_; }  // why by way of the host
     void make(const DragPose& pose) { device_.make(feed_.moves(pose)); }
     void deliver() {
         if (is_direct_) return;
@@ -44,7 +45,8 @@ class CardFrames {
         try {
             device_.attach({buffers_.positions, buffers_.normals});
             return true;
-        } catch (const DeviceError&) {
+        } catch (const DeviceError& error) {
+            note_ = fmt::format("frames go by way of the host: {}", error.what());
             return false;
         }
     }
@@ -53,6 +55,7 @@ class CardFrames {
     DragFeed feed_;
     DeviceDrag device_;
     bool is_direct_ = false;
+    std::string note_;
     Buffer<Vec3> positions_, normals_;  // where they go by way of the host
 };
 
@@ -72,6 +75,7 @@ class CudaBackend : public SurfaceBackend {
         on_card(ctx, [&] {
             card_.emplace(scene, buffers, ctx);
             name_ = card_->name();
+            note_ = card_->note();
         });
     }
     void make(const DragPose& pose, const Context& ctx) override {
@@ -89,7 +93,8 @@ class CudaBackend : public SurfaceBackend {
     // Left to itself, a card makes what it draws.
     bool is_wanted() const {
         if (wanted_ != Device::automatic) return wanted_ == Device::cuda;
-        return buffers_.cuda_device >= 0 && find_device(buffers_.cuda_device).device.has_value();
+        const int device = drawing_device();
+        return device >= 0 && find_device(device).device.has_value();
     }
     void begin_on_cpu(const Context& ctx) {
         cpu_ = cpu_backend();

@@ -16,12 +16,6 @@ namespace {
 
 constexpr EGLint kMostDevices = 64;
 
-// A place where a context may be made.
-struct Candidate {
-    EGLDisplay display;
-    int cuda_device = -1;
-};
-
 bool has_word(const char* words, const char* word) {
     return words != nullptr && std::strstr(words, word) != nullptr;
 }
@@ -39,38 +33,32 @@ void check_libraries() {
         "libegl-mesa0 libgl1-mesa-dri, or the driver of the graphics card), or draw with coppice render");
 }
 
-int cuda_number(EGLDeviceEXT device, const char* extensions) {
-    EGLAttrib number = -1;
-    if (!has_word(extensions, "EGL_NV_device_cuda")) return -1;
-    if (eglQueryDeviceAttribEXT(device, EGL_CUDA_DEVICE_NV, &number) == EGL_FALSE) return -1;
-    return static_cast<int>(number);
-}
-
 // Those of devices; cards before software.
-std::vector<Candidate> device_displays() {
+std::vector<EGLDisplay> device_displays() {
     std::array<EGLDeviceEXT, kMostDevices> devices{};
     EGLint count = 0;
     if (eglQueryDevicesEXT(kMostDevices, devices.data(), &count) == EGL_FALSE) return {};
-    std::vector<Candidate> cards, software;
+    std::vector<EGLDisplay> cards, software;
     for (EGLint i = 0; i < count; ++i) {
         EGLDeviceEXT const device = devices[static_cast<std::size_t>(i)];
         const char* const extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
         EGLDisplay const display = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
         auto& list = has_word(extensions, "EGL_MESA_device_software") ? software : cards;
-        list.push_back({display, cuda_number(device, extensions)});
+        list.push_back(display);
     }
     cards.insert(cards.end(), software.begin(), software.end());
     return cards;
 }
 
-std::vector<Candidate> candidates() {
+// Where a context may be made.
+std::vector<EGLDisplay> candidates() {
     const char* const known = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    std::vector<Candidate> out;
+    std::vector<EGLDisplay> out;
     if (has_word(known, "EGL_EXT_device_enumeration") && has_word(known, "EGL_EXT_platform_device"))
         out = device_displays();
     if (has_word(known, "EGL_MESA_platform_surfaceless"))
-        out.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr)});
-    out.push_back({eglGetDisplay(EGL_DEFAULT_DISPLAY)});
+        out.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr));
+    out.push_back(eglGetDisplay(EGL_DEFAULT_DISPLAY));
     return out;
 }
 
@@ -105,7 +93,6 @@ std::string gl_text(GLenum name) {
 struct OffscreenContext::State {
     EGLDisplay display = EGL_NO_DISPLAY;
     EGLContext context = EGL_NO_CONTEXT;
-    int cuda_device = -1;
     std::string renderer, version;
 
     State() = default;
@@ -113,17 +100,16 @@ struct OffscreenContext::State {
     State& operator=(const State&) = delete;
     ~State() { close(); }
 
-    bool open(const Candidate& candidate) {
-        if (candidate.display == EGL_NO_DISPLAY) return false;
-        if (eglInitialize(candidate.display, nullptr, nullptr) == EGL_FALSE) return false;
-        display = candidate.display;
+    bool open(EGLDisplay candidate) {
+        if (candidate == EGL_NO_DISPLAY) return false;
+        if (eglInitialize(candidate, nullptr, nullptr) == EGL_FALSE) return false;
+        display = candidate;
         context = make_context(display);
         if (context == EGL_NO_CONTEXT ||
             eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_FALSE) {
             close();
             return false;
         }
-        cuda_device = candidate.cuda_device;
         renderer = gl_text(GL_RENDERER);
         version = gl_text(GL_VERSION);
         return true;
@@ -141,7 +127,7 @@ struct OffscreenContext::State {
 
 OffscreenContext::OffscreenContext() : state_(std::make_unique<State>()) {
     check_libraries();
-    for (const Candidate& candidate : candidates())
+    for (EGLDisplay const candidate : candidates())
         if (state_->open(candidate)) return;
     throw Unsupported(
         "nothing can be drawn by OpenGL: no driver here gives OpenGL 3.3 without a window; install one "
@@ -154,6 +140,5 @@ OffscreenContext::~OffscreenContext() = default;
 
 const std::string& OffscreenContext::renderer() const { return state_->renderer; }
 const std::string& OffscreenContext::version() const { return state_->version; }
-int OffscreenContext::cuda_device() const { return state_->cuda_device; }
 
 }  // namespace coppice

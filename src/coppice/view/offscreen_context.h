@@ -21,8 +21,6 @@ class OffscreenContext {
 
     const std::string& renderer() const;  ///< what draws, as its maker calls it
     const std::string& version() const;   ///< of OpenGL, and of the driver
-    /// The number by which CUDA knows the device that draws; -1 where it does not.
-    int cuda_device() const;
 
   private:
     struct State;

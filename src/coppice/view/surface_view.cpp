@@ -139,8 +139,7 @@ struct SurfaceView::State {
           marked(GL_ARRAY_BUFFER, std::as_bytes(surface.marked),
                  surface.marked.empty() ? std::nullopt : std::optional(GlAttribute{2, 1})),
           indices(GL_ELEMENT_ARRAY_BUFFER, std::as_bytes(surface.triangles)),
-          buffers{positions.name(), normals.name(), static_cast<std::uint32_t>(surface.positions.size()),
-                  context.cuda_device()},
+          buffers{positions.name(), normals.name(), static_cast<std::uint32_t>(surface.positions.size())},
           index_count(static_cast<GLsizei>(3 * surface.triangles.size())) {}
 };
 

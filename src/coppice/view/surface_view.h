@@ -27,7 +27,6 @@ struct VertexBuffers {
     std::uint32_t positions = 0;     ///< name of a buffer object: [m]
     std::uint32_t normals = 0;       ///< name of a buffer object: unit vectors
     std::uint32_t vertex_count = 0;  ///< in each
-    int cuda_device = -1;            ///< of what draws: see OffscreenContext
 };
 
 /// Replaces the first vertices by those of the host. The context of the buffers has to be current.

@@ -24,6 +24,8 @@ std::uint64_t bytes_of(const cuda::DragJob& job) {
 
 }  // namespace
 
+int drawing_device() { return cuda::SharedBuffers::drawing_device(); }
+
 struct DeviceDrag::Impl {
     int device;
     std::string name;

@@ -17,6 +17,9 @@ struct DrawnBuffers {
     std::uint32_t normals = 0;    ///< name of a buffer object
 };
 
+/// The card that draws in the OpenGL context that is current, as CUDA counts them; -1 where it knows of none.
+int drawing_device();
+
 /// Makes the frames of a surface of which a part moves on a card, and writes them straight into the buffers
 /// that it is drawn from. Topology is the same as on the CPU, positions agree within 1e-4 of the local
 /// radius. Memory is taken once, but where the field's lists grow.

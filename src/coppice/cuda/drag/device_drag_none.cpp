@@ -2,6 +2,8 @@
 
 namespace coppice {
 
+int drawing_device() { return -1; }
+
 struct DeviceDrag::Impl {
     std::string name;
 };

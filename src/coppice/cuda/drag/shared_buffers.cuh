@@ -16,6 +16,15 @@ namespace coppice::cuda {
 /// Buffers of OpenGL that CUDA knows.
 class SharedBuffers {
   public:
+    /// see coppice::drawing_device()
+    static int drawing_device() {
+        unsigned count = 0;
+        int device = -1;
+        if (cudaGLGetDevices(&count, &device, 1, cudaGLDeviceListAll) == cudaSuccess && count > 0)
+            return device;
+        cudaGetLastError();  // it is told by what is returned
+        return -1;
+    }
     /// Throws DeviceError where the card does not draw from them.
     explicit SharedBuffers(const DrawnBuffers& names) {
         // What a frame does not write has to stay: not to be discarded.

@@ -79,6 +79,15 @@ COPPICE_HOST_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits
 #endif
 }
 
+/// The same of a word of 32 bits; returns what it was.
+COPPICE_HOST_DEVICE inline std::uint32_t set_bits(std::uint32_t& word, std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+    return atomicOr(&word, bits);
+#else
+    return std::atomic_ref(word).fetch_or(bits, std::memory_order_relaxed);
+#endif
+}
+
 /// Takes bits away from a word from which others take some as well.
 COPPICE_HOST_DEVICE inline void reset_bits(std::uint64_t& word, std::uint64_t bits) {
 #ifdef __CUDA_ARCH__

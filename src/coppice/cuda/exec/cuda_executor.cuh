@@ -19,6 +19,14 @@
 namespace coppice::cuda {
 
 inline constexpr std::uint32_t kThreads = 128;  ///< of a block
+/// Of one whose kernel says so by kIsWide.
+inline constexpr std::uint32_t kWideThreads = 512;
+
+template <class Kernel>
+constexpr std::uint32_t threads_of() {
+    if constexpr (requires { Kernel::kIsWide; }) return kWideThreads;
+    return kThreads;
+}
 
 /// See HostGroup. Its members are marked for the host as well since kernels are, but do nothing there.
 class CudaGroup {
@@ -35,17 +43,16 @@ class CudaGroup {
                                              std::uint32_t* out) const {
         std::uint32_t found = 0;
 #ifdef __CUDA_ARCH__
-        constexpr std::uint32_t kWarps = kThreads / 32;
-        __shared__ std::uint32_t of_warp[kWarps];
-        const std::uint32_t warp = threadIdx.x / 32, lane = threadIdx.x % 32;
-        for (std::uint32_t begin = 0; begin < count; begin += kThreads) {
+        __shared__ std::uint32_t of_warp[kWideThreads / 32];
+        const std::uint32_t warps = blockDim.x / 32, warp = threadIdx.x / 32, lane = threadIdx.x % 32;
+        for (std::uint32_t begin = 0; begin < count; begin += blockDim.x) {
             const std::uint32_t i = begin + threadIdx.x;
             const bool is_one = i < count && test(i);
             const std::uint32_t votes = __ballot_sync(0xffffffffu, is_one);
             if (lane == 0) of_warp[warp] = __popc(votes);
             __syncthreads();
             std::uint32_t before = found;
-            for (std::uint32_t w = 0; w < kWarps; ++w) {
+            for (std::uint32_t w = 0; w < warps; ++w) {
                 if (w < warp) before += of_warp[w];
                 found += of_warp[w];
             }
@@ -67,7 +74,7 @@ __global__ void __launch_bounds__(kThreads)
 }
 
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads) run_groups(const __grid_constant__ Kernel kernel) {
+__global__ void __launch_bounds__(threads_of<Kernel>()) run_groups(const __grid_constant__ Kernel kernel) {
     kernel(blockIdx.x, CudaGroup());
 }
 
@@ -189,7 +196,7 @@ class CudaExecutor {
         static_assert(sizeof(Kernel) <= kMostOfKernel);
         if (count == 0) return;
         const auto blocks = static_cast<std::uint32_t>(checked<int>(count));
-        launch(name, [&] { run_groups<<<blocks, kThreads, 0, stream_>>>(kernel); });
+        launch(name, [&] { run_groups<<<blocks, threads_of<Kernel>(), 0, stream_>>>(kernel); });
     }
     template <class T>
     void exclusive_scan(std::span<const T> counts, std::span<T> out) {

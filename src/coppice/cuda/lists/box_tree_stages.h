@@ -7,7 +7,7 @@
 #include <span>
 
 #include "coppice/base/box.h"
-#include "coppice/base/kernel/host_device.h"
+#include "coppice/base/kernel/partition_point.h"
 #include "coppice/cuda/device.h"
 #include "coppice/spatial/box_tree_kernel.h"
 
@@ -15,7 +15,7 @@ namespace coppice::cuda {
 
 /// The row that an item of rows is in: see CompressedRows.
 COPPICE_HOST_DEVICE inline std::uint32_t row_of(std::span<const std::uint32_t> first, std::uint32_t item) {
-    return static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), item) - first.begin()) - 1;
+    return kernel::partition_point(first, [&](std::uint32_t f) { return f <= item; }) - 1;
 }
 
 /// Places in the order of a tree.
@@ -171,6 +171,8 @@ struct GroupGroups {
 
 /// The upper levels in one launch: they are small.
 struct GroupTop {
+    static constexpr bool kIsWide = true;
+
     DeviceBoxTree tree;
     std::uint32_t from;  ///< the lowest of them
     template <class Group>

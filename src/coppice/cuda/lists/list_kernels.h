@@ -1,9 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
-#include "coppice/base/kernel/host_device.h"
+#include "coppice/base/kernel/partition_point.h"
 #include "coppice/cuda/exec/atomics.h"
 #include "coppice/cuda/lists/box_tree_stages.h"
 #include "coppice/cuda/lists/contact_topology.h"
@@ -197,47 +198,28 @@ struct FillOwn {
     }
 };
 
-/// Ranks of the rivals of each region, in a row of kMostRivals places, in any order. Of more the nearest.
-struct FindRivals {
+/// Finds what the CPU's find_contacts() finds for `rivals`.
+struct RivalSearch {
     ContactTables tables;
     std::span<const Box3> boxes;               ///< of regions
     std::span<const DeviceSupport> capsules;   ///< where segments are rivals
     DeviceBoxTree tree;                        ///< of their boxes
     std::span<const std::uint32_t> own_first;  ///< of regions
     std::span<const std::uint32_t> own;        ///< ranks
-    std::span<std::uint32_t> rows;             ///< kMostRivals for each region
+    std::span<std::uint32_t> rows;             ///< kMostRivals ranks for each region, in any order
     std::span<std::uint32_t> counts;           ///< how many there are, and 0 after the last region
+    std::span<std::uint32_t> crowded_count;    ///< one number, 0 at first: how many regions are in ...
+    std::span<std::uint32_t> crowded;          ///< ... this list of those that take too long for one thread
 
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
-        std::uint32_t count = 0;
-        if (r + 1 < counts.size()) count = find(r);
-        counts[r] = count;
-    }
-
-  private:
-    struct Farthest {
-        std::uint32_t place = 0, segment = 0;
-        float away = 0;
-        COPPICE_HOST_DEVICE bool beyond(float other_away, std::uint32_t other) const {
-            return other_away < away || (other_away == away && other < segment);
-        }
-    };
-
-    COPPICE_HOST_DEVICE std::uint32_t find(std::uint32_t r) const {
-        if (boxes[r].empty() || own_first[r + 1] > own.size()) return 0;
-        const RegionProbe probe(boxes[r]);
-        std::uint32_t* const row = rows.data() + std::size_t{r} * kMostRivals;
-        std::uint32_t count = 0, looked = 0;
-        Farthest farthest;
-        tree.visit_overlapping(probe.box, places_of(r), [&](std::uint32_t s) {
+    /// Calls visit(segment, is_rival) for segments near a region, at some places, until it returns false.
+    template <class Visit>
+    COPPICE_HOST_DEVICE void visit_near(std::uint32_t region, const RegionProbe& probe, PlaceRange places,
+                                        const Visit& visit) const {
+        tree.visit_overlapping(probe.box, places, [&](std::uint32_t s) {
             const SegmentLink link = tables.segments[s];
             if (!link.rival_of) return true;
-            if (probe.touches(capsules[s]) && !is_own(r, link.rank)) {
-                add(s, probe.center, row, count, farthest);
-            }
-            return ++looked < kMostNear;
+            return visit(s, probe.touches(capsules[s]) && !is_own(region, link.rank));
         });
-        return count;
     }
     /// Where the tree has the segments of the region's surface.
     COPPICE_HOST_DEVICE PlaceRange places_of(std::uint32_t r) const {
@@ -246,38 +228,148 @@ struct FindRivals {
         const std::uint32_t surface = row_of(first, tables.tubes[r].source);
         return {first[surface], first[surface + 1]};
     }
+    COPPICE_HOST_DEVICE bool has_room(std::uint32_t region) const {
+        return !boxes[region].empty() && own_first[region + 1] <= own.size();
+    }
+    COPPICE_HOST_DEVICE std::uint32_t* row(std::uint32_t region) const {
+        return rows.data() + std::size_t{region} * kMostRivals;
+    }
+
+  private:
     COPPICE_HOST_DEVICE bool is_own(std::uint32_t r, std::uint32_t rank) const {
-        std::uint32_t begin = own_first[r], end = own_first[r + 1];
-        while (begin < end) {
-            const std::uint32_t middle = (begin + end) / 2;
-            if (own[middle] == rank) return true;
-            if (own[middle] < rank) {
-                begin = middle + 1;
-            } else {
-                end = middle;
+        const auto list = own.subspan(own_first[r], own_first[r + 1] - own_first[r]);
+        const std::uint32_t place =
+            kernel::partition_point(list, [&](std::uint32_t other) { return other < rank; });
+        return place < list.size() && list[place] == rank;
+    }
+};
+
+/// Ranks of the rivals of each region that is not crowded.
+struct FindRivals {
+    static constexpr std::uint32_t kFew = 64;  ///< segments that one thread looks at
+
+    RivalSearch search;
+
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t r) const {
+        std::uint32_t count = 0;
+        if (r + 1 < search.counts.size() && search.has_room(r)) count = find(r);
+        search.counts[r] = count;
+    }
+
+  private:
+    COPPICE_HOST_DEVICE std::uint32_t find(std::uint32_t r) const {
+        const RegionProbe probe(search.boxes[r]);
+        std::uint32_t* const row = search.row(r);
+        std::uint32_t count = 0, looked = 0;
+        search.visit_near(r, probe, search.places_of(r), [&](std::uint32_t s, bool is_rival) {
+            if (++looked > kFew || (is_rival && count == kMostRivals)) {
+                search.crowded[add_to(search.crowded_count[0], 1u)] = r;
+                count = 0;
+                return false;
             }
-        }
-        return false;
+            if (is_rival) row[count++] = search.tables.segments[s].rank;
+            return true;
+        });
+        return count;
     }
-    COPPICE_HOST_DEVICE void add(std::uint32_t s, Vec3 center, std::uint32_t* row, std::uint32_t& count,
-                                 Farthest& farthest) const {
-        if (count < kMostRivals) {
-            row[count++] = tables.segments[s].rank;
-            if (count == kMostRivals) farthest = farthest_of(row, center);
-        } else if (farthest.beyond(clearance(capsules[s].capsule, center), s)) {
-            row[farthest.place] = tables.segments[s].rank;
-            farthest = farthest_of(row, center);
+};
+
+/// The same for the crowded ones, each by a group of threads; how many there are is not known when `groups`
+/// of them are launched. Of more than kMostRivals the nearest are taken, of the first kMostNear that are
+/// looked at, slice by slice.
+struct FindCrowdedRivals {
+    static constexpr std::uint32_t kSlices = 128;  ///< of a region's search, side by side
+    static constexpr std::uint32_t kBlock = 64;    ///< places that belong to the same slice
+
+    struct Near {
+        std::uint32_t segment;
+        float away;
+        COPPICE_HOST_DEVICE bool before(const Near& o) const {
+            return away < o.away || (away == o.away && segment < o.segment);
         }
+    };
+    /// Of one group, in the memory of the executor.
+    struct Room {
+        std::array<std::uint32_t, kSlices> looked, found;  ///< by slice
+        std::array<Near, kMostNear> near;
+    };
+
+    RivalSearch search;
+    std::uint32_t groups;
+    std::span<Room> rooms;
+
+    template <class Group>
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t g, const Group& group) const {
+        for (std::uint32_t k = g; k < search.crowded_count[0]; k += groups)
+            find(search.crowded[k], rooms[g], group);
     }
-    // Distances are computed again rather than kept: this is for crowds alone.
-    COPPICE_HOST_DEVICE Farthest farthest_of(const std::uint32_t* row, Vec3 center) const {
-        Farthest out;
-        for (std::uint32_t k = 0; k < kMostRivals; ++k) {
-            const std::uint32_t s = tables.in_order[row[k]];
-            const Farthest here{k, s, clearance(capsules[s].capsule, center)};
-            if (k == 0 || here.beyond(out.away, out.segment)) out = here;
+
+  private:
+    template <class Group>
+    COPPICE_HOST_DEVICE void find(std::uint32_t region, Room& room, const Group& group) const {
+        const RegionProbe probe(search.boxes[region]);
+        group.each(kSlices, [&](std::uint32_t slice) {
+            std::uint32_t looked = 0;
+            visit_slice(region, probe, slice, [&](std::uint32_t, bool) { return ++looked < kMostNear; });
+            room.looked[slice] = looked;
+        });
+        // Each slice looks at what those before it leave of kMostNear, and each has a place for all of it.
+        group.each(1, [&](std::uint32_t) {
+            std::uint32_t before = 0;
+            for (std::uint32_t slice = 0; slice < kSlices; ++slice) {
+                const auto most = static_cast<std::uint32_t>(kMostNear);
+                const std::uint32_t looked = kernel::smaller(room.looked[slice], most - before);
+                room.looked[slice] = before;
+                room.found[slice] = looked;
+                before += looked;
+            }
+        });
+        group.each(kSlices, [&](std::uint32_t slice) {
+            const std::uint32_t begin = room.looked[slice], most = room.found[slice];
+            std::uint32_t looked = 0, found = 0;
+            if (most > 0) {
+                visit_slice(region, probe, slice, [&](std::uint32_t s, bool is_rival) {
+                    if (is_rival)
+                        room.near[begin + found++] = {s, clearance(search.capsules[s].capsule, probe.center)};
+                    return ++looked < most;
+                });
+            }
+            room.found[slice] = found;
+        });
+        group.each(1, [&](std::uint32_t) {
+            std::uint32_t count = 0;
+            for (std::uint32_t slice = 0; slice < kSlices; ++slice) {
+                const std::uint32_t begin = room.looked[slice];
+                for (std::uint32_t k = 0; k < room.found[slice]; ++k)
+                    room.near[count++] = room.near[begin + k];
+            }
+            room.found[0] = count;
+        });
+        const std::uint32_t count = room.found[0];
+        group.each(count, [&](std::uint32_t k) {
+            const Near here = room.near[k];
+            std::uint32_t place = 0;
+            for (std::uint32_t other = 0; other < count && place < kMostRivals; ++other)
+                place += room.near[other].before(here) ? 1 : 0;
+            if (place < kMostRivals) search.row(region)[place] = search.tables.segments[here.segment].rank;
+        });
+        group.each(1, [&](std::uint32_t) {
+            search.counts[region] = kernel::smaller(count, static_cast<std::uint32_t>(kMostRivals));
+        });
+    }
+    /// The same as visit_near() at the places of every kSlices-th block of places.
+    template <class Visit>
+    COPPICE_HOST_DEVICE void visit_slice(std::uint32_t region, const RegionProbe& probe, std::uint32_t slice,
+                                         const Visit& visit) const {
+        const PlaceRange all = search.places_of(region);
+        bool goes_on = true;
+        for (std::uint32_t block = all.begin / kBlock + slice; goes_on && block * kBlock < all.end;
+             block += kSlices) {
+            const PlaceRange places{kernel::larger(all.begin, block * kBlock),
+                                    kernel::smaller(all.end, (block + 1) * kBlock)};
+            search.visit_near(region, probe, places,
+                              [&](std::uint32_t s, bool is_rival) { return goes_on = visit(s, is_rival); });
         }
-        return out;
     }
 };
 
@@ -285,7 +377,7 @@ struct FindRivals {
 /// than by their ranks.
 struct FillRivals {
     std::span<const std::uint32_t> in_order;  ///< segments by rank
-    std::span<const std::uint32_t> rows;      ///< see FindRivals
+    std::span<const std::uint32_t> rows;      ///< see RivalSearch
     std::span<const std::uint32_t> first;     ///< of regions
     std::span<std::uint32_t> rivals;
     std::span<const std::uint32_t> own_first;  ///< of regions

@@ -117,8 +117,24 @@ void fill_rivals(Exec& exec, const ContactTables& tables, const ContactGeometry&
     exec.each("support rivals", segments, SupportRivals{tables, geometry, capsules, capsule_boxes});
     const DeviceBoxTree tree = box_tree(exec, std::span<const Box3>(capsule_boxes), order);
     const auto rows = exec.template array<std::uint32_t>(regions * kMostRivals);
-    exec.each("find rivals", regions + 1,
-              FindRivals{tables, boxes, capsules, tree, out.own_first, out.own, rows, out.rival_first});
+    const auto crowded = exec.template array<std::uint32_t>(1 + regions);
+    exec.clear(crowded.first(1));
+    const RivalSearch search{tables,
+                             boxes,
+                             capsules,
+                             tree,
+                             out.own_first,
+                             out.own,
+                             rows,
+                             out.rival_first,
+                             crowded.first(1),
+                             crowded.subspan(1)};
+    exec.each("find rivals", regions + 1, FindRivals{search});
+    constexpr std::size_t kMostGroups = 1024, kShare = 16;
+    const std::size_t groups = std::min(kMostGroups, regions / kShare + 1);
+    exec.groups("find crowded rivals", groups,
+                FindCrowdedRivals{search, static_cast<std::uint32_t>(groups),
+                                  exec.template array<FindCrowdedRivals::Room>(groups)});
     exec.exclusive_scan(std::span<const std::uint32_t>(out.rival_first), out.rival_first);
     exec.each("fill rivals", regions,
               FillRivals{tables.in_order, rows, out.rival_first, out.rivals, out.own_first, out.own});

@@ -8,7 +8,6 @@
 #include "coppice/cuda/quads/quad_job.h"
 #include "coppice/cuda/quads/unfold_kernels.h"
 #include "coppice/cuda/quads/upload_cage.h"
-#include "coppice/subdivision/fold_clusters.h"
 
 namespace coppice::cuda {
 
@@ -130,7 +129,8 @@ class QuadStages {
         bool is_needed = false;                       ///< else nothing is looked for
         typename Exec::Mark before{};                 ///< what had been taken when it began
         std::span<const std::uint32_t> found, first;  ///< see FindBad
-        std::span<const std::uint32_t> bad;           ///< once the executor was waited for: see GatherBad
+        std::span<const std::uint32_t> there,
+            bad;  ///< of the executor, and once it was waited for: see GatherBad
     };
     /// Begins to look for folds. What is taken from now on is given back by unfold().
     FoldSearch find_folds() {
@@ -142,27 +142,32 @@ class QuadStages {
         constexpr std::uint32_t kUsualShare = 64, kLeastRoom = 1024;
         out.before = exec_.mark();
         const std::uint32_t runs = fold_runs();
+        const auto bad = exec_.template array<std::uint32_t>(kLeastRoom + counts_.quads / kUsualShare);
         const auto found = exec_.template array<std::uint32_t>(std::size_t{runs} * FindBad::kRun);
         const auto first = exec_.template array<std::uint32_t>(runs + 1);
+        exec_.clear(bad);  // all of it is fetched
         exec_.clear(first);
         exec_.groups("find folds", runs,
                      FindBad{stars(), FaceLimits(job_.untangle.quality), points().positions, points().anchors,
                              found, first});
         exec_.exclusive_scan(std::span<const std::uint32_t>(first), first);
+        exec_.groups("gather folds", runs, GatherBad{found, first, bad});
         out.found = found;
         out.first = first;
-        const auto bad = exec_.template array<std::uint32_t>(kLeastRoom + counts_.quads / kUsualShare);
-        exec_.groups("gather folds", runs, GatherBad{found, first, bad});
-        out.bad = exec_.fetch(std::span<const std::uint32_t>(bad));
+        out.there = bad;
+        out.bad = exec_.fetch(out.there);
         return out;
     }
     /// Unfolds them: see coppice::untangle; one report for each part. Waits, once if there are none.
     template <class Field>
-    std::vector<UntangleReport> unfold(const FoldSearch& search, const Field& field) {
+    std::vector<UntangleReport> unfold(FoldSearch search, const Field& field) {
         std::vector<UntangleReport> reports(job_.parts);
         if (!search.is_needed) return reports;
         exec_.wait();
-        if (search.bad[0] > 0) unfold_all(all_of(search), field, reports);
+        if (search.bad[0] > 0) {
+            fetch_all(search);
+            unfold_all(search, field, reports);
+        }
         exec_.rewind(search.before);
         return reports;
     }
@@ -264,71 +269,66 @@ class QuadStages {
 
     std::uint32_t fold_runs() const { return (counts_.quads + FindBad::kRun - 1) / FindBad::kRun; }
 
-    /// The bad quads, of a search that was waited for.
-    std::vector<std::uint32_t> all_of(const FoldSearch& search) {
-        const std::size_t count = search.bad[0];
-        if (count < search.bad.size()) return {search.bad.begin() + 1, search.bad.begin() + 1 + count};
-        const auto bad = exec_.template array<std::uint32_t>(1 + count);
-        exec_.groups("gather folds", fold_runs(), GatherBad{search.found, search.first, bad});
-        std::vector<std::uint32_t> out(count);
-        exec_.download(std::span<const std::uint32_t>(bad.subspan(1)), std::span(out));
-        return out;
+    /// Fetches the bad quads that a search had no room for. May wait.
+    void fetch_all(FoldSearch& search) {
+        const std::size_t count = std::size_t{1} + search.bad[0];
+        if (count > search.bad.size()) {
+            const auto bad = exec_.template array<std::uint32_t>(count);
+            exec_.groups("gather folds", fold_runs(), GatherBad{search.found, search.first, bad});
+            search.there = bad;
+            search.bad = exec_.fetch(search.there);
+            exec_.wait();
+        }
+        search.there = search.there.subspan(1, count - 1);
+        search.bad = search.bad.subspan(1, count - 1);
     }
 
     template <class Field>
-    void unfold_all(const std::vector<std::uint32_t>& bad, const Field& field,
-                    std::vector<UntangleReport>& reports) {
-        for (const std::uint32_t q : bad) ++reports[job_.part_of_quad(q)].bad_before;
-        const FoldClusters clusters(bad, counts_.vertices, PatchStars(job_.cage, job_.levels));
-        for (const std::uint32_t q : clusters.fixed) reports[job_.part_of_quad(q)].still_bad.push_back(q);
-        if (clusters.size() > 0) unfold_clusters(field, clusters, reports);
+    void unfold_all(const FoldSearch& search, const Field& field, std::vector<UntangleReport>& reports) {
+        const PatchStars on_host(job_.cage, job_.levels);
+        const auto may_not_move = [&](std::uint32_t q) {
+            return std::ranges::all_of(on_host.quad(q),
+                                       [&](std::uint32_t v) { return on_host.on_boundary(v); });
+        };
+        for (const std::uint32_t q : search.bad) {
+            UntangleReport& report = reports[job_.part_of_quad(q)];
+            ++report.bad_before;
+            if (may_not_move(q)) report.still_bad.push_back(q);
+        }
+        unfold_clusters(search.there, field, reports);
         for (UntangleReport& report : reports) {
             std::sort(report.still_bad.begin(), report.still_bad.end());
             report.bad_after = report.still_bad.size();
         }
     }
 
-    RowsView upload_rows(const CompressedRows<std::uint32_t>& rows) {
-        return {exec_.upload(std::span<const std::uint32_t>(rows.first)),
-                exec_.upload(std::span<const std::uint32_t>(rows.items))};
-    }
-
     template <class Field>
-    void unfold_clusters(const Field& field, const FoldClusters& clusters,
+    void unfold_clusters(std::span<const std::uint32_t> bad, const Field& field,
                          std::vector<UntangleReport>& reports) {
-        const std::size_t vertices = clusters.vertices.items.size(), faces = clusters.faces.items.size();
-        const std::size_t count = clusters.size();
         const auto numbers = [&](std::size_t n) { return exec_.template array<std::uint32_t>(n); };
+        // What the host wants to know lies in one piece.
+        const std::size_t parts = reports.size();
+        const auto told = numbers(1 + 2 * parts + bad.size());
+        exec_.clear(told);
+        const UnfoldOutcome outcome{told.first(1), told.last(bad.size()), told.subspan(1, parts),
+                                    told.subspan(1 + parts, parts)};
+        const DeviceClusters clusters = fold_clusters(exec_, stars(), bad);
+        const std::size_t vertices = clusters.vertices.size(), faces = clusters.faces.size();
         const auto points = [&] { return exec_.template array<Vec3>(vertices); };
-        // What the host wants to know lies in one piece: so it waits once.
-        const auto told = numbers(faces + 3 * count);
-        const ClusterView view{upload_rows(clusters.vertices),
-                               upload_rows(clusters.faces),
-                               upload_rows(clusters.bad),
-                               numbers(vertices),
-                               numbers(vertices),
-                               points(),
-                               points(),
-                               points(),
-                               numbers(faces),
-                               told.first(faces),
-                               told.subspan(faces, count),
-                               told.subspan(faces + count, count),
-                               told.last(count)};
-        exec_.groups("unfold", count,
-                     UnfoldCluster<Field>{surface(), view, field, FaceLimits(job_.untangle.quality),
-                                          job_.untangle.passes, job_.untangle.projected_passes});
-        const std::span<const std::uint32_t> outcome = exec_.fetch(std::span<const std::uint32_t>(told));
+        const ClusterRoom room{numbers(vertices), numbers(vertices), points(),      points(),
+                               points(),          numbers(faces),    numbers(faces)};
+        exec_.groups("unfold", bad.size(),
+                     UnfoldCluster<Field>{surface(), clusters, room, outcome, part_, field,
+                                          FaceLimits(job_.untangle.quality), job_.untangle.passes,
+                                          job_.untangle.projected_passes});
+        const std::span<const std::uint32_t> said = exec_.fetch(std::span<const std::uint32_t>(told));
         exec_.wait();
-        const auto still = outcome.first(faces), still_count = outcome.subspan(faces, count);
-        const auto passes = outcome.subspan(faces + count, count), moved = outcome.last(count);
-        for (std::uint32_t c = 0; c < count; ++c) {
-            UntangleReport& report = reports[job_.part_of_quad(clusters.faces[c].front())];
-            report.passes = std::max(report.passes, passes[c]);
-            report.moved += moved[c];
-            for (std::uint32_t k = 0; k < still_count[c]; ++k)
-                report.still_bad.push_back(clusters.faces[c][still[clusters.faces.first[c] + k]]);
+        for (std::size_t p = 0; p < parts; ++p) {
+            reports[p].passes = said[1 + p];
+            reports[p].moved = said[1 + parts + p];
         }
+        for (const std::uint32_t q : said.subspan(1 + 2 * parts, said[0]))
+            reports[job_.part_of_quad(q)].still_bad.push_back(q);
     }
 
     Exec& exec_;

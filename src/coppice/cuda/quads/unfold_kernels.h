@@ -1,151 +1,125 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 
+#include "coppice/cuda/quads/fold_stages.h"
 #include "coppice/cuda/quads/quad_kernels.h"
 #include "coppice/subdivision/kernel/unfold_kernel.h"
 
 namespace coppice::cuda {
 
-/// Finds the bad quads of one run of kRun each: a group of threads for each run.
-struct FindBad {
-    static constexpr std::uint32_t kRun = 1024;
-
-    PatchStars stars;
-    FaceLimits limits;
-    std::span<const Vec3> positions, anchors;
-    std::span<std::uint32_t> found;  ///< the bad ones of run r from r kRun on, as places in their run
-    std::span<std::uint32_t> count;  ///< per run, and one more, which is left alone
-
-    template <class Group>
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t run, const Group& group) const {
-        const std::uint32_t first = run * kRun;
-        const std::uint32_t size = kernel::smaller(kRun, stars.quad_count() - first);
-        const auto is_bad = [&](std::uint32_t k) {
-            return is_bad_face(stars.quad(first + k), positions, anchors, limits);
-        };
-        const std::uint32_t bad = group.select(size, is_bad, &found[first]);
-        group.each(1, [&](std::uint32_t) { count[run] = bad; });
-    }
+/// Room to work on clusters: an entry for each vertex or face of theirs.
+struct ClusterRoom {
+    std::span<std::uint32_t> ring;       ///< by vertex: the ring that brought it into this pass, or kNoEntry
+    std::span<std::uint32_t> active;     ///< by vertex: which ones move in this pass
+    std::span<Vec3> moved, first, best;  ///< by vertex
+    std::span<std::uint32_t> now_bad;    ///< by face: which ones are bad
+    std::span<std::uint32_t> least_bad;  ///< the same when they were fewest
 };
 
-/// Brings them together, ascending, as far as there is room, behind their count: a group for each run.
-struct GatherBad {
-    std::span<const std::uint32_t> found;
-    std::span<const std::uint32_t> first;  ///< per run, and one more
-    std::span<std::uint32_t> out;          ///< the count, and then the bad quads
-
-    template <class Group>
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t run, const Group& group) const {
-        group.each(first[run + 1] - first[run], [&](std::uint32_t k) {
-            const std::size_t place = std::size_t{1} + first[run] + k;
-            if (place < out.size()) out[place] = run * FindBad::kRun + found[run * FindBad::kRun + k];
-        });
-        if (run == 0) group.each(1, [&](std::uint32_t) { out[0] = first[first.size() - 1]; });
-    }
+/// What came of all clusters.
+struct UnfoldOutcome {
+    std::span<std::uint32_t> bad_count;  ///< one number, 0 at first
+    std::span<std::uint32_t> bad;        ///< quads that are still bad, in no order
+    std::span<std::uint32_t> passes;     ///< by part, 0 at first: of the cluster that took most
+    std::span<std::uint32_t> moved;      ///< by part, 0 at first: vertices that lie elsewhere in the end
 };
 
-/// Rows of numbers: see CompressedRows.
-struct RowsView {
-    std::span<const std::uint32_t> first, items;
-    COPPICE_HOST_DEVICE std::span<const std::uint32_t> operator[](std::uint32_t row) const {
-        return {items.data() + first[row], first[row + 1] - first[row]};
-    }
-};
-
-/// Bad quads in clusters (see FoldClusters), and room to work on them: one entry per item of the rows.
-struct ClusterView {
-    RowsView vertices, faces, bad;
-    std::span<std::uint32_t> ring;         ///< by vertex: the ring that brought it into this pass, or none
-    std::span<std::uint32_t> active;       ///< by vertex: places of those that move in this pass
-    std::span<Vec3> moved, first, best;    ///< by vertex
-    std::span<std::uint32_t> now_bad;      ///< by face: places of the bad ones
-    std::span<std::uint32_t> least_bad;    ///< the same when they were fewest
-    std::span<std::uint32_t> least_count;  ///< per cluster
-    std::span<std::uint32_t> passes;       ///< per cluster
-    std::span<std::uint32_t> moved_count;  ///< per cluster: vertices that lie elsewhere in the end
-};
-
-/// Unfolds one cluster by the passes of untangle(): a group of threads for each.
+/// Unfolds one cluster by the passes of untangle(): a group of threads for each; of more groups than there
+/// are clusters, the last do nothing.
 template <class Field>
 struct UnfoldCluster {
+    static constexpr bool kIsWide = true;  // some clusters are large
+
     SurfaceView surface;
-    ClusterView clusters;
+    DeviceClusters clusters;
+    ClusterRoom room;
+    UnfoldOutcome outcome;
+    std::span<const std::uint32_t> part;  ///< see QuadJob
     Field field;
     FaceLimits limits;
     int passes, projected_passes;
 
     template <class Group>
     COPPICE_HOST_DEVICE void operator()(std::uint32_t cluster, const Group& group) const {
-        const auto vertices = clusters.vertices[cluster];
-        const auto faces = clusters.faces[cluster];
-        const auto count = static_cast<std::uint32_t>(vertices.size());
+        if (cluster >= clusters.count[0]) return;
+        const At at(clusters, room, cluster);
+        const auto count = static_cast<std::uint32_t>(at.vertices.size());
         const std::span<Vec3> positions = surface.points.positions;
-        const At at{vertices, faces, clusters.vertices.first[cluster], clusters.faces.first[cluster]};
-        std::uint32_t bad = begin(cluster, at, group);
+        std::uint32_t bad = begin(at, group), least = bad;
         UnfoldSchedule schedule(passes, projected_passes, bad, count);
         while (schedule.begin_pass()) {
             const std::uint32_t moving = find_active(at, bad, schedule.rings(), group);
             move(at, moving, schedule.steps(), group);
             bad = find_bad(at, group);
             if (!schedule.end_pass(moving, bad)) continue;
-            group.each(bad, [&](std::uint32_t k) {
-                clusters.least_bad[at.first_face + k] = clusters.now_bad[at.first_face + k];
-            });
-            group.each(count, [&](std::uint32_t k) { best(at, k) = positions[vertices[k]]; });
-            group.each(1, [&](std::uint32_t) { clusters.least_count[cluster] = bad; });
+            least = bad;
+            group.each(bad, [&](std::uint32_t k) { at.room.least_bad[k] = at.room.now_bad[k]; });
+            group.each(count, [&](std::uint32_t k) { at.room.best[k] = positions[at.vertices[k]]; });
         }
-        group.each(count, [&](std::uint32_t k) { positions[vertices[k]] = best(at, k); });
+        group.each(count, [&](std::uint32_t k) { positions[at.vertices[k]] = at.room.best[k]; });
         const std::uint32_t moved = group.select(
-            count, [&](std::uint32_t k) { return best(at, k) != clusters.first[at.first_vertex + k]; },
-            &clusters.active[at.first_vertex]);
+            count, [&](std::uint32_t k) { return at.room.best[k] != at.room.first[k]; },
+            at.room.active.data());
+        group.each(least, [&](std::uint32_t k) {
+            outcome.bad[add_to(outcome.bad_count[0], 1u)] = at.faces[at.room.least_bad[k]];
+        });
         group.each(1, [&](std::uint32_t) {
-            clusters.passes[cluster] = schedule.pass();
-            clusters.moved_count[cluster] = moved;
+            const std::uint32_t p = part.empty() ? 0 : part[at.faces[0] >> (2 * surface.levels)];
+            raise_to(outcome.passes[p], schedule.pass());
+            add_to(outcome.moved[p], moved);
         });
     }
 
   private:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-
-    /// The vertices and faces of a cluster, both ascending, and where those of all clusters begin.
+    /// One cluster: its vertices and faces, both ascending, and its room.
     struct At {
         std::span<const std::uint32_t> vertices, faces;
-        std::uint32_t first_vertex, first_face;
+        std::span<const Quad> corners;
+        ClusterRoom room;
+        std::uint32_t first_vertex;
 
-        /// The place of a vertex in its cluster; kNone of one that may not move.
-        COPPICE_HOST_DEVICE std::uint32_t place(std::uint32_t vertex) const {
-            const auto found = std::lower_bound(vertices.begin(), vertices.end(), vertex);
-            if (found == vertices.end() || *found != vertex) return kNone;
-            return static_cast<std::uint32_t>(found - vertices.begin());
+        COPPICE_HOST_DEVICE At(const DeviceClusters& all, const ClusterRoom& r, std::uint32_t cluster)
+            : first_vertex(all.first_vertex[cluster]) {
+            const std::uint32_t v = first_vertex, f = all.first_face[cluster];
+            const std::uint32_t vertex_count = all.first_vertex[cluster + 1] - v,
+                                face_count = all.first_face[cluster + 1] - f;
+            vertices = all.vertices.subspan(v, vertex_count);
+            faces = all.faces.subspan(f, face_count);
+            corners = all.corners.subspan(f, face_count);
+            room = {r.ring.subspan(v, vertex_count),   r.active.subspan(v, vertex_count),
+                    r.moved.subspan(v, vertex_count),  r.first.subspan(v, vertex_count),
+                    r.best.subspan(v, vertex_count),   r.now_bad.subspan(f, face_count),
+                    r.least_bad.subspan(f, face_count)};
+        }
+        COPPICE_HOST_DEVICE std::uint32_t face_count() const {
+            return static_cast<std::uint32_t>(faces.size());
+        }
+        /// The ring of a face's corner.
+        COPPICE_HOST_DEVICE std::uint32_t ring_of(std::uint32_t corner) const {
+            return corner == kNoEntry ? kNoEntry : room.ring[corner - first_vertex];
+        }
+        /// Brings the corners of a face into a ring that are in none.
+        COPPICE_HOST_DEVICE void take_corners(const Quad& face, std::uint32_t into) const {
+            for (const std::uint32_t c : face) {
+                if (c == kNoEntry) continue;
+                std::uint32_t& ring = room.ring[c - first_vertex];
+                if (ring == kNoEntry) ring = into;
+            }
         }
     };
 
-    COPPICE_HOST_DEVICE Vec3& best(const At& at, std::uint32_t k) const {
-        return clusters.best[at.first_vertex + k];
-    }
-    COPPICE_HOST_DEVICE std::uint32_t& ring(const At& at, std::uint32_t k) const {
-        return clusters.ring[at.first_vertex + k];
-    }
-
     /// Returns how many faces are bad at first.
     template <class Group>
-    COPPICE_HOST_DEVICE std::uint32_t begin(std::uint32_t cluster, const At& at, const Group& group) const {
-        const auto bad = clusters.bad[cluster];
-        const auto count = static_cast<std::uint32_t>(bad.size());
-        group.each(count, [&](std::uint32_t k) {
-            const auto place = std::lower_bound(at.faces.begin(), at.faces.end(), bad[k]) - at.faces.begin();
-            clusters.now_bad[at.first_face + k] = static_cast<std::uint32_t>(place);
-            clusters.least_bad[at.first_face + k] = static_cast<std::uint32_t>(place);
-        });
+    COPPICE_HOST_DEVICE std::uint32_t begin(const At& at, const Group& group) const {
         group.each(static_cast<std::uint32_t>(at.vertices.size()), [&](std::uint32_t k) {
-            const Vec3 p = surface.points.positions[at.vertices[k]];
-            best(at, k) = clusters.first[at.first_vertex + k] = p;
+            at.room.best[k] = at.room.first[k] = surface.points.positions[at.vertices[k]];
         });
-        group.each(1, [&](std::uint32_t) { clusters.least_count[cluster] = count; });
-        return count;
+        const auto is_bad = [&](std::uint32_t k) { return is_bad_now(at.faces[k]); };
+        const std::uint32_t bad = group.select(at.face_count(), is_bad, at.room.now_bad.data());
+        group.each(bad, [&](std::uint32_t k) { at.room.least_bad[k] = at.room.now_bad[k]; });
+        return bad;
     }
 
     /// Marks the corners of the bad faces and of so many rings around them, and lists them.
@@ -153,44 +127,32 @@ struct UnfoldCluster {
     COPPICE_HOST_DEVICE std::uint32_t find_active(const At& at, std::uint32_t bad, int rings,
                                                   const Group& group) const {
         const auto count = static_cast<std::uint32_t>(at.vertices.size());
-        group.each(count, [&](std::uint32_t k) { ring(at, k) = kNone; });
-        group.each(bad, [&](std::uint32_t k) {
-            const std::uint32_t face = at.faces[clusters.now_bad[at.first_face + k]];
-            for (const std::uint32_t v : surface.stars.quad(face)) {
-                const std::uint32_t place = at.place(v);
-                if (place != kNone) ring(at, place) = 0;
-            }
-        });
+        group.each(count, [&](std::uint32_t k) { at.room.ring[k] = kNoEntry; });
+        group.each(bad, [&](std::uint32_t k) { at.take_corners(at.corners[at.room.now_bad[k]], 0); });
         for (int r = 1; r <= rings; ++r) {
             const auto limit = static_cast<std::uint32_t>(r);
-            group.each(count, [&](std::uint32_t k) {
-                if (ring(at, k) == kNone && has_corner_below(at, at.vertices[k], limit)) ring(at, k) = limit;
+            // Several write the same, and what they write is not below the limit: nobody sees a difference.
+            group.each(at.face_count(), [&](std::uint32_t k) {
+                const Quad face = at.corners[k];
+                std::uint32_t least = kNoEntry;
+                for (const std::uint32_t c : face) least = kernel::smaller(least, at.ring_of(c));
+                if (least < limit) at.take_corners(face, limit);
             });
         }
         return group.select(
-            count, [&](std::uint32_t k) { return ring(at, k) != kNone; }, &clusters.active[at.first_vertex]);
-    }
-    /// Whether a face about a vertex has a corner in a ring below `limit`.
-    COPPICE_HOST_DEVICE bool has_corner_below(const At& at, std::uint32_t vertex, std::uint32_t limit) const {
-        bool has = false;
-        surface.stars.for_each_corner(vertex, [&](QuadCorner c) {
-            for (const std::uint32_t v : surface.stars.quad(c.quad)) {
-                const std::uint32_t place = at.place(v);
-                has = has || (place != kNone && ring(at, place) < limit);
-            }
-        });
-        return has;
+            count, [&](std::uint32_t k) { return at.room.ring[k] != kNoEntry; }, at.room.active.data());
     }
 
     template <class Group>
     COPPICE_HOST_DEVICE void move(const At& at, std::uint32_t count, int steps, const Group& group) const {
-        const auto place = [&](std::uint32_t k) { return clusters.active[at.first_vertex + k]; };
         group.each(count, [&](std::uint32_t k) {
-            clusters.moved[at.first_vertex + place(k)] = moved(at.vertices[place(k)], steps);
+            const std::uint32_t place = at.room.active[k];
+            at.room.moved[place] = moved(at.vertices[place], steps);
         });
         group.each(count, [&](std::uint32_t k) {
-            const Vec3 p = clusters.moved[at.first_vertex + place(k)];
-            if (is_finite(p)) surface.points.positions[at.vertices[place(k)]] = p;
+            const std::uint32_t place = at.room.active[k];
+            const Vec3 p = at.room.moved[place];
+            if (is_finite(p)) surface.points.positions[at.vertices[place]] = p;
         });
     }
     COPPICE_HOST_DEVICE Vec3 moved(std::uint32_t vertex, int steps) const {
@@ -206,20 +168,19 @@ struct UnfoldCluster {
         return mover.point();
     }
 
+    COPPICE_HOST_DEVICE bool is_bad_now(std::uint32_t face) const {
+        return is_bad_face(surface.stars.quad(face), surface.points.positions, surface.points.anchors,
+                           limits);
+    }
     /// Lists the bad faces of those that have a vertex that has moved; returns how many.
     template <class Group>
     COPPICE_HOST_DEVICE std::uint32_t find_bad(const At& at, const Group& group) const {
         const auto is_bad = [&](std::uint32_t k) {
-            const Quad face = surface.stars.quad(at.faces[k]);
             bool has_moved = false;
-            for (const std::uint32_t v : face) {
-                const std::uint32_t place = at.place(v);
-                has_moved = has_moved || (place != kNone && ring(at, place) != kNone);
-            }
-            return has_moved && is_bad_face(face, surface.points.positions, surface.points.anchors, limits);
+            for (const std::uint32_t c : at.corners[k]) has_moved = has_moved || at.ring_of(c) != kNoEntry;
+            return has_moved && is_bad_now(at.faces[k]);
         };
-        return group.select(static_cast<std::uint32_t>(at.faces.size()), is_bad,
-                            &clusters.now_bad[at.first_face]);
+        return group.select(at.face_count(), is_bad, at.room.now_bad.data());
     }
 };
 

@@ -7,9 +7,9 @@
 
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/atomics.h"
+#include "coppice/cuda/exec/sets_kernel.h"
 #include "coppice/cuda/tetra/bits_stages.h"
 #include "coppice/cuda/tetra/refinement_stages.h"
-#include "coppice/cuda/tetra/sets_kernel.h"
 #include "coppice/skeleton/skeleton.h"
 #include "coppice/tetra/march/kernel/axis_kernel.h"
 

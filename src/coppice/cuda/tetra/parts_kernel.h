@@ -6,9 +6,9 @@
 
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/exec/atomics.h"
+#include "coppice/cuda/exec/sets_kernel.h"
 #include "coppice/cuda/tetra/bits_stages.h"
 #include "coppice/cuda/tetra/refinement_stages.h"
-#include "coppice/cuda/tetra/sets_kernel.h"
 #include "coppice/mesh/mesh.h"
 
 // The kernels that take a surface apart into those pieces that hang together, and leave some out.

@@ -146,36 +146,39 @@ struct SubdivideFaces {
 };
 
 /// The eight parts of a tetrahedron: four at its corners, and four of the octahedron between them, cut along
-/// the shortest of its diagonals; thread per tetrahedron. The parts are the printed ones, but that all are
-/// oriented as the whole.
+/// the shortest of its diagonals; thread per part, where the paper has one per tetrahedron, so that
+/// neighbouring threads write neighbours. The parts are the printed ones, but that all are oriented as the
+/// whole.
 ///
 /// A vertex of a part is named by the corners that it lies between, as bits: one for a corner, two for a
 /// midpoint.
 struct SubdivideTetrahedra {
+    static constexpr std::uint32_t kParts = 8;
+
     ExplicitTetra coarse, fine;
 
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        const std::uint32_t t = i / kParts, number = i % kParts;
         const ExplicitTetra::Cell cell = coarse.tetra[t];
         const auto d = diagonal_of(cell);
         // The ring of midpoints around the diagonal.
         const Masks ring{bit(d[0]) | bit(d[2]), bit(d[1]) | bit(d[2]), bit(d[1]) | bit(d[3]),
                          bit(d[0]) | bit(d[3])};
         const std::uint32_t p = bit(d[0]) | bit(d[1]), q = bit(d[2]) | bit(d[3]);
-        fine.edges[diagonal(t)] = {{vertex(cell, p), vertex(cell, q)}, cell.region};
-        for (std::uint32_t c = 0; c < 4; ++c) {
+        if (number == 0) fine.edges[diagonal(t)] = {{vertex(cell, p), vertex(cell, q)}, cell.region};
+        if (number < 4) {
             Masks part{}, face{};
-            for (std::uint32_t i = 0, k = 0; i < 4; ++i) {
-                part[i] = bit(c) | bit(i);
-                if (i != c) face[k++] = part[i];
+            for (std::uint32_t j = 0, k = 0; j < 4; ++j) {
+                part[j] = bit(number) | bit(j);
+                if (j != number) face[k++] = part[j];
             }
-            write_part(t, cell, ring, part, c);
+            write_part(t, cell, ring, part, number);
             write_face(t, cell, ring, face);
-            write_face(t, cell, ring, {p, q, ring[c], 0});
-        }
-        const bool odd = d[1] == 2;
-        for (std::uint32_t k = 0; k < 4; ++k) {
-            const std::uint32_t r = ring[k], s = ring[(k + 1) % 4];
-            write_part(t, cell, ring, odd ? Masks{p, q, r, s} : Masks{p, q, s, r}, 4 + k);
+        } else {
+            const std::uint32_t r = ring[number - 4], s = ring[(number - 3) % 4];
+            const bool odd = d[1] == 2;
+            write_part(t, cell, ring, odd ? Masks{p, q, r, s} : Masks{p, q, s, r}, number);
+            write_face(t, cell, ring, {p, q, r, 0});
         }
     }
 

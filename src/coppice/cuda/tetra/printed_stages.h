@@ -41,7 +41,7 @@ ExplicitTetra subdivide(Exec& exec, const ExplicitTetra& coarse, bool last = fal
     exec.each("vertices", v, KeepVertices{coarse, fine});
     exec.each("CalcEdgePoints", e, CalcEdgePoints{coarse, fine});
     exec.each("SubdivideFaces", f, SubdivideFaces{coarse, fine});
-    exec.each("SubdivideTetrahedra", t, SubdivideTetrahedra{coarse, fine});
+    exec.each("SubdivideTetrahedra", t * SubdivideTetrahedra::kParts, SubdivideTetrahedra{coarse, fine});
     return fine;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/kernel/partition_point.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
@@ -35,11 +36,10 @@ class FlatEnds {
 
     /// The end that a cage quad fills.
     COPPICE_HOST_DEVICE std::uint32_t of_face(std::uint32_t cage_face) const {
-        const auto after =
-            std::upper_bound(clips_.begin(), clips_.end(), cage_face,
-                             [](std::uint32_t f, const ClipPlane& c) { return f < c.first_quad; });
-        if (after == clips_.begin()) return kNone;
-        const auto end = static_cast<std::uint32_t>(after - clips_.begin()) - 1;
+        const std::uint32_t after =
+            kernel::partition_point(clips_, [&](const ClipPlane& c) { return c.first_quad <= cage_face; });
+        if (after == 0) return kNone;
+        const std::uint32_t end = after - 1;
         return cage_face - clips_[end].first_quad < clips_[end].quad_count ? end : kNone;
     }
 

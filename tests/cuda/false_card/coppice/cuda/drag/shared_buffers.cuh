@@ -10,6 +10,7 @@ namespace coppice::cuda {
 /// host.
 class SharedBuffers {
   public:
+    static int drawing_device() { return -1; }
     explicit SharedBuffers(const DrawnBuffers&) { throw DeviceError("the false card does not draw"); }
 
     template <class Write>

@@ -21,8 +21,8 @@ struct DeviceSets {
     }
     /// Makes two sets one.
     COPPICE_HOST_DEVICE void join(std::uint32_t a, std::uint32_t b) const {
-        a = find(a);
-        b = find(b);
+        a = find_and_shorten(a);
+        b = find_and_shorten(b);
         while (a != b) {
             if (a < b) {
                 const std::uint32_t greater = b;
@@ -34,6 +34,18 @@ struct DeviceSets {
             a = find(seen);
             b = find(b);
         }
+    }
+
+  private:
+    /// The same as find(); every number on the way leads twice as far from now on.
+    COPPICE_HOST_DEVICE std::uint32_t find_and_shorten(std::uint32_t i) const {
+        for (std::uint32_t next = peek(parent[i]); next != i;) {
+            const std::uint32_t after = peek(parent[next]);
+            if (after != next) replace(parent[i], next, after);
+            i = next;
+            next = after;
+        }
+        return i;
     }
 };
 
