@@ -82,7 +82,7 @@ TEST(SegmentBuilder, PlacesBallsAsCloseAsAskedForAtTheThinEnd) {
     const SegmentBuilder builder({.kernel = Kernel::balls, .ball_bulge = 0.02f});
     const double spacing = builder.chain().spacing;
     const auto count = [&](float length, float a, float b) {
-        return builder.build({{0, 0, 0}, {length, 0, 0}, a, b}, {0, 0, 1}, false, false).balls;
+        return builder.build({{0, 0, 0}, {length, 0, 0}, a, b}, {0, 0, 1}, false, RootEnd::none).balls;
     };
     EXPECT_EQ(count(10, 1, 1), static_cast<int>(std::ceil(10 / spacing)));
     EXPECT_EQ(count(10, 1, 0.5f), static_cast<int>(std::ceil(20 / spacing)));
@@ -91,7 +91,8 @@ TEST(SegmentBuilder, PlacesBallsAsCloseAsAskedForAtTheThinEnd) {
     // Not hundreds of thousands where a thread leaves a ball.
     EXPECT_EQ(count(10, 1, 1e-5f), static_cast<int>(std::ceil(320 / spacing)));
     EXPECT_LE(count(1e9f, 1, 1), 1 << 20);
-    EXPECT_EQ(SegmentBuilder({}).build({{0, 0, 0}, {9, 0, 0}, 1, 1}, {0, 0, 1}, true, true).balls, 0);
+    EXPECT_EQ(SegmentBuilder({}).build({{0, 0, 0}, {9, 0, 0}, 1, 1}, {0, 0, 1}, true, RootEnd::base).balls,
+              0);
 }
 
 }  // namespace

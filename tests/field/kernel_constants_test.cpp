@@ -171,7 +171,7 @@ TEST(KernelConstants, RadiusOfTapersWithScalis) {
     // The builder's weight takes the slope's part away.
     const SegmentBuilder builder({.kernel = Kernel::scalis});
     for (const float ratio : {0.7f, 0.5f}) {
-        const auto s = builder.build({{0, 0, 0}, {3, 0, 0}, 1, ratio}, {0, 0, 1}, false, false);
+        const auto s = builder.build({{0, 0, 0}, {3, 0, 0}, 1, ratio}, {0, 0, 1}, false, RootEnd::none);
         EXPECT_LT(std::abs(taper_error(test::scalis(), ratio, s.weight)), 0.002);
     }
 }
@@ -221,7 +221,7 @@ TEST(KernelConstants, TipExtensionBringsTheSurfaceOneRadiusBeyondTheTip) {
 
 TEST(KernelConstants, SteepSegmentsStayInTheRangeOfScalis) {
     const SegmentBuilder builder({.kernel = Kernel::scalis});
-    const auto s = builder.build({{0, 0, 0}, {1, 0, 0}, 5, 0.5f}, {0, 0, 1}, true, true);
+    const auto s = builder.build({{0, 0, 0}, {1, 0, 0}, 5, 0.5f}, {0, 0, 1}, true, RootEnd::base);
     EXPECT_FLOAT_EQ(s.slope, -0.4f);
     EXPECT_FLOAT_EQ(s.radius + s.slope * s.length, 0.5f);
     EXPECT_GT(s.radius + s.slope * s.end, 0);

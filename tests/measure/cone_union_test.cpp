@@ -57,5 +57,16 @@ TEST(ConeUnion, ARootWithTwoChildrenHasNoBase) {
     EXPECT_TRUE(ConeUnion(s, {}, EndShape::flat, EndShape::round).cuts().empty());
 }
 
+TEST(ConeUnion, HasTheBallOfARootThatIsMuchThickerThanItsBranches) {
+    const Skeleton soma({kRoot, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 5}, {5, 0, 0}}, {4, 0.5f, 0.4f});
+    EXPECT_TRUE(round_union(soma).contains({0, 0, 3.9}));
+    EXPECT_TRUE(round_union(soma).contains({-3.9, 0, 0}));
+    EXPECT_TRUE(round_union(soma).contains({0, 2.7, 2.7}));
+    EXPECT_FALSE(round_union(soma).contains({0, 2.9, 2.9}));
+    // Of a stool, whose stems are long, the leader's cone holds the ball.
+    const Skeleton stool({kRoot, NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 50}, {50, 0, 0}}, {4, 0.5f, 0.4f});
+    EXPECT_EQ(round_union(stool).capsules().size(), 2u);
+}
+
 }  // namespace
 }  // namespace coppice

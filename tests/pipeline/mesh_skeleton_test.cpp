@@ -86,6 +86,7 @@ TEST(MeshSkeleton, MetaballsBulgeAsMuchAsIsAllowed) {
     const Skeleton bar = cone({0, 0, 4}, 0.2f, 0.2f);
     MeshOptions options = by(MeshMethod::bmesh);
     options.levels = 4;
+    options.prepare.resample.method = ResampleMethod::none;  // one segment, all of whose balls stand alike
     options.field.ball_bulge = 0.12f;
     const QuadSurface surface = mesh_skeleton(bar, options).quads();
     ASSERT_TRUE(surface.balls);

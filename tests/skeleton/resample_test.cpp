@@ -9,6 +9,7 @@
 
 #include "coppice/base/hash.h"
 #include "coppice/skeleton/measure.h"
+#include "coppice/skeleton/segment_cone.h"
 #include "zoo.h"
 
 namespace coppice {
@@ -103,11 +104,58 @@ TEST(Resample, PushesTheEndsOfARadiusJumpApart) {
 }
 
 TEST(Resample, SplitsLongSegmentsEvenly) {
-    // 100 long with radius 1, at most 20 radii: five parts.
+    // 100 long with radius 1, at most 20 radii: five parts, and a ring before the tip.
     const ResampleResult r = resample(chain({{{0, 0, 0}, 1}, {{0, 0, 100}, 1}}));
-    ASSERT_EQ(r.skeleton.size(), 6u);
-    EXPECT_EQ(r.report.inserted, 4u);
-    EXPECT_FLOAT_EQ(r.skeleton.position(NodeId(2)).z, 40);
+    ASSERT_EQ(r.skeleton.size(), 7u);
+    EXPECT_EQ(r.report.inserted, 5u);
+    EXPECT_FLOAT_EQ(r.skeleton.position(NodeId(2)).z, 0.4f * 98.5f);
+    EXPECT_FLOAT_EQ(r.skeleton.position(NodeId(5)).z, 98.5f);
+}
+
+TEST(Resample, SplitsTapersByLocalRadii) {
+    const ResampleResult r = resample(chain({{{0, 0, 0}, 1}, {{0, 0, 50}, 0.1f}}));
+    // ln 10 / 0.9 times 50 radii, less the ring before the tip.
+    ASSERT_GE(r.skeleton.size(), 7u);
+    std::vector<double> lengths;
+    for (const NodeId n : nodes(r.skeleton)) {
+        if (r.skeleton.is_root(n) || r.skeleton.is_tip(n)) continue;
+        const Segment g = r.skeleton.segment(n);
+        EXPECT_NEAR(g.radius_b, 1 - 0.9 * g.b.z / 50, 1e-5);
+        lengths.push_back(distance(g.a, g.b) / std::sqrt(g.radius_a * g.radius_b));
+    }
+    for (const double l : lengths) EXPECT_NEAR(l, lengths.front(), 0.02 * l);
+    EXPECT_LT(lengths.front(), 21);
+}
+
+TEST(Resample, PutsARingBeforeATipOfALongSegment) {
+    const auto with_tip_at = [](float x) {
+        return resample(chain({{{0, 0, 0}, 1}, {{0, 0, 5}, 1}, {{x, 0, 5}, 1}}), {.bend_angle = 3}).skeleton;
+    };
+    EXPECT_EQ(with_tip_at(11.9f).size(), 3u);
+    ASSERT_EQ(with_tip_at(12.1f).size(), 4u);
+    EXPECT_FLOAT_EQ(with_tip_at(12.1f).position(NodeId(2)).x, 10.6f);
+    // Half of a lone segment counts, which then has a node in the middle of what is left.
+    EXPECT_EQ(resample(chain({{{0, 0, 0}, 1}, {{0, 0, 19.9f}, 1}})).skeleton.size(), 2u);
+    const Skeleton lone = resample(chain({{{0, 0, 0}, 1}, {{0, 0, 24.5f}, 1}})).skeleton;
+    ASSERT_EQ(lone.size(), 4u);
+    EXPECT_FLOAT_EQ(lone.position(NodeId(1)).z, 11.5f);
+    EXPECT_FLOAT_EQ(lone.position(NodeId(2)).z, 23);
+}
+
+TEST(Resample, PutsRingsWhereBranchesLeaveABall) {
+    const Skeleton soma({NodeId::none(), NodeId(0), NodeId(0)}, {{0, 0, 0}, {0, 0, 5}, {30, 0, 0}},
+                        {2, 0.5f, 0.4f});
+    ASSERT_TRUE(is_ball(soma, NodeId(0)));
+    const ResampleResult r = resample(soma);
+    const NodeId leader = r.skeleton.leader(NodeId(0));
+    EXPECT_FLOAT_EQ(r.skeleton.position(leader).z, 2.1f);
+    // On the common tangent of the balls about the root and the leader's end, whose sine is 0.3.
+    EXPECT_NEAR(r.skeleton.radius(leader), (2 - 2.1 * 0.3) / std::sqrt(1 - 0.09), 1e-5);
+    const auto lateral = std::ranges::find_if(r.skeleton.children(NodeId(0)),
+                                              [&](NodeId c) { return r.skeleton.position(c).x > 1; });
+    ASSERT_NE(lateral, r.skeleton.children(NodeId(0)).end());
+    EXPECT_FLOAT_EQ(r.skeleton.position(*lateral).x, 2.1f);
+    EXPECT_FLOAT_EQ(r.skeleton.radius(*lateral), 0.4f);
 }
 
 TEST(Resample, PutsRingsBesideASharpTurn) {

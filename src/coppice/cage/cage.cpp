@@ -8,6 +8,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/cage/hub_internal.h"
 #include "coppice/cage/sides_internal.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
 namespace {
@@ -34,10 +35,11 @@ constexpr std::size_t kCageGrain = 256;
 
 class CageBuilder {
   public:
-    CageBuilder(const Skeleton& s, std::span<const NodeId> source, const ControlOptions& options,
-                const Context& ctx)
+    CageBuilder(const Skeleton& s, std::span<const NodeId> source, std::span<const NodeId> round_roots,
+                const ControlOptions& options, const Context& ctx)
         : s_(s),
           source_(source),
+          round_roots_(round_roots),
           options_(options),
           ctx_(ctx),
           shrinkage_(shrinkage(options.sides)),
@@ -105,13 +107,22 @@ class CageBuilder {
             return best;
         };
         const auto children = static_cast<std::uint32_t>(branch.size());
-        if (!s_.is_root(n)) {
+        auto stem = children;
+        if (s_.is_root(n)) {
+            stem = static_cast<std::uint32_t>(
+                std::find(s_.children(n).begin(), s_.children(n).end(), s_.leader(n)) -
+                s_.children(n).begin());
+        } else {
             branch.push_back(branch_to_parent(n));
-            return cage_internal::build_hub(branch, children, straightest_from(children, children));
         }
-        const auto thickest = static_cast<std::uint32_t>(
-            std::find(s_.children(n).begin(), s_.children(n).end(), s_.leader(n)) - s_.children(n).begin());
-        return cage_internal::build_hub(branch, thickest, straightest_from(thickest, children));
+        const auto leader = straightest_from(stem, children);
+        const bool of_root = s_.is_root(n) || is_round_root(s_.parent(n));
+        if (!of_root || !is_ball(s_, n)) return cage_internal::build_hub(branch, stem, leader);
+        // Branches have a like share of a ball, however thin they are.
+        for (Branch& b : branch) b.radius = s_.radius(n);
+        Hub hub = cage_internal::build_hub(branch, stem, leader);
+        for (Vec3& p : hub.position) p = normalized(p, Vec3{0, 0, 1}) * s_.radius(n);
+        return hub;
     }
 
     std::uint32_t vertex_count(NodeId n) {
@@ -124,14 +135,15 @@ class CageBuilder {
         if (degree(n) == 1) return tube + (is_open(n) ? 0 : is_flat(n) ? kFlatEndQuads : 1);
         return tube;
     }
-    bool is_open(NodeId n) const {
-        return s_.is_root(n) && degree(n) == 1 && options_.base == BaseShape::open;
-    }
+    bool is_open(NodeId n) const { return has_base(n) && options_.base == BaseShape::open; }
     bool is_flat(NodeId n) const {
         if (degree(n) != 1) return false;
-        const bool wanted =
-            s_.is_root(n) ? options_.base == BaseShape::flat : options_.tips == TipShape::flat;
-        return wanted;
+        return s_.is_root(n) ? has_base(n) && options_.base == BaseShape::flat
+                             : options_.tips == TipShape::flat;
+    }
+    bool has_base(NodeId n) const { return s_.is_root(n) && degree(n) == 1 && !is_round_root(n); }
+    bool is_round_root(NodeId n) const {
+        return std::ranges::binary_search(round_roots_, n.index(), {}, &NodeId::index);
     }
     Vec3 outward(NodeId end) const {
         return s_.is_root(end) ? -branch_to_child(s_.children(end)[0]).direction
@@ -349,7 +361,7 @@ class CageBuilder {
     }
 
     const Skeleton& s_;
-    std::span<const NodeId> source_;
+    std::span<const NodeId> source_, round_roots_;
     const ControlOptions& options_;
     const Context& ctx_;
     const float shrinkage_;
@@ -362,12 +374,13 @@ class CageBuilder {
 }  // namespace
 
 ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
-                               const ControlOptions& options, const Context& ctx) {
+                               const ControlOptions& options, const Context& ctx,
+                               std::span<const NodeId> round_roots) {
     COPPICE_ASSERT(source.size() == skeleton.size());
     if (options.sides != 4 && options.sides != 8 && options.sides != 16) {
         throw InvalidInput(fmt::format("control: sides must be 4, 8 or 16, but is {}", options.sides));
     }
-    return CageBuilder(skeleton, source, options, ctx).build();
+    return CageBuilder(skeleton, source, round_roots, options, ctx).build();
 }
 
 }  // namespace coppice

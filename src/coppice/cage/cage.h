@@ -54,8 +54,9 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// base has its border in that plane. Trees of one node are balls; roots with several children have no base.
 ///
 /// `source` maps each node of `skeleton` to the node of the skeleton on which the field is built; both may be
-/// the same.
+/// the same. Trees end round at `round_roots` (ascending), whatever the base.
 ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
-                               const ControlOptions& options, const Context& ctx);
+                               const ControlOptions& options, const Context& ctx,
+                               std::span<const NodeId> round_roots = {});
 
 }  // namespace coppice

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "coppice/base/kernel/fast_atan2.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
 namespace {
@@ -21,6 +22,13 @@ constexpr float kCorner = 0.5f;
 constexpr std::uint8_t kMaxSlides = 64;
 // A leader shorter than this many radii leaves no room for a tube between two branch nodes.
 constexpr float kShortest = 0.8f;
+
+// Two branches that leave a root at 110 degrees or more bend there; more than two leave a side of it free
+// where none comes nearer to its middle than 75 degrees, both by the cosine of the angle from there.
+constexpr float kPairBends = -0.574f;
+constexpr float kLeavesSide = 0.26f;
+// Then its stem is at least this many radii long.
+constexpr float kShortestStem = 0.25f;
 
 // Children of a branch node beyond which nothing is moved: the search for pairs is quadratic.
 constexpr std::size_t kMostChildren = 64;
@@ -114,6 +122,7 @@ class Parting {
     Node& at(NodeId n) { return node_[n.index()]; }
     const Node& at(NodeId n) const { return node_[n.index()]; }
     std::vector<NodeId>& kids(NodeId n) { return at(n).children; }
+    const std::vector<NodeId>& kids(NodeId n) const { return at(n).children; }
     View view(NodeId n, NodeId c) const {
         const Vec3 d = at(c).position - at(n).position;
         return {c, normalized(d), at(c).radius, length(d), is_tip(c)};
@@ -343,8 +352,11 @@ class Parting {
             sum += crotch_direction(a, b, k) * beyond;
             ++count;
         }
+        Vec3 by;
+        if (count > 0)
+            by = sum * (room_to_shift(n, sum / static_cast<float>(count)) / static_cast<float>(count));
+        if (!at(n).parent) return shift_root(n, by);
         if (count == 0) return;
-        const Vec3 by = sum * (room_to_shift(n, sum / static_cast<float>(count)) / static_cast<float>(count));
         if (turns(n, by)) {
             push_ahead(n, by);
         } else {
@@ -355,9 +367,53 @@ class Parting {
     // Whether the way from the parent to the shifted node would cut a corner of the skeleton.
     bool turns(NodeId n, Vec3 by) const {
         const NodeId p = at(n).parent;
-        if (!p) return false;
         const Vec3 in = normalized(at(n).position - at(p).position);
         return length(by - in * dot(by, in)) > kCorner * at(n).radius;
+    }
+
+    // Where no branch leaves a root to one side, the tree gets a stem, at least as long as the shift, which
+    // is closed there. Else the root stays as it is: a ring between two branches, or more about a ball.
+    void shift_root(NodeId n, Vec3 by) {
+        const bool is_pair = kids(n).size() == 2;
+        const auto [side, nearest] = is_pair ? side_against(n) : free_side(n);
+        if (nearest > (is_pair ? kPairBends : kLeavesSide)) return;
+        const float shortest = kShortestStem * at(n).radius;
+        push_ahead(n, length(by) < shortest ? side * -shortest : by);
+        if (is_ball(s_, n)) at(kids(n)[0]).radius = at(n).radius;
+    }
+
+    // A direction, and the greatest cosine of its angle to a branch.
+    struct Side {
+        Vec3 direction;
+        float nearest;
+    };
+    Side side_of(NodeId n, Vec3 direction) const {
+        float nearest = -1;
+        for (const NodeId c : kids(n)) nearest = std::max(nearest, dot(view(n, c).direction, direction));
+        return {direction, nearest};
+    }
+    Side side_against(NodeId n) const {
+        Vec3 sum;
+        for (const NodeId c : kids(n)) sum += view(n, c).direction;
+        return length_squared(sum) > 0 ? side_of(n, -normalized(sum)) : Side{{}, 1};
+    }
+    // The one farthest from all branches, of many.
+    Side free_side(NodeId n) const {
+        Side best = side_against(n);
+        const auto look = [&](Vec3 direction) {
+            const Side side = side_of(n, direction);
+            if (side.nearest < best.nearest) best = side;
+        };
+        for (const NodeId c : kids(n)) look(-view(n, c).direction);
+        for (const float x : {-1.0f, 0.0f, 1.0f}) {
+            for (const float y : {-1.0f, 0.0f, 1.0f}) {
+                for (const float z : {-1.0f, 0.0f, 1.0f}) {
+                    const Vec3 d{x, y, z};
+                    if (length_squared(d) > 0) look(normalized(d));
+                }
+            }
+        }
+        return best;
     }
 
     // The node stays as a ring, and a new one takes its branches.
@@ -411,8 +467,13 @@ class Parting {
             while (at(t).dissolved_into) t = at(t).dissolved_into;
             tube[n.index()] = new_id[t.index()];
         }
+        std::vector<NodeId> round_roots;
+        for (const NodeId n : nodes(s_)) {
+            if (s_.is_root(n) && s_.children(n).size() > 1 && kids(n).size() == 1)
+                round_roots.push_back(new_id[n.index()]);
+        }
         return {Skeleton(std::move(parent), std::move(position), std::move(radius), s_.origin()),
-                std::move(source), std::move(tube), report_};
+                std::move(source), std::move(tube), std::move(round_roots), report_};
     }
 
     const Skeleton& s_;

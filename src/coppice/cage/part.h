@@ -23,14 +23,17 @@ struct PartResult {
     Skeleton skeleton;           ///< what the cage is made of
     std::vector<NodeId> source;  ///< per node: the node of the given skeleton it stands for
     std::vector<NodeId> tube;  ///< per node of the given skeleton: the new node whose tube wraps its segment
-    PartReport report;         ///< what was done
+    /// Roots of one child that stand for a root of several, ascending: a tree has no flat base there.
+    std::vector<NodeId> round_roots;
+    PartReport report;  ///< what was done
 };
 
 /// A branch that leaves at an acute angle stays inside its leader for a while: two tubes that began at the
 /// branch node would cross each other until then. So each branch is moved along its leader to the node after
 /// which it parts; nodes that lie inside the union about a branch node join it; and each branch node is
-/// shifted towards its farthest crotch. Topology changes, but every tip that shows stays, and the surface is
-/// projected on the field of the given skeleton. O(n k) for at most k children at a node.
+/// shifted towards its farthest crotch; a root stays, and a node of its own takes its branches. Topology
+/// changes, but every tip that shows stays, and the surface is projected on the field of the given skeleton.
+/// O(n k) for at most k children at a node.
 PartResult part_branches(const Skeleton& skeleton, const Context& ctx);
 
 }  // namespace coppice

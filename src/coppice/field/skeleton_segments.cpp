@@ -1,6 +1,17 @@
 #include "coppice/field/skeleton_segments.h"
 
+#include "coppice/skeleton/segment_cone.h"
+
 namespace coppice {
+namespace {
+
+RootEnd root_end(const Skeleton& s, NodeId n) {
+    const NodeId p = s.parent(n);
+    if (!s.is_root(p) || s.leader(p) != n) return RootEnd::none;
+    return s.children(p).size() == 1 ? RootEnd::base : RootEnd::round;
+}
+
+}  // namespace
 
 SkeletonSegments::SkeletonSegments(const Skeleton& skeleton, const SegmentBuilder& builder)
     : skeleton_(&skeleton), builder_(builder), direction_(skeleton.size(), Vec3{0, 0, 1}) {
@@ -27,10 +38,12 @@ kernel::SegmentConstants<float> SkeletonSegments::build(NodeId n, std::span<cons
         return ball;
     }
     const NodeId p = s.parent(n);
+    if (s.is_root(p) && s.leader(p) == n && is_ball(s, p))
+        return builder_.build_ball(positions[p.index()], s.radius(p));
     Segment segment = s.segment(n);
     segment.a = positions[p.index()];
     segment.b = positions[n.index()];
-    return builder_.build(segment, direction_[n.index()], s.is_tip(n), s.is_root(p) && s.leader(p) == n);
+    return builder_.build(segment, direction_[n.index()], s.is_tip(n), root_end(s, n));
 }
 
 }  // namespace coppice

@@ -19,7 +19,7 @@ CapsuleTree solids_of(const Skeleton& skeleton, Vec3d origin, const Context& ctx
     for (const NodeId n : nodes(skeleton)) {
         if (!skeleton.is_root(n)) {
             cones.push_back(round_cone(skeleton.segment(n)));
-        } else if (skeleton.is_tip(n)) {
+        } else if (skeleton.is_tip(n) || is_ball(skeleton, n)) {
             cones.push_back({Vec3d(skeleton.position(n)), {}, double{skeleton.radius(n)}, 0});
         } else {
             continue;

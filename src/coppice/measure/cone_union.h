@@ -21,9 +21,10 @@ struct EnumNames<EndShape> {
     static constexpr std::array<std::string_view, 2> names{"round", "flat"};
 };
 
-/// The solid that the radii of a skeleton mean: the union of the rounded cones of its segments, and of the
-/// balls of trees of one node. A point belongs to a segment when it is no farther from its axis than the
-/// segment's radius at the foot (see BasicRoundCone and Skeleton for where a lateral's radius begins).
+/// The solid that the radii of a skeleton mean: the union of the rounded cones of its segments, of the balls
+/// of trees of one node, and of those of roots that are much thicker than what leaves them, as somas are. A
+/// point belongs to a segment when it is no farther from its axis than the segment's radius at the foot (see
+/// BasicRoundCone and Skeleton for where a lateral's radius begins).
 ///
 /// A flat base is that of a root with one child: what lies beyond the plane through the root across its
 /// segment is cut off within three radii of the root, of the segments that begin within as much along the
@@ -33,7 +34,7 @@ class ConeUnion {
     /// `origin` is that of the points that will be asked about; the skeleton may go afterwards. O(n log n).
     ConeUnion(const Skeleton& skeleton, Vec3d origin, EndShape base, EndShape tips, const Context& ctx = {});
 
-    /// Segments, and trees of one node; by their (child) node in `capsules().node(i)`.
+    /// Segments, and balls of roots; by their (child) node in `capsules().node(i)`.
     const CapsuleTree& capsules() const { return capsules_; }
 
     /// Whether solid i has p, given the foot of p on its axis; cuts are counted.

@@ -40,10 +40,12 @@ struct RingPlan {
 
 class Builder {
   public:
-    Builder(const Branches& branches, const Skeleton& skeleton, const ControlOptions& ends, double alpha,
-            const RamificationOptions& options, RamificationReport& report, const Context& ctx)
+    Builder(const Branches& branches, const Skeleton& skeleton, std::span<const NodeId> round_roots,
+            const ControlOptions& ends, double alpha, const RamificationOptions& options,
+            RamificationReport& report, const Context& ctx)
         : branches_(branches),
           skeleton_(skeleton),
+          round_roots_(round_roots),
           ends_(ends),
           alpha_(alpha),
           options_(options),
@@ -81,7 +83,8 @@ class Builder {
     End start_end(std::uint32_t b) const {
         if (branches_[b].parent != kNone) return End::none;
         const NodeId root = branches_.head(b);
-        const bool flat = ends_.base == BaseShape::flat && skeleton_.children(root).size() == 1;
+        const bool flat = ends_.base == BaseShape::flat && skeleton_.children(root).size() == 1 &&
+                          !std::ranges::binary_search(round_roots_, root.index(), {}, &NodeId::index);
         return flat ? End::flat : End::round;
     }
     End tip_end(std::uint32_t b) const {
@@ -465,6 +468,7 @@ class Builder {
 
     const Branches& branches_;
     const Skeleton& skeleton_;
+    std::span<const NodeId> round_roots_;
     const ControlOptions& ends_;
     const double alpha_;
     const RamificationOptions& options_;
@@ -477,10 +481,10 @@ class Builder {
 
 }  // namespace
 
-MainMesh build_main_mesh(const Branches& branches, const Skeleton& skeleton, const ControlOptions& ends,
-                         double alpha, const RamificationOptions& options, RamificationReport& report,
-                         const Context& ctx) {
-    return Builder(branches, skeleton, ends, alpha, options, report, ctx).build();
+MainMesh build_main_mesh(const Branches& branches, const Skeleton& skeleton,
+                         std::span<const NodeId> round_roots, const ControlOptions& ends, double alpha,
+                         const RamificationOptions& options, RamificationReport& report, const Context& ctx) {
+    return Builder(branches, skeleton, round_roots, ends, alpha, options, report, ctx).build();
 }
 
 }  // namespace coppice::ramification_internal

@@ -39,8 +39,8 @@ struct MainMesh {
 };
 
 /// Builds units and tubes of all branches.
-MainMesh build_main_mesh(const Branches& branches, const Skeleton& skeleton, const ControlOptions& ends,
-                         double alpha, const RamificationOptions& options, RamificationReport& report,
-                         const Context& ctx);
+MainMesh build_main_mesh(const Branches& branches, const Skeleton& skeleton,
+                         std::span<const NodeId> round_roots, const ControlOptions& ends, double alpha,
+                         const RamificationOptions& options, RamificationReport& report, const Context& ctx);
 
 }  // namespace coppice::ramification_internal

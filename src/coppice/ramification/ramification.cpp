@@ -34,7 +34,8 @@ class Timer {
 }  // namespace
 
 RamificationMesh build_ramifications(const Skeleton& skeleton, const ControlOptions& ends, int levels,
-                                     const RamificationOptions& options, const Context& ctx) {
+                                     const RamificationOptions& options, const Context& ctx,
+                                     std::span<const NodeId> round_roots) {
     check_fields(options, "ramifications");
     if (ends.base == BaseShape::open)
         throw InvalidInput("mesh: ramifications make closed surfaces only; choose base flat or round");
@@ -42,7 +43,8 @@ RamificationMesh build_ramifications(const Skeleton& skeleton, const ControlOpti
     Timer timer;
     const Branches branches(skeleton);
     report.branches = branches.count();
-    MainMesh main = build_main_mesh(branches, skeleton, ends, widening(levels), options, report, ctx);
+    MainMesh main =
+        build_main_mesh(branches, skeleton, round_roots, ends, widening(levels), options, report, ctx);
     main.control.cage.origin = skeleton.origin();
     report.connection_seconds = timer.lap();
     Subdivided subdivided(main, ctx);

@@ -87,8 +87,9 @@ struct RamificationMesh {
 ///
 /// Of `ends`, sides are always 4 and the base is never open.
 /// `levels` says for how many subdivisions in all branches are made wider. Throws InvalidInput for an open
-/// base. O(n log n); the same bits always.
+/// base. Trees end round at `round_roots` (ascending). O(n log n); the same bits always.
 RamificationMesh build_ramifications(const Skeleton& skeleton, const ControlOptions& ends, int levels,
-                                     const RamificationOptions& options = {}, const Context& ctx = {});
+                                     const RamificationOptions& options = {}, const Context& ctx = {},
+                                     std::span<const NodeId> round_roots = {});
 
 }  // namespace coppice

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "coppice/base/check_fields.h"
 #include "coppice/skeleton/chains_internal.h"
+#include "coppice/skeleton/segment_cone.h"
 #include "coppice/skeleton/simplify_chain.h"
 
 namespace coppice {
@@ -88,11 +90,26 @@ ResampleResult choose_nodes(const Skeleton& s, const ResampleOptions& options) {
     return {std::move(subset.skeleton), report, std::move(subset.new_of_old)};
 }
 
-/// Where new nodes come on a segment: a ring near either end if that end turns sharply, and even parts
-/// between.
-struct Rings {
+/// A node that comes on a segment.
+struct Ring {
+    double t;  ///< fraction of the length
+    double radius;
+};
+
+/// A part of a segment, cut into pieces of the same length in local radii.
+struct EvenRings {
     double first = 0, last = 1;  // fractions of the length
     std::uint32_t parts = 1;
+
+    /// Where piece i begins, on a segment whose radii at the ends have this ratio.
+    double begin(std::uint32_t i, double ratio) const {
+        const double share = static_cast<double>(i) / parts;
+        if (std::abs(ratio - 1) < kNoTaper) return first + (last - first) * share;
+        const double r0 = 1 + (ratio - 1) * first, r1 = 1 + (ratio - 1) * last;
+        return (r0 * std::pow(r1 / r0, share) - 1) / (ratio - 1);
+    }
+
+    static constexpr double kNoTaper = 1e-3;
 };
 
 class Splitter {
@@ -102,18 +119,10 @@ class Splitter {
         const double budget = 2.0 * s.size() + 10'000;
         double wanted = 0;
         for (const NodeId n : nodes(s)) {
-            if (s.is_root(n)) continue;
-            wanted += relative_length(n) / max_length_;
             sharp_[n.index()] = turns_sharply(n);
+            if (!s.is_root(n)) wanted += relative_length(n) / max_length_;
         }
         if (wanted > budget) max_length_ *= wanted / budget;
-    }
-
-    bool has_work() const {
-        for (const NodeId n : nodes(s_)) {
-            if (sharp_[n.index()] || (!s_.is_root(n) && relative_length(n) > max_length_)) return true;
-        }
-        return false;
     }
 
     /// `result` holds the skeleton that this splitter was made for.
@@ -134,11 +143,10 @@ class Splitter {
             };
             if (!s_.is_root(n)) {
                 const Segment g = s_.segment(n);
-                for_each_fraction(rings(n), [&](double t) {
-                    const auto f = static_cast<float>(t);
-                    add(lerp(g.a, g.b, f), (1 - f) * g.radius_a + f * g.radius_b);  // never below both
+                for (const Ring& ring : rings(n)) {
+                    add(lerp(g.a, g.b, static_cast<float>(ring.t)), static_cast<float>(ring.radius));
                     ++result.report.inserted;
-                });
+                }
             }
             add(s_.position(n), s_.radius(n));
             new_index[n.index()] = from;
@@ -148,41 +156,99 @@ class Splitter {
     }
 
   private:
+    // In local radii: the integral of 1 / radius along the segment.
     double relative_length(NodeId n) const {
         const Segment g = s_.segment(n);
-        return distance(Vec3d(g.a), Vec3d(g.b)) / (0.5 * (static_cast<double>(g.radius_a) + g.radius_b));
+        const double a = g.radius_a, ratio = g.radius_b / a;
+        const double mean = std::abs(ratio - 1) < EvenRings::kNoTaper ? 0.5 * a * (1 + ratio)
+                                                                      : a * (ratio - 1) / std::log(ratio);
+        return distance(Vec3d(g.a), Vec3d(g.b)) / mean;
     }
 
+    // So do branches that leave a ball or a root, where they part before the ring, and the surface about a
+    // tip: long faces before it would pull it back.
     bool turns_sharply(NodeId n) const {
+        constexpr double kLongBeforeTip = 12;                          // radii
+        if (o_.bend_angle >= std::numbers::pi_v<float>) return false;  // no rings are wanted
+        if (s_.is_root(n)) return s_.children(n).size() > 1 && (is_ball(s_, n) || parts_widely(n));
+        if (s_.is_tip(n)) return length_before_tip(n) > kLongBeforeTip * s_.radius(n);
         if (!is_chain_node(s_, n)) return false;
         const Vec3 in = s_.position(n) - s_.position(s_.parent(n));
         const Vec3 out = s_.position(s_.children(n).front()) - s_.position(n);
         return turn(Vec3d(in), Vec3d(out)) > o_.bend_angle;
     }
 
-    Rings rings(NodeId n) const {
+    // That of a tree of one segment has a node in the middle in any case: each end is a tube of its own.
+    double length_before_tip(NodeId n) const {
+        const double length = distance(s_.position(n), s_.position(s_.parent(n)));
+        return is_lone(n) ? length / 2 : length;
+    }
+    bool is_lone(NodeId tip) const {
+        const NodeId p = s_.parent(tip);
+        return s_.is_root(p) && s_.is_tip(tip) && s_.children(p).size() == 1;
+    }
+
+    // Whether all branches that leave a root do so at 67 degrees or more from each other.
+    bool parts_widely(NodeId root) const {
+        constexpr float kCosine = 0.39f;
+        const auto children = s_.children(root);
+        for (std::size_t i = 0; i < children.size(); ++i) {
+            for (std::size_t j = 0; j < i; ++j) {
+                const Vec3 a = s_.position(children[i]) - s_.position(root),
+                           b = s_.position(children[j]) - s_.position(root);
+                if (dot(a, b) > kCosine * length(a) * length(b)) return false;
+            }
+        }
+        return true;
+    }
+
+    std::vector<Ring> rings(NodeId n) const {
         const NodeId p = s_.parent(n);
         // A leader thicker than its parent would hand its lead to a sibling through a thinner node before it.
         if (s_.children(p).size() > 1 && s_.leader(p) == n && s_.radius(n) > s_.radius(p)) return {};
         const Segment g = s_.segment(n);
         const double l = distance(Vec3d(g.a), Vec3d(g.b));
-        const double near_a = static_cast<double>(o_.bend_spacing) * g.radius_a;
-        const double near_b = static_cast<double>(o_.bend_spacing) * g.radius_b;
-        Rings r;
-        if (2.5 * std::max(near_a, near_b) < l) {
-            if (sharp_[p.index()]) r.first = near_a / l;
-            if (sharp_[n.index()]) r.last = 1 - near_b / l;
-        }
-        r.parts = static_cast<std::uint32_t>(
-            std::clamp(std::ceil(relative_length(n) / max_length_ * (r.last - r.first)), 1.0, 1e7));
-        return r;
+        const EvenRings even = even_rings(n, g, l);
+        const double ratio = g.radius_b / static_cast<double>(g.radius_a);
+        const auto linear = [&](double t) {
+            return (1 - t) * g.radius_a + t * g.radius_b;
+        };  // never below both
+        // Where the leader comes out of a ball, the hull of the balls about its ends begins to be a cone.
+        const bool leaves_ball = s_.is_root(p) && s_.leader(p) == n && is_ball(s_, p) && even.first > 0;
+        const double sine = (g.radius_a - g.radius_b) / l;
+        const double outside = leaves_ball ? (g.radius_a - even.first * l * sine) / std::sqrt(1 - sine * sine)
+                                           : linear(even.first);
+        const auto radius = [&](double t) {
+            if (!leaves_ball) return linear(t);
+            const double share = (t - even.first) / (1 - even.first);
+            return (1 - share) * outside + share * g.radius_b;
+        };
+        std::vector<Ring> out;
+        const auto add = [&](double t) { out.push_back({t, radius(t)}); };
+        if (even.first > 0) add(even.first);
+        for (std::uint32_t i = 1; i < even.parts; ++i) add(even.begin(i, ratio));
+        if (even.last < 1) add(even.last);
+        return out;
     }
 
-    template <class Visit>
-    static void for_each_fraction(const Rings& r, const Visit& visit) {
-        if (r.first > 0) visit(r.first);
-        for (std::uint32_t i = 1; i < r.parts; ++i) visit(r.first + (r.last - r.first) * i / r.parts);
-        if (r.last < 1) visit(r.last);
+    EvenRings even_rings(NodeId n, const Segment& g, double length) const {
+        constexpr double kOutsideBall = 1.05;
+        const NodeId p = s_.parent(n);
+        const bool at_ball = s_.is_root(p) && is_ball(s_, p);
+        const float radius_a = s_.is_root(p) ? s_.radius(p) : g.radius_a;
+        const double near_a = (at_ball ? kOutsideBall : static_cast<double>(o_.bend_spacing)) * radius_a;
+        const double near_b = static_cast<double>(o_.bend_spacing) * g.radius_b;
+        EvenRings r;
+        if (2.5 * std::max(near_a, near_b) < length) {
+            if (sharp_[p.index()]) r.first = near_a / length;
+            if (sharp_[n.index()]) r.last = 1 - near_b / length;
+        } else if (at_ball && 1.25 * near_a < length) {
+            r.first = near_a / length;
+        }
+        const double least = r.last < 1 && is_lone(n) ? 2 : 1;
+        r.parts = static_cast<std::uint32_t>(
+            std::clamp(std::ceil(relative_length(n) / max_length_ * (r.last - r.first)), least, 1e7));
+        return r;
     }
 
     const Skeleton& s_;
@@ -198,8 +264,7 @@ ResampleResult resample(const Skeleton& skeleton, const ResampleOptions& options
     if (options.method == ResampleMethod::none) return {skeleton, {}, all_nodes(skeleton)};
     ResampleResult result = choose_nodes(skeleton, options);
     if (options.method == ResampleMethod::zhu) return result;
-    const Splitter splitter(result.skeleton, options);
-    if (splitter.has_work()) splitter.run(result);
+    Splitter(result.skeleton, options).run(result);
     return result;
 }
 

@@ -11,4 +11,13 @@ BasicRoundCone<T> round_cone(const Segment& s) {
     return round_cone(BasicVec3<T>(s.a), BasicVec3<T>(s.b), T{s.radius_a}, T{s.radius_b});
 }
 
+/// Whether a root is a ball that other segments leave, as somas are: it has several children, and the ball
+/// bulges out of the cone of its leader, whose radius runs steeply.
+inline bool is_ball(const Skeleton& s, NodeId root) {
+    constexpr float kSteep = 0.25f;
+    if (s.children(root).size() < 2) return false;
+    const NodeId c = s.leader(root);
+    return s.radius(root) - s.radius(c) > kSteep * distance(s.position(root), s.position(c));
+}
+
 }  // namespace coppice

@@ -107,7 +107,7 @@ float SegmentBuilder::extension(float option, float radius, float slope_outward)
 }
 
 SegmentConstants<float> SegmentBuilder::build(const Segment& s, Vec3 fallback, bool is_tip,
-                                              bool is_root) const {
+                                              RootEnd root) const {
     const float length = distance(s.a, s.b);
     const Vec3 u = length > 0 ? (s.b - s.a) / length : fallback;
     float radius = s.radius_a;
@@ -121,7 +121,9 @@ SegmentConstants<float> SegmentBuilder::build(const Segment& s, Vec3 fallback, b
         slope = std::copysign(static_cast<float>(kernel::ScalisKernel<float>::kMaxSlope), slope);
         if (slope < 0) radius = s.radius_b - slope * length;
     }
-    const float begin = is_root ? -extension(options_.root_extension, radius, -slope) : 0.0f;
+    float begin = 0;
+    if (root != RootEnd::none)
+        begin = -extension(root == RootEnd::base ? options_.root_extension : -1.0f, radius, -slope);
     const float end =
         length + (is_tip ? extension(options_.tip_extension, radius + slope * length, slope) : 0.0f);
     SegmentConstants<float> out{s.a.x, s.a.y, s.a.z,  u.x,    u.y,   u.z,

@@ -23,6 +23,13 @@ kernel::Sample<double> sample_segment(const KernelConstants& kernel,
                                       const kernel::SegmentConstants<double>& segment,
                                       kernel::Point<double> p);
 
+/// How a segment begins at a root.
+enum class RootEnd {
+    none,  ///< it does not, or another one has this end
+    base,  ///< as FieldOptions::root_extension says
+    round  ///< as at tips: other segments leave the root as well
+};
+
 /// Turns segments into constants, and knows how far a kernel's line has to go on beyond a tip.
 class SegmentBuilder {
   public:
@@ -43,7 +50,7 @@ class SegmentBuilder {
     /// `fallback` is the direction of a segment without length. Jumps in radius are made less steep where
     /// SCALIS needs it: at most 0.4, held at the thin end.
     kernel::SegmentConstants<float> build(const Segment& segment, Vec3 fallback, bool is_tip,
-                                          bool is_root) const;
+                                          RootEnd root) const;
 
     /// A ball of its own, for a tree of one node: a line of a twentieth radius with the weight that makes the
     /// value 1 at distance `radius`.

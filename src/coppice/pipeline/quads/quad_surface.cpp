@@ -184,7 +184,8 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     out.grafted = wrapped.grafted.report;
     out.parted = wrapped.parted.report;
     out.cage = stages.run("cage", 0.15f, [&] {
-        return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx);
+        return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx,
+                                  wrapped.parted.round_roots);
     });
     ConvolutionField field = stages.run("weights", 0.2f, [&] {
         return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
@@ -233,7 +234,7 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
     out.parted = wrapped.parted.report;
     RamificationMesh made = stages.run("cage", 0.15f, [&] {
         return build_ramifications(wrapped.tubes(), options.control, options.levels, options.ramification,
-                                   ctx);
+                                   ctx, wrapped.parted.round_roots);
     });
     out.ramified = made.report;
     // The field knows the tubes that the units were built of, the rows are those of what was made of them.
