@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "command.h"
 #include "coppice/base/sort.h"
@@ -8,6 +9,9 @@
 #include "coppice/io/mesh/solid_writer.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
+#include "coppice/measure/cone_union.h"
+#include "coppice/measure/union_volume.h"
+#include "coppice/mesh/shape.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
 #include "figures.h"
@@ -26,6 +30,7 @@ struct MeshFlags {
     ReadSkeletonOptions read;
     MeshWriteOptions write;
     bool constraint_edges = false;
+    bool strict = false;
 };
 
 bool makes_quads(MeshMethod method) {
@@ -151,6 +156,41 @@ PointSet load_constraints(Run& run, const MeshFlags& flags) {
     return load_points(run, flags.constraints, flags.read.up);
 }
 
+/// Whether the volume of a surface says how much of its skeleton it has.
+bool has_volume_of_skeleton(const MeshFlags& flags, const MeshResult& result) {
+    return flags.mesh.method != MeshMethod::cylinders && flags.mesh.control.base != BaseShape::open &&
+           flags.original.empty() && !result.bent_apart;
+}
+
+/// Holds the volume of the surface against that of the union of the skeleton's rounded cones, and warns
+/// where a tenth is missing or too much. Returns whether it warned.
+bool tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result) {
+    constexpr UnionVolumeOptions kCoarsely{.tolerance = 5e-3, .most_samples = 1 << 16};
+    constexpr double kMostOff = 0.1;
+    const ControlOptions& ends = flags.mesh.control;
+    const auto [enclosed, cones] = run.stage("volume", [&](const Context& ctx) {
+        const ConeUnion solid(skeleton, skeleton.origin(),
+                              ends.base == BaseShape::round ? EndShape::round : EndShape::flat,
+                              ends.tips == TipShape::round ? EndShape::round : EndShape::flat, ctx);
+        const ShapeReport surface = makes_quads(flags.mesh.method) ? shape(result.quads().mesh, ctx)
+                                                                   : shape(to_polygons(result), ctx);
+        return std::pair{surface.signed_volume, union_volume(solid, kCoarsely, {}, ctx)};
+    });
+    const double ratio = enclosed / cones.total;
+    Figures volume;
+    volume["mesh"] = enclosed;
+    volume["cones"] = cones.total;
+    volume["error"] = cones.error;
+    volume["ratio"] = ratio;
+    run.counts()["volume"] = std::move(volume);
+    if (std::abs(ratio - 1) <= kMostOff + cones.error / cones.total) return false;
+    run.warn(fmt::format(
+        "the surface has {:.1f} % of the volume of the skeleton's rounded cones; coppice check MESH "
+        "--skeleton '{}' says where they differ",
+        100 * ratio, flags.skeleton.string()));
+    return true;
+}
+
 ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     check_flags(flags);
     check_given(given, flags.mesh);
@@ -171,10 +211,12 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) report_weights(run.counts(), *result.weights);
+    const bool is_off =
+        has_volume_of_skeleton(flags, result) && tell_volume(run, flags, file.skeleton, result);
     const std::string figures = count_surface(run, result);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()), figures, restored));
-    return kDone;
+    return flags.strict && is_off ? kCheckFailed : kDone;
 }
 
 }  // namespace
@@ -215,6 +257,9 @@ Command mesh_command() {
     options.output("--offsets", "FILE", flags->offsets,
                    "also write how far --restore moved each vertex along its normal, in metres, line by line",
                    {.common = false});
+    options.flag("--strict", flags->strict,
+                 "exit with 1 where the surface has over 10 % more or less volume than the skeleton's cones",
+                 {.common = false});
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");
