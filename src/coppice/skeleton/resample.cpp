@@ -188,10 +188,13 @@ class Splitter {
         return s_.is_root(p) && s_.is_tip(tip) && s_.children(p).size() == 1;
     }
 
-    // Whether all branches that leave a root do so at 67 degrees or more from each other.
+    // Whether all branches that leave a root do so at 67 degrees or more from each other: of some dozen, some
+    // do not.
     bool parts_widely(NodeId root) const {
         constexpr float kCosine = 0.39f;
+        constexpr std::size_t kMost = 16;
         const auto children = s_.children(root);
+        if (children.size() > kMost) return false;
         for (std::size_t i = 0; i < children.size(); ++i) {
             for (std::size_t j = 0; j < i; ++j) {
                 const Vec3 a = s_.position(children[i]) - s_.position(root),
@@ -210,9 +213,8 @@ class Splitter {
         const double l = distance(Vec3d(g.a), Vec3d(g.b));
         const EvenRings even = even_rings(n, g, l);
         const double ratio = g.radius_b / static_cast<double>(g.radius_a);
-        const auto linear = [&](double t) {
-            return (1 - t) * g.radius_a + t * g.radius_b;
-        };  // never below both
+        // In this form it is never below both.
+        const auto linear = [&](double t) { return (1 - t) * g.radius_a + t * g.radius_b; };
         // Where the leader comes out of a ball, the hull of the balls about its ends begins to be a cone.
         const bool leaves_ball = s_.is_root(p) && s_.leader(p) == n && is_ball(s_, p) && even.first > 0;
         const double sine = (g.radius_a - g.radius_b) / l;
