@@ -12,6 +12,7 @@
 #include "coppice/measure/cone_union.h"
 #include "coppice/measure/union_volume.h"
 #include "coppice/mesh/shape.h"
+#include "coppice/pipeline/end_shapes.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
 #include "figures.h"
@@ -162,28 +163,40 @@ bool has_volume_of_skeleton(const MeshFlags& flags, const MeshResult& result) {
            flags.original.empty() && !result.bent_apart;
 }
 
-/// Holds the volume of the surface against that of the union of the skeleton's rounded cones, and warns
-/// where a tenth is missing or too much. Returns whether it warned.
-bool tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result) {
+/// The volume of a surface and of the union of its skeleton's rounded cones.
+struct Volumes {
+    double mesh, cones;  ///< [m^3]
+    double error;        ///< [m^3] of `cones`, two standard errors
+};
+
+Volumes measure_volumes(const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result,
+                        const Context& ctx) {
     constexpr UnionVolumeOptions kCoarsely{.tolerance = 5e-3, .most_samples = 1 << 16};
-    constexpr double kMostOff = 0.1;
     const ControlOptions& ends = flags.mesh.control;
-    const auto [enclosed, cones] = run.stage("volume", [&](const Context& ctx) {
-        const ConeUnion solid(skeleton, skeleton.origin(),
-                              ends.base == BaseShape::round ? EndShape::round : EndShape::flat,
-                              ends.tips == TipShape::round ? EndShape::round : EndShape::flat, ctx);
-        const ShapeReport surface = makes_quads(flags.mesh.method) ? shape(result.quads().mesh, ctx)
-                                                                   : shape(to_polygons(result), ctx);
-        return std::pair{surface.signed_volume, union_volume(solid, kCoarsely, {}, ctx)};
-    });
-    const double ratio = enclosed / cones.total;
+    const ConeUnion solid(skeleton, skeleton.origin(), base_end(ends), tip_end(ends), ctx);
+    const UnionVolume cones = union_volume(solid, kCoarsely, {}, ctx);
+    const ShapeReport surface =
+        makes_quads(flags.mesh.method) ? shape(result.quads().mesh, ctx) : shape(to_polygons(result), ctx);
+    return {surface.signed_volume, cones.total, cones.error};
+}
+
+/// Compares the volume of the surface with that of the union of the skeleton's rounded cones, and warns where
+/// more than a tenth is missing or too much. Returns whether it warned.
+bool tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result) {
+    constexpr double kMaxDeviation = 0.1;
+    const Volumes found = result.fitted
+                              ? Volumes{result.fitted->after, result.fitted->cones, result.fitted->error}
+                              : run.stage("volume", [&](const Context& ctx) {
+                                    return measure_volumes(flags, skeleton, result, ctx);
+                                });
+    const double ratio = found.mesh / found.cones;
     Figures volume;
-    volume["mesh"] = enclosed;
-    volume["cones"] = cones.total;
-    volume["error"] = cones.error;
+    volume["mesh"] = found.mesh;
+    volume["cones"] = found.cones;
+    volume["error"] = found.error;
     volume["ratio"] = ratio;
     run.counts()["volume"] = std::move(volume);
-    if (std::abs(ratio - 1) <= kMostOff + cones.error / cones.total) return false;
+    if (std::abs(ratio - 1) <= kMaxDeviation + found.error / found.cones) return false;
     run.warn(fmt::format(
         "the surface has {:.1f} % of the volume of the skeleton's rounded cones; coppice check MESH "
         "--skeleton '{}' says where they differ",

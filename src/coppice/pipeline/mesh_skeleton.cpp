@@ -5,6 +5,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/field/list_kernel.h"
+#include "coppice/pipeline/end_shapes.h"
 #include "coppice/pipeline/fit/fit_volume_internal.h"
 #include "coppice/pipeline/fit/kept_quads_internal.h"
 #include "coppice/pipeline/quads/quad_origin_internal.h"
@@ -26,13 +27,6 @@ CylinderMesh mesh_by_cylinders(const Skeleton& prepared, const MeshOptions& opti
                                 .tips = options.control.tips,
                                 .base = options.control.base};
     return stages.run("cylinders", 1.0f, [&] { return cylinders(prepared, tubes, ctx); });
-}
-
-EndShape base_end(const ControlOptions& o) {
-    return o.base == BaseShape::round ? EndShape::round : EndShape::flat;
-}
-EndShape tip_end(const ControlOptions& o) {
-    return o.tips == TipShape::round ? EndShape::round : EndShape::flat;
 }
 
 // Fits what was made; `rows` go with quads, but not with ramifications.

@@ -192,9 +192,9 @@ class Splitter {
     // do not.
     bool parts_widely(NodeId root) const {
         constexpr float kCosine = 0.39f;
-        constexpr std::size_t kMost = 16;
+        constexpr std::size_t kMaxChildren = 16;
         const auto children = s_.children(root);
-        if (children.size() > kMost) return false;
+        if (children.size() > kMaxChildren) return false;
         for (std::size_t i = 0; i < children.size(); ++i) {
             for (std::size_t j = 0; j < i; ++j) {
                 const Vec3 a = s_.position(children[i]) - s_.position(root),

@@ -130,8 +130,8 @@ void fill_rivals(Exec& exec, const ContactTables& tables, const ContactGeometry&
                              crowded.first(1),
                              crowded.subspan(1)};
     exec.each("find rivals", regions + 1, FindRivals{search});
-    constexpr std::size_t kMostGroups = 1024, kShare = 16;
-    const std::size_t groups = std::min(kMostGroups, regions / kShare + 1);
+    constexpr std::size_t kMaxGroups = 1024, kShare = 16;
+    const std::size_t groups = std::min(kMaxGroups, regions / kShare + 1);
     exec.groups("find crowded rivals", groups,
                 FindCrowdedRivals{search, static_cast<std::uint32_t>(groups),
                                   exec.template array<FindCrowdedRivals::Room>(groups)});
