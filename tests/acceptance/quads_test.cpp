@@ -65,13 +65,23 @@ void expect_same_bits(const Skeleton& skeleton) {
     }
 }
 
-SurfaceReport judge(const Skeleton& skeleton) {
-    return check_surface(to_polygons(mesh_skeleton(skeleton).quads().mesh), &skeleton);
+SurfaceReport judge(const Skeleton& skeleton, const MeshOptions& options = {}) {
+    return check_surface(to_polygons(mesh_skeleton(skeleton, options).quads().mesh), &skeleton);
+}
+
+/// Vertices at the radius instead of rings with the area of their circles.
+MeshOptions at_radius() {
+    MeshOptions options;
+    options.field.radius_scale = 1;
+    return options;
 }
 
 /// What a tree whose branches keep clear of each other must reach.
 void expect_faithful(const Skeleton& skeleton) {
-    const SurfaceReport r = judge(skeleton);
+    const double ratio = judge(skeleton).volume->ratio();
+    EXPECT_GT(ratio, 0.99);
+    EXPECT_LT(ratio, 1.01);
+    const SurfaceReport r = judge(skeleton, at_radius());
     EXPECT_EQ(r.intersections->total, 0u);
     EXPECT_LE(r.radius->regular.mean_abs, 0.010);
     EXPECT_LE(std::abs(r.radius->regular.mean), 0.004);
@@ -155,7 +165,7 @@ TEST(Acceptance, FlatEndsAreDiscsAsWideAsTheBranch) {
             for (const int levels : {1, 2, 3}) {
                 SCOPED_TRACE(std::to_string(s.size()) + " nodes, " + std::to_string(sides) +
                              " sides, level " + std::to_string(levels));
-                MeshOptions options;
+                MeshOptions options = at_radius();
                 options.levels = levels;
                 options.control = {.sides = sides, .tips = TipShape::flat, .base = BaseShape::flat};
                 const QuadSurface result = mesh_skeleton(s, options).quads();

@@ -229,6 +229,20 @@ TEST(ConvolutionField, TheSurfaceEndsOneRadiusBeyondTips) {
     }
 }
 
+TEST(ConvolutionField, AScaleWidensBranchesButTipsReachAsFar) {
+    for (const Kernel k : {Kernel::quartic, Kernel::scalis}) {
+        for (const float scale : {0.9f, 1.013f, 1.25f}) {
+            const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 0.8f});
+            FieldOptions options = with_kernel(k);
+            options.radius_scale = scale;
+            const ConvolutionField field(s, options);
+            EXPECT_NEAR(reach(field, {0, 0, 5}, {1, 0, 0}, 1), 0.9f * scale, 0.012f)
+                << name_of(k) << ' ' << scale;
+            EXPECT_NEAR(reach(field, {0, 0, 10}, {0, 0, 1}, 0.8f), 0.8f, 0.05f) << name_of(k) << ' ' << scale;
+        }
+    }
+}
+
 TEST(ConvolutionField, RootsAreAsThickAsTheirRadiusSaysWhereABaseIsCut) {
     const Skeleton s({NodeId{}, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {1, 0.9f});
     for (const auto& [kernel, tolerance] :

@@ -137,5 +137,25 @@ TEST(UnionVolume, Stops) {
     EXPECT_THROW(union_volume(solid, {}, {}, {.stop = stop.get_token()}), Cancelled);
 }
 
+TEST(EstimateUnionVolume, AgreesWithTheMeasuredVolume) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        const ConeUnion solid(skeleton, skeleton.origin(), EndShape::flat, EndShape::round);
+        const UnionVolume measured = union_volume(solid, {});
+        const VolumeEstimate estimate = estimate_union_volume(solid, 1 << 15);
+        EXPECT_NEAR(estimate.volume, measured.total, 2 * (measured.error + estimate.error));
+        EXPECT_LE(estimate.error, 0.02 * measured.total);
+        const VolumeEstimate again = estimate_union_volume(solid, 1 << 15, {.threads = 1});
+        EXPECT_EQ(again.volume, estimate.volume);
+        EXPECT_EQ(again.error, estimate.error);
+    }
+}
+
+TEST(EstimateUnionVolume, OfOneConeIsExact) {
+    const ConeUnion cone(segment({0, 5, 0}, 1, 2), {}, EndShape::round, EndShape::round);
+    EXPECT_NEAR(estimate_union_volume(cone, 1000).volume, kPi * 5 / 3 * (1 + 2 + 4) + 2 * kPi / 3 * (1 + 8),
+                1e-9);
+}
+
 }  // namespace
 }  // namespace coppice

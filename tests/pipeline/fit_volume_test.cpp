@@ -65,6 +65,7 @@ TEST(FitVolume, ACylinderGetsTheAreaOfItsCircle) {
 
 TEST(FitVolume, FlatEndsStayFlat) {
     MeshOptions options;
+    options.field.radius_scale = 1;  // so that there is something to do
     options.control.tips = TipShape::flat;
     const MeshResult before = mesh_skeleton(pole(), options);
     options.fit = Fit::volume;

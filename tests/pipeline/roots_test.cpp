@@ -39,8 +39,8 @@ TEST(Roots, OfTwoBranchesHaveTheirJoint) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, ratio " + std::to_string(ratio));
             const VolumeReport report = volume_of(fork_at_root(degrees, ratio));
             EXPECT_LT(report.missing_percent(), 0.01);
-            EXPECT_GT(report.ratio(), 0.94);
-            EXPECT_LT(report.ratio(), 1.02);
+            EXPECT_GT(report.ratio(), 0.96);
+            EXPECT_LT(report.ratio(), 1.05);  // the crotch is webbed
         }
     }
 }
@@ -72,8 +72,8 @@ TEST(Roots, AreBallsWhereTheyAreMuchThickerThanWhatLeavesThem) {
         const Skeleton s = ball(directions);
         const VolumeReport report = volume_of(s);
         EXPECT_LT(report.missing_percent(), 0.1);
-        EXPECT_GT(report.ratio(), 0.92);
-        EXPECT_LT(report.ratio(), 1.02);
+        EXPECT_GT(report.ratio(), 0.95);
+        EXPECT_LT(report.ratio(), 1.05);  // a ball of many faces needs less to make up for their flatness
         // The far side of the ball from every branch's tip is there.
         const double ball_alone = 4.0 / 3 * std::numbers::pi * 27;
         EXPECT_GT(report.cones, ball_alone);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "command.h"
@@ -13,6 +14,7 @@
 #include "coppice/measure/union_volume.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/end_shapes.h"
+#include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
 #include "figures.h"
@@ -30,6 +32,7 @@ struct MeshFlags {
     RestoreOptions restore;
     ReadSkeletonOptions read;
     MeshWriteOptions write;
+    int faces = 0;
     bool constraint_edges = false;
     bool strict = false;
 };
@@ -76,7 +79,7 @@ void check_flags(const MeshFlags& flags) {
 }
 
 /// Options that would do nothing.
-void check_given(const GivenOptions& given, const MeshOptions& mesh) {
+void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
     const auto has = [&](std::string_view name) {
         return std::ranges::any_of(given, [&](const Option* o) { return o->name == name; });
     };
@@ -89,6 +92,7 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh) {
         throw UsageError("--tetra-base is for tetrahedra; add --method tetrahedra");
     if (has("--device") && mesh.method == MeshMethod::cylinders)
         throw UsageError("--device is for surfaces of a field; leave it out with --method cylinders");
+    if (faces > 0 && has("--levels")) throw UsageError("--faces chooses the levels; leave --levels out");
     if (has("--tetra-levels") && mesh.tetra.base == TetraBase::polyhedron)
         throw UsageError(
             "--tetra-levels is for an octree; with --tetra-base polyhedron --edge says how often it is cut");
@@ -171,13 +175,13 @@ struct Volumes {
 
 Volumes measure_volumes(const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result,
                         const Context& ctx) {
-    constexpr UnionVolumeOptions kCoarsely{.tolerance = 5e-3, .most_samples = 1 << 16};
+    constexpr std::uint64_t kSamples = 1 << 15;
     const ControlOptions& ends = flags.mesh.control;
     const ConeUnion solid(skeleton, skeleton.origin(), base_end(ends), tip_end(ends), ctx);
-    const UnionVolume cones = union_volume(solid, kCoarsely, {}, ctx);
-    const ShapeReport surface =
-        makes_quads(flags.mesh.method) ? shape(result.quads().mesh, ctx) : shape(to_polygons(result), ctx);
-    return {surface.signed_volume, cones.total, cones.error};
+    const VolumeEstimate cones = estimate_union_volume(solid, kSamples, ctx);
+    const double surface = makes_quads(flags.mesh.method) ? signed_volume(result.quads().mesh, ctx)
+                                                          : signed_volume(to_polygons(result), ctx);
+    return {surface, cones.volume, cones.error};
 }
 
 /// Compares the volume of the surface with that of the union of the skeleton's rounded cones, and warns where
@@ -204,17 +208,93 @@ bool tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton, con
     return true;
 }
 
+/// A surface of about so many faces, and how that was planned.
+struct PlannedMesh {
+    FaceBudget budget;
+    MeshResult result;
+};
+
+PlannedMesh mesh_with_faces(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
+                            const PointSet& constraints) {
+    const auto make = [&](std::uint64_t faces) {
+        FaceBudget budget = run.stage(
+            "plan", [&](const Context& ctx) { return plan_faces(skeleton, flags.mesh, faces, ctx); });
+        MeshResult result = run.stage("mesh", [&](const Context& ctx) {
+            return mesh_skeleton(budget.skeleton, constraints, budget.options, ctx);
+        });
+        return PlannedMesh{std::move(budget), std::move(result)};
+    };
+    // Where quads are remeshed, their number changes, by more the nearer rings stand; further plans allow for
+    // it.
+    constexpr double kFar = 0.03;
+    constexpr int kPlans = 6;
+    const double wanted = flags.faces;
+    const auto faces_of = [](const PlannedMesh& m) {
+        return static_cast<double>(m.result.quads().mesh.quads.size());
+    };
+    const auto off = [&](const PlannedMesh& m) { return std::abs(faces_of(m) / wanted - 1); };
+    std::array<double, 2> low{1, 1}, high{0, 0};  // planned and made, below and above what is wanted
+    PlannedMesh best = make(static_cast<std::uint64_t>(flags.faces));
+    double goal = wanted, made = faces_of(best);
+    for (int plan = 1; plan < kPlans && off(best) > kFar; ++plan) {
+        (made < wanted ? low : high) = {goal, made};
+        // By a power of what is planned.
+        goal =
+            high[0] > 0 && low[0] > 1
+                ? low[0] * std::pow(high[0] / low[0], std::log(wanted / low[1]) / std::log(high[1] / low[1]))
+                : goal * wanted / made;
+        PlannedMesh next = make(std::max<std::uint64_t>(100, static_cast<std::uint64_t>(goal)));
+        made = faces_of(next);
+        if (off(next) < off(best)) best = std::move(next);
+    }
+    return best;
+}
+
+/// Counts what was planned, and returns what to say of it.
+std::string tell_plan(Run& run, const MeshFlags& flags, const PlannedMesh& made) {
+    const FaceBudget& budget = made.budget;
+    Figures figures;
+    figures["wanted"] = flags.faces;
+    figures["levels"] = budget.options.levels;
+    figures["axes"] = budget.axes;
+    figures["dropped_axes"] = budget.dropped;
+    figures["dropped_silhouette"] = budget.dropped_silhouette;
+    run.counts()["faces"] = std::move(figures);
+    constexpr double kFar = 0.05;
+    const std::size_t faces = made.result.quads().mesh.quads.size();
+    if (std::abs(static_cast<double>(faces) / flags.faces - 1) > kFar) {
+        run.warn(
+            fmt::format("the surface has {} faces instead of {}: no choice of levels, rings and "
+                        "branches comes nearer",
+                        grouped(faces), grouped(flags.faces)));
+    }
+    return fmt::format("; level {}, {} of {} axes, without {:.1f} % of the silhouette", budget.options.levels,
+                       grouped(budget.axes - budget.dropped), grouped(budget.axes),
+                       100 * budget.dropped_silhouette);
+}
+
+MeshResult make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
+                        const PointSet& constraints, std::string& planned) {
+    if (flags.faces > 0) {
+        PlannedMesh made = mesh_with_faces(run, flags, skeleton, constraints);
+        planned = tell_plan(run, flags, made);
+        return std::move(made.result);
+    }
+    return run.stage("mesh", [&](const Context& ctx) {
+        return flags.volume.empty() ? mesh_skeleton(skeleton, constraints, flags.mesh, ctx)
+                                    : mesh_solid(skeleton, constraints, flags.mesh, ctx);
+    });
+}
+
 ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     check_flags(flags);
-    check_given(given, flags.mesh);
+    check_given(given, flags.mesh, flags.faces);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
-    MeshResult result = run.stage("mesh", [&](const Context& ctx) {
-        return flags.volume.empty() ? mesh_skeleton(file.skeleton, constraints, flags.mesh, ctx)
-                                    : mesh_solid(file.skeleton, constraints, flags.mesh, ctx);
-    });
+    std::string planned;
+    MeshResult result = make_surface(run, flags, file.skeleton, constraints, planned);
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
@@ -227,8 +307,9 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     const bool is_off =
         has_volume_of_skeleton(flags, result) && tell_volume(run, flags, file.skeleton, result);
     const std::string figures = count_surface(run, result);
-    run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}", flags.skeleton.string(),
-                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, restored));
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}", flags.skeleton.string(),
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, planned,
+                           restored));
     return flags.strict && is_off ? kCheckFailed : kDone;
 }
 
@@ -255,7 +336,8 @@ Command mesh_command() {
     options.outputs("-o,--output", "MESH", flags->outputs,
                     "Mesh to write (.ply, .obj, .glb, .stl, .usda); may be repeated");
     options.output("--cage", "FILE", flags->cage,
-                   "Also write the control cage, for subdivision in other programs (.usda)");
+                   "also write the control cage, for subdivision in other programs (.usda)",
+                   {.common = false});
     options.output("--volume", "FILE", flags->volume,
                    "also write the tetrahedra inside, for finite elements (.vtu, .msh)", {.common = false});
     options.file("--constraints", "POINTS", flags->constraints,
@@ -273,6 +355,13 @@ Command mesh_command() {
     options.flag("--strict", flags->strict,
                  "exit with 1 where the surface has over 10 % more or less volume than the skeleton's cones",
                  {.common = false});
+    options.value(
+        {common_field("faces",
+                      "Number of faces of the surface, within 5 %: chooses the levels, how far rings "
+                      "are apart, and which branches are drawn; 0 = whatever it has",
+                      Unit::none, 0, 1e8),
+         &flags->faces},
+        "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");

@@ -7,6 +7,7 @@
 
 #include "coppice/base/parallel.h"
 #include "coppice/cage/hub_internal.h"
+#include "coppice/cage/openings_internal.h"
 #include "coppice/cage/sides_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 
@@ -16,6 +17,7 @@ namespace {
 using cage_internal::Branch;
 using cage_internal::Frame;
 using cage_internal::Hub;
+using cage_internal::Openings;
 using cage_internal::QuadKind;
 using cage_internal::Ring;
 
@@ -79,6 +81,18 @@ class CageBuilder {
         const Segment seg = s_.segment(c);
         return {normalized(seg.b - seg.a), seg.radius_a, distance(seg.a, seg.b)};
     }
+    // Those to the children, in their order, and then that to the parent.
+    std::vector<Branch> branches(NodeId n) const {
+        std::vector<Branch> out;
+        out.reserve(degree(n));
+        for (const NodeId c : s_.children(n)) out.push_back(branch_to_child(c));
+        if (!s_.is_root(n)) out.push_back(branch_to_parent(n));
+        return out;
+    }
+    std::uint32_t number_among_siblings(NodeId c) const {
+        const auto siblings = s_.children(s_.parent(c));
+        return static_cast<std::uint32_t>(std::find(siblings.begin(), siblings.end(), c) - siblings.begin());
+    }
 
     void make_hubs() {
         std::vector<NodeId> branching;
@@ -87,15 +101,45 @@ class CageBuilder {
             branching.push_back(n);
             at(n).hub = static_cast<std::uint32_t>(branching.size());
         }
+        std::vector<std::optional<Openings>> plan(branching.size());
+        parallel_for(ctx_, branching.size(), kCageGrain, [&](std::size_t i) {
+            const NodeId n = branching[i];
+            if (s_.is_root(n)) return;
+            const auto children = static_cast<std::uint32_t>(s_.children(n).size());
+            plan[i] = Openings::plan(branches(n), children, number_among_siblings(s_.leader(n)));
+        });
         hub_.resize(branching.size());
-        parallel_for(ctx_, branching.size(), kCageGrain,
-                     [&](std::size_t i) { hub_[i] = make_hub(branching[i]); });
+        parallel_for(ctx_, branching.size(), kCageGrain, [&](std::size_t i) {
+            std::optional<Hub> openings;
+            if (plan[i]) openings = plan[i]->build(rooms(branching[i], plan));
+            hub_[i] = openings ? std::move(*openings) : make_hub(branching[i]);
+        });
+    }
+
+    // [m] How much of each branch the hub of a node may take, beside that at the other end.
+    std::vector<float> rooms(NodeId n, std::span<const std::optional<Openings>> plan) const {
+        std::vector<float> out;
+        for (const NodeId c : s_.children(n)) {
+            const auto stem = static_cast<std::uint32_t>(s_.children(c).size());
+            out.push_back(room(branch_to_child(c).length, c, stem, plan));
+        }
+        out.push_back(room(branch_to_parent(n).length, s_.parent(n), number_among_siblings(n), plan));
+        return out;
+    }
+    float room(float length, NodeId other_end, std::uint32_t branch,
+               std::span<const std::optional<Openings>> plan) const {
+        constexpr float kOfHub = 1.2f;   // [radii]
+        constexpr float kLeast = 0.15f;  // of the length
+        float taken = kLeast * length;
+        if (const std::uint32_t hub = node_[other_end.index()].hub; hub > 0) {
+            taken = plan[hub - 1] ? plan[hub - 1]->reach(branch)
+                                  : std::min(kOfHub * s_.radius(other_end), 0.5f * length);
+        }
+        return length - taken;
     }
 
     Hub make_hub(NodeId n) const {
-        std::vector<Branch> branch;
-        branch.reserve(degree(n));
-        for (const NodeId c : s_.children(n)) branch.push_back(branch_to_child(c));
+        std::vector<Branch> branch = branches(n);
         const auto straightest_from = [&](std::uint32_t from, std::size_t count) {
             std::uint32_t best = from == 0 ? 1 : 0;
             for (std::uint32_t i = 0; i < count; ++i) {
@@ -106,16 +150,10 @@ class CageBuilder {
             }
             return best;
         };
-        const auto children = static_cast<std::uint32_t>(branch.size());
-        auto stem = children;
-        if (s_.is_root(n)) {
-            stem = static_cast<std::uint32_t>(
-                std::find(s_.children(n).begin(), s_.children(n).end(), s_.leader(n)) -
-                s_.children(n).begin());
-        } else {
-            branch.push_back(branch_to_parent(n));
-        }
-        const auto leader = straightest_from(stem, children);
+        const std::size_t children = s_.children(n).size();
+        const std::uint32_t stem =
+            s_.is_root(n) ? number_among_siblings(s_.leader(n)) : static_cast<std::uint32_t>(children);
+        const std::uint32_t leader = straightest_from(stem, children);
         const bool of_root = s_.is_root(n) || is_round_root(s_.parent(n));
         if (!of_root || !is_ball(s_, n)) return cage_internal::build_hub(branch, stem, leader);
         // Branches have a like share of a ball, however thin they are.
@@ -131,6 +169,7 @@ class CageBuilder {
     }
     std::uint32_t quad_count(NodeId n) {
         const std::uint32_t tube = s_.is_root(n) ? 0 : 4;
+        if (degree(n) > 2) return tube + static_cast<std::uint32_t>(hub_[at(n).hub - 1].quads.size());
         if (degree(n) == 0) return 6;
         if (degree(n) == 1) return tube + (is_open(n) ? 0 : is_flat(n) ? kFlatEndQuads : 1);
         return tube;
@@ -208,12 +247,16 @@ class CageBuilder {
         const Hub& hub = hub_[at(n).hub - 1];
         const std::uint32_t first = at(n).first_vertex;
         for (std::uint32_t v = 0; v < hub.position.size(); ++v) {
-            set_vertex(first + v, s_.position(n) + hub.position[v], s_.position(n));
+            const Vec3 anchor = hub.anchor.empty() ? Vec3{} : hub.anchor[v];
+            set_vertex(first + v, s_.position(n) + hub.position[v], s_.position(n) + anchor);
         }
         const auto shifted = [&](Ring r) {
             for (auto& v : r) v += first;
             return r;
         };
+        const std::uint32_t first_quad = at(n).first_quad + (s_.is_root(n) ? 0 : 4);
+        for (std::uint32_t q = 0; q < hub.quads.size(); ++q)
+            set_quad(first_quad + q, shifted(hub.quads[q]), n, QuadKind::face, TubePart::fork);
         const auto children = s_.children(n);
         for (std::size_t i = 0; i < children.size(); ++i) at(children[i]).upper = shifted(hub.cell[i]);
         if (!s_.is_root(n)) at(n).lower = reversed(shifted(hub.cell.back()));

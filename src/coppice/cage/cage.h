@@ -44,10 +44,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// every skeleton, one sphere per tree, in O(n) and in parallel.
 ///
 /// A tube of four quads (or `sides`) wraps every segment. At a node where two segments meet they share a ring
-/// of four vertices; at a branch node the directions about the node are divided into one cell of four corners
-/// per segment, and a cell is the ring with which its tube begins. The cells of stem and leader share a ring;
-/// every lateral opens one of the corners that are there, so that the node adds no faces of its own (a
-/// scaffold [FuentesSuarez2018]: a fork has two poles of valence 6, nothing else irregular).
+/// of four vertices. At a branch node whose leader continues the stem, rings stand across both, below and
+/// above the laterals, and each of these leaves through one of the four faces between them: it has four
+/// vertices of valence 5, and rows of quads run straight past it. At other branch nodes, and where there is
+/// no room for that, the directions about the node are divided into one cell of four corners per segment, and
+/// a cell is the ring with which its tube begins. The cells of stem and leader share a ring; every lateral
+/// opens one of the corners that are there, so that the node adds no faces of its own (a scaffold
+/// [FuentesSuarez2018]: a fork has two poles of valence 6, nothing else irregular).
 ///
 /// Round ends are closed by one quad beyond the end node. A flat end lies in the plane through its node
 /// across the branch: a ring of quads from the rim inward and one within (a clip plane names them). An open

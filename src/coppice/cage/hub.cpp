@@ -52,7 +52,7 @@ class HubBuilder {
         }
         even_out(division_, cones, kEvenings);
         for (Vec3& corner : division_.corner) corner *= exit_distance(corner);
-        return {std::move(division_.corner), std::move(division_.cell)};
+        return {std::move(division_.corner), {}, {}, std::move(division_.cell)};
     }
 
   private:

@@ -17,6 +17,8 @@ struct Branch {
 /// The cage about one branch node: vertices, and the ring with which each branch starts.
 struct Hub {
     std::vector<Vec3> position;  ///< [m] relative to the node
+    std::vector<Vec3> anchor;    ///< [m] as well; the node itself for all where there are none
+    std::vector<Ring> quads;     ///< between the cells
     std::vector<Ring> cell;      ///< per branch: counter-clockwise about its direction; local vertex numbers
 };
 

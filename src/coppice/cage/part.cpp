@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "coppice/base/kernel/fast_atan2.h"
+#include "coppice/cage/openings_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
@@ -357,6 +358,9 @@ class Parting {
             by = sum * (room_to_shift(n, sum / static_cast<float>(count)) / static_cast<float>(count));
         if (!at(n).parent) return shift_root(n, by);
         if (count == 0) return;
+        // A stem that goes on stays straight.
+        const Vec3 in = normalized(at(n).position - at(at(n).parent).position);
+        if (dot(in, a.direction) > cage_internal::kGoesOn) by = a.direction * dot(by, a.direction);
         if (turns(n, by)) {
             push_ahead(n, by);
         } else {

@@ -48,6 +48,8 @@ struct FieldOptions {
     float contact =
         1.6f;  ///< branches that would pass through each other stop where the other's value times this is
                ///< above theirs; greater leaves a wider gap; 0 = off: they blend where they are connected
+    float radius_scale =
+        0;  ///< of all radii, while round ends reach as far as without it; 0 = 1, or as the surface needs it
     Weights weights = Weights::local;  ///< global takes blend for 1
     int constraint_density = 12;       ///< points per segment, on average, that global weights are fitted to
     int weight_averaging = 0;  ///< times that global weights become the mean of theirs and adjacent ones
@@ -82,6 +84,12 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"contact", "how strongly branches that would cross push each other back; 0 = not at all",
                 Unit::none, 0, 10},
           o.contact);
+    visit(
+        Field{"radius_scale",
+              "factor on all radii; 0 = that at which rings of quads have the area of the circles meant, 1 = "
+              "vertices at the radius",
+              Unit::none, 0, 2},
+        o.radius_scale);
     visit(Field{"weights",
                 "how much each segment counts: local = as if it were alone; global = as fits points "
                 "on the given surface best, by the plain sum of all segments (blend is taken for 1)"},

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
@@ -12,6 +13,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kUnionVolumeGrain = 16;
+constexpr std::size_t kEstimateGrain = 1024;
 constexpr std::uint32_t kFirstRound = 8;  // points in every part
 constexpr int kMostRounds = 12;
 
@@ -141,7 +143,6 @@ class Sampler {
         }
     }
 
-  private:
     /// Whether p, in this part, is in the union and in no part before.
     bool is_own(const Part& part, Vec3d p) const {
         if (solid_.is_cut_off(part.capsule, p)) return false;
@@ -156,6 +157,7 @@ class Sampler {
         return own;
     }
 
+  private:
     const ConeUnion& solid_;
     const MarkPoint& mark_;
 };
@@ -216,6 +218,63 @@ UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& optio
     out.total = sums.volume;
     out.error = 2 * std::sqrt(sums.variance);
     out.samples = sums.points;
+    return out;
+}
+
+VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t samples, const Context& ctx) {
+    struct Count {
+        std::uint64_t points = 0, own = 0;
+    };
+    using Counts = std::array<Count, kKinds>;
+    const std::vector<Part> parts = parts_of(solid.capsules());
+    std::array<double, kKinds> volume{};
+    for (const Part& p : parts) volume[p.kind] += p.volume;
+    const double all = std::accumulate(volume.begin(), volume.end(), 0.0);
+    if (!(all > 0)) return {};
+    // Points first[i] up to first[i + 1] are those of part i.
+    std::vector<std::uint64_t> first(parts.size() + 1, 0);
+    double before = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        before += parts[i].volume;
+        first[i + 1] =
+            std::max(first[i], static_cast<std::uint64_t>(before / all * static_cast<double>(samples) + 0.5));
+    }
+    const MarkPoint none;
+    const Sampler sampler(solid, none);
+    const auto look = [&](IndexRange range) {
+        Counts counts;
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            if (first[i] == first[i + 1]) continue;
+            const Part& part = parts[i];
+            const PartMap map(solid.capsules().cone(part.capsule), part.kind);
+            const CounterRandom random(0, kKinds);
+            for (std::uint64_t k = first[i]; k < first[i + 1]; ++k) {
+                const auto p =
+                    map(random.uniform(3 * k), random.uniform(3 * k + 1), random.uniform(3 * k + 2));
+                ++counts[part.kind].points;
+                counts[part.kind].own += sampler.is_own(part, p.position) ? 1 : 0;
+            }
+        }
+        return counts;
+    };
+    const Counts counts =
+        parallel_reduce(ctx, parts.size(), kEstimateGrain, Counts{}, look, [](Counts a, const Counts& b) {
+            for (std::size_t k = 0; k < kKinds; ++k) {
+                a[k].points += b[k].points;
+                a[k].own += b[k].own;
+            }
+            return a;
+        });
+    VolumeEstimate out;
+    double variance = 0;
+    for (std::size_t k = 0; k < kKinds; ++k) {
+        // Jeffreys' prior; a kind without a point may be anything.
+        const double n = static_cast<double>(counts[k].points), own = static_cast<double>(counts[k].own);
+        const double share = (own + 0.5) / (n + 1);
+        out.volume += volume[k] * (n > 0 ? own / n : share);
+        variance += volume[k] * volume[k] * share * (1 - share) / (n + 1);
+    }
+    out.error = 2 * std::sqrt(variance);
     return out;
 }
 

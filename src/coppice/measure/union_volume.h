@@ -39,4 +39,15 @@ using MarkPoint = std::function<bool(Vec3d p, double radius)>;
 UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& options = {},
                          const MarkPoint& mark = {}, const Context& ctx = {});
 
+/// A volume, and how exact it is.
+struct VolumeEstimate {
+    double volume = 0;  ///< [m^3]
+    double error = 0;   ///< [m^3] two standard errors
+};
+
+/// Returns the volume of a union by so many points, evenly spread by volume over its cones and half balls, of
+/// which only what lies in several of them is uncertain: 2^15 points tell that of a tree to a third of a
+/// percent. O(cones + samples log cones), about a microsecond a sample. Deterministic.
+VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t samples, const Context& ctx = {});
+
 }  // namespace coppice

@@ -11,21 +11,33 @@ namespace {
 constexpr std::size_t kShapeGrain = 1 << 14;
 
 struct Extent {
-    double volume = 0, area = 0;
+    double volume = 0, area = 0;  // [m^3], [m^2]
 };
 
 /// Six volumes of the cones from `apex`, and twice the area, of a range of faces.
-Extent extent(const PolygonMesh& mesh, IndexRange range, Vec3d apex) {
+Extent extent(const FaceView& mesh, IndexRange range, Vec3d apex) {
+    const std::span<const Vec3> positions = mesh.positions();
     Extent e;
     for (std::size_t f = range.begin; f < range.end; ++f) {
-        for_each_triangle(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions, [&](const Triangle& t) {
-            const Vec3d a = Vec3d(mesh.positions[t[0]]) - apex, b = Vec3d(mesh.positions[t[1]]) - apex,
-                        c = Vec3d(mesh.positions[t[2]]) - apex;
+        for_each_triangle(mesh.face(static_cast<std::uint32_t>(f)), positions, [&](const Triangle& t) {
+            const Vec3d a = Vec3d(positions[t[0]]) - apex, b = Vec3d(positions[t[1]]) - apex,
+                        c = Vec3d(positions[t[2]]) - apex;
             e.volume += dot(a, cross(b, c));
             e.area += length(cross(b - a, c - a));
         });
     }
     return e;
+}
+
+Extent extent(const FaceView& mesh, const Context& ctx) {
+    if (mesh.size() == 0) return {};
+    const Vec3d apex(mesh.positions()[0]);
+    const Extent sum = parallel_reduce(
+        ctx, mesh.size(), kShapeGrain, Extent{}, [&](IndexRange range) { return extent(mesh, range, apex); },
+        [](Extent a, Extent b) {
+            return Extent{a.volume + b.volume, a.area + b.area};
+        });
+    return {sum.volume / 6, sum.area / 2};
 }
 
 }  // namespace
@@ -52,28 +64,23 @@ double scaled_jacobian(std::span<const std::uint32_t> face, std::span<const Vec3
     return least;
 }
 
-ShapeReport shape(const PolygonMesh& mesh, const Context& ctx) {
+ShapeReport shape(const FaceView& mesh, const Context& ctx) {
     ShapeReport report;
-    const std::size_t n = mesh.face_count();
+    const std::size_t n = mesh.size();
     if (n == 0) return report;
     std::vector<double> jacobian(n);
     parallel_for(ctx, n, kShapeGrain, [&](std::size_t f) {
-        jacobian[f] = scaled_jacobian(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions);
+        jacobian[f] = scaled_jacobian(mesh.face(static_cast<std::uint32_t>(f)), mesh.positions());
     });
     report.inverted_faces = static_cast<std::uint64_t>(
         std::count_if(jacobian.begin(), jacobian.end(), [](double j) { return j <= 0; }));
     report.scaled_jacobian = statistics(std::move(jacobian));
-    const Vec3d apex(mesh.positions[0]);
-    const auto total = parallel_reduce(
-        ctx, n, kShapeGrain, Extent{}, [&](IndexRange range) { return extent(mesh, range, apex); },
-        [](Extent a, Extent b) {
-            return Extent{a.volume + b.volume, a.area + b.area};
-        });
-    report.signed_volume = total.volume / 6;
-    report.area = total.area / 2;
+    const Extent total = extent(mesh, ctx);
+    report.signed_volume = total.volume;
+    report.area = total.area;
     return report;
 }
 
-ShapeReport shape(const QuadMesh& mesh, const Context& ctx) { return shape(to_polygons(mesh), ctx); }
+double signed_volume(const FaceView& mesh, const Context& ctx) { return extent(mesh, ctx).volume; }
 
 }  // namespace coppice

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "coppice/base/context.h"
-#include "coppice/mesh/mesh.h"
+#include "coppice/mesh/face_view.h"
 #include "coppice/mesh/statistics.h"
 
 namespace coppice {
@@ -23,9 +23,10 @@ struct ShapeReport {
 };
 
 /// Judges a valid mesh. O(n).
-ShapeReport shape(const PolygonMesh& mesh, const Context& ctx = {});
-/// The same for quads.
-ShapeReport shape(const QuadMesh& mesh, const Context& ctx = {});
+ShapeReport shape(const FaceView& mesh, const Context& ctx = {});
+
+/// Returns the signed volume of a valid mesh in m^3, as in ShapeReport. O(n).
+double signed_volume(const FaceView& mesh, const Context& ctx = {});
 
 /// The scaled Jacobian of one face.
 double scaled_jacobian(std::span<const std::uint32_t> face, std::span<const Vec3> positions);

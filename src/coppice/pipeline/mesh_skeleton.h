@@ -49,7 +49,7 @@ struct EnumNames<MeshMethod> {
 
 /// What of its skeleton a surface keeps.
 enum class Fit {
-    surface,  ///< its vertices lie where the field has its level
+    surface,  ///< its vertices lie on the field, of radii at which rings have the area of the circles meant
     volume    ///< it encloses the volume of the skeleton's rounded cones, part by part
 };
 
@@ -143,8 +143,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                        Unit::none, 0, 6),
           o.levels);
     visit(common_field("fit",
-                       "What the surface preserves: vertices on the level set of the field, or the volume of "
-                       "the rounded cones of the skeleton"),
+                       "What the surface preserves: the areas of sections of branches, or the volume of the "
+                       "rounded cones of the skeleton"),
           o.fit);
     visit(common_field("overlaps",
                        "Treatment of branches that overlap: one is grafted onto the other, different trees "

@@ -1,6 +1,24 @@
 #include "coppice/pipeline/surface_field_internal.h"
 
+#include <cmath>
+#include <numbers>
+
 namespace coppice {
+namespace {
+
+// A polygon with its corners on a circle has less area; radii times this make up for it. Fitting does so by
+// itself, global weights are fitted to points that the surface has to run through, and tetrahedra have no
+// rings of known sides.
+float volume_true_scale(const MeshOptions& options) {
+    if (options.method == MeshMethod::tetrahedra || options.fit == Fit::volume ||
+        options.field.weights == Weights::global) {
+        return 1;
+    }
+    const double angle = 2 * std::numbers::pi / std::ldexp(options.control.sides, options.levels);
+    return static_cast<float>(std::sqrt(angle / std::sin(angle)));
+}
+
+}  // namespace
 
 // Where the end of a tree is cut flat, the field goes on far enough to be full there. Branches that are to
 // become one body do not press on each other.
@@ -8,6 +26,7 @@ FieldOptions surface_field_options(const MeshOptions& options) {
     constexpr float kBeyondCut = 1.5f;
     const ControlOptions& control = options.control;
     FieldOptions field = options.field;
+    if (field.radius_scale == 0) field.radius_scale = volume_true_scale(options);
     if (options.overlaps == Overlaps::fuse) field.contact = 0;
     if (control.base == BaseShape::round) field.root_extension = -1;
     if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;

@@ -18,7 +18,7 @@ QuadCounts refined_counts(const CageView& cage, int levels) {
 }
 
 std::uint64_t bytes_of_job(const QuadJob& job) {
-    constexpr std::uint64_t kFoldedShare = 50, kAroundFold = 100;
+    constexpr std::uint64_t kQuadsPerFold = 800, kBytesPerFold = 6400;  // as measured on crowded trees
     const QuadCounts out = refined_counts(job.cage, job.levels);
     std::uint64_t bytes = 0;
     for (int level = 0; level <= job.levels; ++level)
@@ -27,7 +27,7 @@ std::uint64_t bytes_of_job(const QuadJob& job) {
     if (job.project.relax_passes > 0) bytes += sizeof(Vec3) * std::uint64_t{out.vertices};
     bytes += sizeof(std::uint32_t) * std::uint64_t{out.quads};          // where folds are
     bytes += (sizeof(Quad) + sizeof(Vec3)) * std::uint64_t{out.quads};  // quads and normals
-    bytes += std::min<std::uint64_t>(out.quads / kFoldedShare * kAroundFold, out.quads) / 4 * sizeof(Vec3);
+    bytes += out.quads / kQuadsPerFold * kBytesPerFold;
     bytes += 2 * sizeof(Quad) * std::uint64_t{job.cage.face_count()} +
              sizeof(std::uint64_t) * std::uint64_t{job.cage.edge_count()} +
              sizeof(std::uint32_t) * (job.cage.vertex_count() + std::uint64_t{6} * job.cage.face_count());

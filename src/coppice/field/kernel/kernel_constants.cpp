@@ -63,7 +63,8 @@ kernel::Sample<double> sample_segment(const KernelConstants& constants,
     return sum;
 }
 
-SegmentBuilder::SegmentBuilder(const FieldOptions& options) : options_(options) {
+SegmentBuilder::SegmentBuilder(const FieldOptions& options)
+    : options_(options), radius_scale_(options.radius_scale > 0 ? options.radius_scale : 1) {
     check_fields(options, "field");
     kernel_ = kernel_constants(options);
     reach_ = options.kernel == Kernel::cauchy ? options.reach : static_cast<float>(kernel_.shape);
@@ -98,16 +99,21 @@ double SegmentBuilder::slope_weight(double slope) const {
 }
 
 float SegmentBuilder::extension(float option, float radius, float slope_outward) const {
+    // A round end reaches one radius beyond, as it is before it is scaled.
+    const double round = tip_extension_ - (1 - 1 / static_cast<double>(radius_scale_));
     if (options_.kernel != Kernel::scalis) {
-        return radius * (option >= 0 ? option : static_cast<float>(tip_extension_));
+        return radius * (option >= 0 ? option : static_cast<float>(round));
     }
-    const double wanted = option >= 0 ? option : tip_extension_ + tip_extension_slope_ * slope_outward;
+    const double wanted = option >= 0 ? option : round + tip_extension_slope_ * slope_outward;
     const double most = slope_outward < 0 ? (1 - kLeastRadius) / -slope_outward : wanted;
     return radius * static_cast<float>(std::min(wanted, most));
 }
 
-SegmentConstants<float> SegmentBuilder::build(const Segment& s, Vec3 fallback, bool is_tip,
+SegmentConstants<float> SegmentBuilder::build(const Segment& given, Vec3 fallback, bool is_tip,
                                               RootEnd root) const {
+    Segment s = given;
+    s.radius_a *= radius_scale_;
+    s.radius_b *= radius_scale_;
     const float length = distance(s.a, s.b);
     const Vec3 u = length > 0 ? (s.b - s.a) / length : fallback;
     float radius = s.radius_a;
@@ -140,7 +146,8 @@ int SegmentBuilder::ball_count(const SegmentConstants<float>& s) const {
     return static_cast<int>(std::ceil(std::clamp(count, 1.0f, kMostBalls)));
 }
 
-SegmentConstants<float> SegmentBuilder::build_ball(Vec3 center, float radius) const {
+SegmentConstants<float> SegmentBuilder::build_ball(Vec3 center, float given_radius) const {
+    const float radius = given_radius * radius_scale_;
     const double half = 0.5 * kBallLength;
     const double value = sample_segment(kernel_, along_x(-half, half, 1, 0), {0, 1, 0}).value;
     const float h = static_cast<float>(half) * radius;

@@ -63,6 +63,7 @@ class SegmentBuilder {
     float extension(float option, float radius, float slope_outward) const;
 
     FieldOptions options_;
+    float radius_scale_ = 1;
     KernelConstants kernel_;
     double tip_extension_ = 0;
     double tip_extension_slope_ = 0;  ///< its change with the slope: SCALIS tapers on beyond the node

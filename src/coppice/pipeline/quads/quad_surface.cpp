@@ -44,6 +44,11 @@ Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Cont
     return {std::move(grafted), std::move(parted), std::move(source), std::move(tube)};
 }
 
+ControlMesh cage_about(const Wrapped& wrapped, const MeshOptions& options, const Context& ctx) {
+    return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx,
+                              wrapped.parted.round_roots);
+}
+
 // How a cage was refined.
 struct Refined {
     PatchRefinement patches;
@@ -138,7 +143,7 @@ class CageRefiner {
     }
 
     void unfold(const Refined& refined) {
-        if (options_.project.method == ProjectionMethod::none || levels_ == 0) return;
+        if (options_.project.method == ProjectionMethod::none) return;
         out_.untangled = stages_.run("untangle", 1.0f, [&] {
             return untangle({out_.mesh.positions, refined.anchors, out_.mesh.quads}, refined.patches,
                             target(), options_.untangle, ctx_);
@@ -177,16 +182,19 @@ bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tub
 
 }  // namespace
 
+ControlMesh cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
+    std::vector<std::pair<std::string, double>> seconds;
+    Stages stages(ctx, seconds);
+    return cage_about(to_wrap(prepared, options, ctx, stages), options, ctx);
+}
+
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           const QuadExtras& extras, const Context& ctx, Stages& stages) {
     QuadSurface out;
     const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
     out.grafted = wrapped.grafted.report;
     out.parted = wrapped.parted.report;
-    out.cage = stages.run("cage", 0.15f, [&] {
-        return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx,
-                                  wrapped.parted.round_roots);
-    });
+    out.cage = stages.run("cage", 0.15f, [&] { return cage_about(wrapped, options, ctx); });
     ConvolutionField field = stages.run("weights", 0.2f, [&] {
         return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
     });

@@ -34,6 +34,9 @@ struct QuadExtras {
     std::function<std::vector<std::uint8_t>(const QuadSurface&, const QuadTrace&)> wanted = {};
 };
 
+/// The cage alone of MeshMethod::quads.
+ControlMesh cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx);
+
 /// MeshMethod::quads of a prepared skeleton.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           const QuadExtras& extras, const Context& ctx, Stages& stages);

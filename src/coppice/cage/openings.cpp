@@ -1,0 +1,215 @@
+#include "coppice/cage/openings_internal.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+namespace coppice::cage_internal {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kQuarter = kPi / 2;
+// A lateral leaves at no less than this sine of its angle.
+constexpr float kLeastSine = 0.1f;
+// A ring of four corners that subdivision brings to the radius 1 has its corners here; its edges are half as
+// long as this times the square root of 2.
+constexpr float kCornerRadius = 1.52f;
+constexpr float kHalfEdge = kCornerRadius / std::numbers::sqrt2_v<float>;
+// A lateral wider than this, by half its azimuth, leaves no ring of quads in its face.
+constexpr float kWide = 0.55f;
+// No lateral is wider than this.
+constexpr float kWidest = 1.05f;
+// Between a lateral and the next edge of its face, by azimuth.
+constexpr float kLeastGap = 0.1f;
+// Between a lateral and the rings below and above, in radii of the stem and of the lateral.
+constexpr float kMarginOfStem = 0.25f;
+constexpr float kMarginOfLateral = 0.35f;
+// The least part of the margin.
+constexpr float kLeastMargin = 0.15f;
+// The next ring of a lateral lies at least so many of its radii beyond the place where it comes out.
+constexpr float kLeastTube = 0.6f;
+// The middle of a face looks this way where laterals leave the choice, so that faces of neighbours run
+// straight. It is hardly ever the direction of a branch.
+constexpr Vec3 kPreferred{0.79f, 0.53f, 0.31f};
+
+// The face whose middle is nearest to an azimuth that is counted from the middle of face 0.
+std::uint32_t face_of(float azimuth) {
+    return static_cast<std::uint32_t>(std::lround(azimuth / kQuarter) + 8) % 4;
+}
+
+// The corners of a face among those of the two rings, counter-clockwise seen from outside, the lower two
+// first.
+Ring corners_of(std::uint32_t face) {
+    const std::uint32_t right = face, left = (face + 3) % 4;
+    return {left, right, right + 4, left + 4};
+}
+
+}  // namespace
+
+bool Openings::Lateral::is_wide() const { return half_width > kWide; }
+
+Openings::Openings(std::span<const Branch> branches, std::uint32_t stem, std::uint32_t leader)
+    : stem_(branches[stem]),
+      leader_(branches[leader]),
+      stem_number_(stem),
+      leader_number_(leader),
+      radius_(std::max(stem_.radius, leader_.radius)),
+      frame_(normalized(leader_.direction - stem_.direction, leader_.direction)) {}
+
+std::optional<Openings> Openings::plan(std::span<const Branch> branches, std::uint32_t stem,
+                                       std::uint32_t leader) {
+    if (branches.size() > 6) return {};
+    if (dot(branches[stem].direction, branches[leader].direction) > -kGoesOn) return {};
+    Openings out(branches, stem, leader);
+    for (std::uint32_t i = 0; i < branches.size(); ++i) {
+        if (i != stem && i != leader && !out.add_lateral(i, branches[i])) return {};
+    }
+    if (!out.choose_phase()) return {};
+    out.low_ = kInfinity;
+    out.high_ = -kInfinity;
+    for (const Lateral& l : out.lateral_) {
+        out.low_ = std::min(out.low_, l.low);
+        out.high_ = std::max(out.high_, l.high);
+        const float own = kMarginOfLateral * l.radius;
+        out.margin_ = std::max(out.margin_, l.is_wide() ? 0.5f * own : own + kMarginOfStem * out.radius_);
+    }
+    return out;
+}
+
+// Its corners lie where lines along the lateral come out of the stem.
+bool Openings::add_lateral(std::uint32_t i, const Branch& b) {
+    const float cosine = dot(b.direction, frame_.axis);
+    const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+    const float across = kHalfEdge * b.radius;
+    if (across >= radius_ || sine < kLeastSine) return false;
+    Lateral l;
+    l.branch = i;
+    l.radius = b.radius;
+    l.azimuth = frame_.azimuth(b.direction);
+    l.half_width = std::asin(across / radius_);
+    if (l.half_width > kWidest) return false;
+    const Vec3 out = frame_.around(l.azimuth), side = cross(frame_.axis, out);
+    const float reach = std::sqrt(radius_ * radius_ - across * across);
+    l.low = kInfinity;
+    l.high = -kInfinity;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const float right = k == 1 || k == 2 ? across : -across, up = k < 2 ? -across : across;
+        const float height = (reach * cosine + up) / sine;
+        l.way = std::max(l.way, (reach + up * cosine) / sine);
+        l.corner[k] = out * reach + side * right + frame_.axis * height;
+        l.low = std::min(l.low, height);
+        l.high = std::max(l.high, height);
+    }
+    lateral_.push_back(l);
+    return true;
+}
+
+// Turns the faces as little as possible from where those of straight neighbours are.
+bool Openings::choose_phase() {
+    const float preferred = frame_.azimuth(kPreferred);
+    if (lateral_.size() == 1) {
+        Lateral& l = lateral_[0];
+        widened_ = std::max(0.0f, l.half_width + kLeastGap - kPi / 4);
+        const float slack = std::max(0.0f, kPi / 4 - kLeastGap - l.half_width);
+        const float off = std::remainder(l.azimuth - preferred, kQuarter);
+        phase_ = l.azimuth - std::clamp(off, -slack, slack);
+        return true;
+    }
+    constexpr int kSteps = 24;
+    float least = kInfinity;
+    for (int step = -kSteps / 2; step < kSteps / 2; ++step) {
+        const float turn = kQuarter / kSteps * static_cast<float>(step);
+        if (std::abs(turn) >= least || worst_side(preferred + turn) > kPi / 4 - kLeastGap) continue;
+        least = std::abs(turn);
+        phase_ = preferred + turn;
+    }
+    if (least == kInfinity) return false;
+    for (Lateral& l : lateral_) l.face = face_of(l.azimuth - phase_);
+    return true;
+}
+
+// How far a side of a lateral is from the middle of its face, at most; infinite where two share one.
+float Openings::worst_side(float phase) const {
+    std::array<bool, 4> is_taken{};
+    float worst = 0;
+    for (const Lateral& l : lateral_) {
+        const std::uint32_t face = face_of(l.azimuth - phase);
+        if (is_taken[face]) return kInfinity;
+        is_taken[face] = true;
+        worst = std::max(worst, std::abs(std::remainder(l.azimuth - phase, kQuarter)) + l.half_width);
+    }
+    return worst;
+}
+
+bool Openings::is_open(std::uint32_t face) const {
+    return std::ranges::any_of(lateral_, [&](const Lateral& l) { return l.face == face; });
+}
+
+float Openings::reach(std::uint32_t branch) const {
+    if (branch == stem_number_) return std::max(0.0f, -low_);
+    if (branch == leader_number_) return std::max(0.0f, high_);
+    const auto found = std::ranges::find(lateral_, branch, &Lateral::branch);
+    return found->way + kLeastTube * found->radius;
+}
+
+std::optional<Hub> Openings::build(std::span<const float> room) const {
+    for (const Lateral& l : lateral_) {
+        if (reach(l.branch) > room[l.branch]) return {};
+    }
+    // Half of what is left is that of the other end.
+    const float below = std::min(margin_, 0.45f * (room[stem_number_] - std::max(0.0f, -low_)));
+    const float above = std::min(margin_, 0.45f * (room[leader_number_] - std::max(0.0f, high_)));
+    if (std::min(below, above) < kLeastMargin * margin_) return {};
+    Hub hub;
+    add_ring(low_ - below, hub);
+    add_ring(high_ + above, hub);
+    hub.cell.resize(lateral_.size() + 2);
+    hub.cell[stem_number_] = {0, 3, 2, 1};
+    hub.cell[leader_number_] = {4, 5, 6, 7};
+    for (const Lateral& l : lateral_) open(l, hub);
+    for (std::uint32_t face = 0; face < 4; ++face) {
+        if (!is_open(face)) hub.quads.push_back(corners_of(face));
+    }
+    return hub;
+}
+
+// Along the stem below the node, along the leader above it.
+Vec3 Openings::on_axis(float height) const {
+    return height < 0 ? stem_.direction * -height : leader_.direction * height;
+}
+
+void Openings::add_ring(float height, Hub& hub) const {
+    const Frame frame = frame_.turned(height < 0 ? -stem_.direction : leader_.direction);
+    // The corners of face 0 come first and last; the others share what is left of the way around.
+    const std::array<float, 4> by{widened_, widened_ / 3, -widened_ / 3, -widened_};
+    const Vec3 center = on_axis(height);
+    for (std::size_t k = 0; k < 4; ++k) {
+        const float azimuth = phase_ + kPi / 4 + kQuarter * static_cast<float>(k) + by[k];
+        hub.position.push_back(center + frame.around(azimuth) * (kCornerRadius * radius_));
+        hub.anchor.push_back(center);
+    }
+}
+
+void Openings::open(const Lateral& l, Hub& hub) const {
+    const Ring edge = corners_of(l.face);
+    if (l.is_wide()) {
+        // What is between these and the lateral's next ring is seen from the lateral's axis.
+        for (const std::uint32_t v : edge) hub.anchor[v] = {};
+        hub.cell[l.branch] = edge;
+        return;
+    }
+    const auto first = static_cast<std::uint32_t>(hub.position.size());
+    for (const Vec3& corner : l.corner) {
+        hub.position.push_back(corner);
+        hub.anchor.emplace_back();
+    }
+    const Ring inner{first, first + 1, first + 2, first + 3};
+    for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t next = (k + 1) % 4;
+        hub.quads.push_back({edge[k], edge[next], inner[next], inner[k]});
+    }
+    hub.cell[l.branch] = inner;
+}
+
+}  // namespace coppice::cage_internal
