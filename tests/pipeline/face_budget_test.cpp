@@ -64,6 +64,15 @@ TEST(PlanFaces, KeepsTheAxesThatBeginAtRoots) {
     }
 }
 
+TEST(PlanFaces, OfASingleBranchComesNear) {
+    const Skeleton stick({NodeId::none(), NodeId(0)}, {{0, 0, 0}, {0, 0, 2}}, {0.1f, 0.1f});
+    for (const std::uint64_t wanted : {500u, 1000u, 2000u, 5000u}) {
+        SCOPED_TRACE(wanted);
+        EXPECT_NEAR(static_cast<double>(faces_of(plan_faces(stick, {}, wanted))), static_cast<double>(wanted),
+                    0.1 * wanted);
+    }
+}
+
 TEST(PlanFaces, RefusesWhatItCannotDo) {
     const Skeleton tree = zoo_skeleton("one_segment");
     EXPECT_THROW(plan_faces(tree, {}, 99), InvalidInput);

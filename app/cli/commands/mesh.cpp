@@ -184,10 +184,18 @@ Volumes measure_volumes(const MeshFlags& flags, const Skeleton& skeleton, const 
     return {surface, cones.volume, cones.error};
 }
 
+/// What a surface has of the volume of its skeleton.
+struct VolumeVerdict {
+    bool is_off = false;  ///< over a tenth more or less, of which there was a warning
+    std::string said;     ///< for the summary
+};
+
 /// Compares the volume of the surface with that of the union of the skeleton's rounded cones, and warns where
-/// more than a tenth is missing or too much. Returns whether it warned.
-bool tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result) {
+/// more than a tenth is missing or too much.
+VolumeVerdict tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
+                          const MeshResult& result) {
     constexpr double kMaxDeviation = 0.1;
+    if (!has_volume_of_skeleton(flags, result)) return {};
     const Volumes found = result.fitted
                               ? Volumes{result.fitted->after, result.fitted->cones, result.fitted->error}
                               : run.stage("volume", [&](const Context& ctx) {
@@ -200,12 +208,16 @@ bool tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton, con
     volume["error"] = found.error;
     volume["ratio"] = ratio;
     run.counts()["volume"] = std::move(volume);
-    if (std::abs(ratio - 1) <= kMaxDeviation + found.error / found.cones) return false;
-    run.warn(fmt::format(
-        "the surface has {:.1f} % of the volume of the skeleton's rounded cones; coppice check MESH "
-        "--skeleton '{}' says where they differ",
-        100 * ratio, flags.skeleton.string()));
-    return true;
+    VolumeVerdict verdict;
+    if (!result.fitted) verdict.said = fmt::format("; volume {:.1f} % of the cones'", 100 * ratio);
+    verdict.is_off = std::abs(ratio - 1) > kMaxDeviation + found.error / found.cones;
+    if (verdict.is_off) {
+        run.warn(fmt::format(
+            "the surface has {:.1f} % of the volume of the skeleton's rounded cones; coppice check MESH "
+            "--skeleton '{}' says where they differ",
+            100 * ratio, flags.skeleton.string()));
+    }
+    return verdict;
 }
 
 /// A surface of about so many faces, and how that was planned.
@@ -236,7 +248,8 @@ PlannedMesh mesh_with_faces(Run& run, const MeshFlags& flags, const Skeleton& sk
     std::array<double, 2> low{1, 1}, high{0, 0};  // planned and made, below and above what is wanted
     PlannedMesh best = make(static_cast<std::uint64_t>(flags.faces));
     double goal = wanted, made = faces_of(best);
-    for (int plan = 1; plan < kPlans && off(best) > kFar; ++plan) {
+    const bool is_remeshed = std::abs(made / static_cast<double>(best.budget.faces) - 1) > kFar;
+    for (int plan = 1; is_remeshed && plan < kPlans && off(best) > kFar; ++plan) {
         (made < wanted ? low : high) = {goal, made};
         // By a power of what is planned.
         goal =
@@ -304,13 +317,12 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) report_weights(run.counts(), *result.weights);
-    const bool is_off =
-        has_volume_of_skeleton(flags, result) && tell_volume(run, flags, file.skeleton, result);
+    const VolumeVerdict volume = tell_volume(run, flags, file.skeleton, result);
     const std::string figures = count_surface(run, result);
-    run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}", flags.skeleton.string(),
-                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, planned,
-                           restored));
-    return flags.strict && is_off ? kCheckFailed : kDone;
+    run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, volume.said,
+                           planned, restored));
+    return flags.strict && volume.is_off ? kCheckFailed : kDone;
 }
 
 }  // namespace

@@ -236,8 +236,8 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
     double before = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         before += parts[i].volume;
-        first[i + 1] =
-            std::max(first[i], static_cast<std::uint64_t>(before / all * static_cast<double>(samples) + 0.5));
+        const std::int64_t end = std::llround(before / all * static_cast<double>(samples));
+        first[i + 1] = std::max(first[i], static_cast<std::uint64_t>(end));
     }
     const MarkPoint none;
     const Sampler sampler(solid, none);

@@ -18,8 +18,8 @@ constexpr int kMaxLevels = 5;
 constexpr double kLeastDensity = 0.1, kGreatestDensity = 16;
 // The surface moves by this at most, in radii, where there are fewer rings.
 constexpr float kMaxTolerance = 0.2f;
-// What is near enough to the wanted number.
-constexpr double kNear = 0.01;
+// What is near enough to the wanted number, and what is too far from it.
+constexpr double kNear = 0.01, kFar = 0.05;
 constexpr int kSteps = 12;
 
 // The axes of a skeleton, chains that follow the leader, by the silhouette of each with all that it carries.
@@ -94,28 +94,42 @@ MeshOptions with_density(MeshOptions options, double density) {
 class Planner {
   public:
     Planner(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces, const Context& ctx)
-        : skeleton_(skeleton), given_(given), goal_(static_cast<double>(faces)), ctx_(ctx), axes_(skeleton) {}
+        : skeleton_(skeleton), given_(given), goal_(static_cast<double>(faces)), ctx_(ctx), axes_(skeleton) {
+        ctx_.progress = {};  // that of one cage is none of the plan
+    }
 
     FaceBudget plan() {
         const double normal = count(skeleton_, 1), sparsest = count(skeleton_, kLeastDensity);
         int levels = std::clamp(static_cast<int>(std::lround(std::log(goal_ / normal) / std::log(4.0))), 0,
                                 kMaxLevels);
         // Rather more rings than fewer branches.
-        if (levels > 0 && sparsest > std::ldexp(goal_, -2 * levels)) --levels;
-        wanted_ = std::ldexp(goal_, -2 * levels);
+        if (levels > 0 && sparsest > wanted(levels)) --levels;
         const std::uint32_t all = axes_.lateral_count();
-        const std::uint32_t laterals = sparsest <= wanted_ ? all : most_laterals();
+        const std::uint32_t laterals = sparsest <= wanted(levels) ? all : most_laterals(levels);
         const Skeleton drawn = laterals < all ? axes_.with(laterals) : skeleton_;
-        choose_density(drawn);
-        FaceBudget out{drawn,          with_density(given_, density_), 0, axes_.count(),
+        Rings best = rings_at(levels, drawn);
+        // A few branches have too few rings to choose from: faces four times as many and as large do better.
+        if (levels > 0 && off(best) > kFar) {
+            const Rings more = rings_at(levels - 1, drawn);
+            if (off(more) < off(best)) best = more;
+        }
+        FaceBudget out{drawn,          with_density(given_, best.density), 0, axes_.count(),
                        all - laterals, axes_.share_without(laterals)};
-        out.options.levels = levels;
-        out.faces = static_cast<std::uint64_t>(nearest_) << (2 * levels);
+        out.options.levels = best.levels;
+        out.faces = static_cast<std::uint64_t>(best.faces) << (2 * best.levels);
         return out;
     }
 
   private:
+    // Levels, how near rings stand, and how many faces the cage then has.
+    struct Rings {
+        int levels = 0;
+        double density = 1, faces = 0;
+    };
+
     // Faces of the cage.
+    double wanted(int levels) const { return std::ldexp(goal_, -2 * levels); }
+    double off(const Rings& r) const { return std::abs(r.faces / wanted(r.levels) - 1); }
     double count(const Skeleton& s, double density) const {
         ctx_.throw_if_cancelled();
         const MeshOptions options = with_density(given_, density);
@@ -125,40 +139,37 @@ class Planner {
     }
 
     // That with the rings farthest apart have no more faces than are wanted.
-    std::uint32_t most_laterals() const {
+    std::uint32_t most_laterals(int levels) const {
         std::uint32_t fits = 0, too_many = axes_.lateral_count();
         while (fits + 1 < too_many) {
             const std::uint32_t middle = fits + (too_many - fits) / 2;
-            (count(axes_.with(middle), kLeastDensity) <= wanted_ ? fits : too_many) = middle;
+            (count(axes_.with(middle), kLeastDensity) <= wanted(levels) ? fits : too_many) = middle;
         }
         return fits;
     }
 
-    void choose_density(const Skeleton& drawn) {
-        const auto try_density = [&](double density) {
-            const double faces = count(drawn, density);
-            if (nearest_ == 0 || std::abs(faces - wanted_) < std::abs(nearest_ - wanted_)) {
-                nearest_ = faces;
-                density_ = density;
-            }
-            return faces;
+    Rings rings_at(int levels, const Skeleton& drawn) const {
+        Rings best{levels};
+        const auto has_more = [&](double density) {
+            const Rings r{levels, density, count(drawn, density)};
+            if (best.faces == 0 || off(r) < off(best)) best = r;
+            return r.faces >= wanted(levels);
         };
         double low = kLeastDensity, high = kGreatestDensity;
-        (try_density(1) < wanted_ ? low : high) = 1;
-        if (high == 1 && try_density(low) > wanted_) return;
-        for (int step = 0; step < kSteps && std::abs(nearest_ - wanted_) > kNear * wanted_; ++step) {
+        (has_more(1) ? high : low) = 1;
+        if (high == 1 && has_more(low)) return best;
+        for (int step = 0; step < kSteps && off(best) > kNear; ++step) {
             const double middle = std::sqrt(low * high);
-            (try_density(middle) < wanted_ ? low : high) = middle;
+            (has_more(middle) ? high : low) = middle;
         }
+        return best;
     }
 
     const Skeleton& skeleton_;
     const MeshOptions& given_;
     double goal_;
-    const Context& ctx_;
+    Context ctx_;
     AxesBySilhouette axes_;
-    double wanted_ = 0;                 // faces of the cage
-    double nearest_ = 0, density_ = 1;  // the best so far
 };
 
 }  // namespace
