@@ -114,6 +114,21 @@ TEST(Knots, NoQuadsCrossForAnyLevelAndNumberOfSides) {
     }
 }
 
+// Where rounds run out, what crosses may stay, but nothing is lost.
+TEST(Knots, FewRoundsLeaveTheSurfaceWhole) {
+    const Skeleton tree = random_tree(300, 1, true);
+    const std::size_t whole = mesh_skeleton(tree, with(Overlaps::keep)).quads().mesh.quads.size();
+    for (const int rounds : {1, 2, 3}) {
+        SCOPED_TRACE(rounds);
+        MeshOptions options;
+        options.remesh_rounds = rounds;
+        const QuadSurface surface = mesh_skeleton(tree, options).quads();
+        EXPECT_GT(surface.knots.pairs_before, 0u);
+        EXPECT_TRUE(topology(surface.mesh).watertight());
+        EXPECT_GT(surface.mesh.quads.size(), whole / 2);
+    }
+}
+
 TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
     const QuadSurface made = mesh_skeleton(zoo_skeleton("soma_of_three_points")).quads();
     EXPECT_GT(made.knots.slices, 0u);

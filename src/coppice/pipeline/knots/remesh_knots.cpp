@@ -51,6 +51,7 @@ class Remeshing {
             const std::vector<FacePair> spared = still_there(first);
             report.rounds = static_cast<std::uint32_t>(round) + 1;
             report.pairs_after = pairs.size() + spared.size();
+            if (round + 1 == rounds_) break;  // nothing could be made of what else goes
             const bool moved = round < kRoundsForFolds && move_folded_bands();
             if (report.pairs_after == 0 && !moved) break;
             forget_all_but(now, pairs);
