@@ -72,11 +72,17 @@ TEST(BuildControlMesh, AChainHasOneRingPerNodeAndACapAtEachEnd) {
     EXPECT_EQ(cage_of(s, {.sides = 8, .base = BaseShape::round}).cage.quads.size(), 2u * 8 + 2 * 4);
 }
 
-// A stem, its leader, and a lateral that leaves it.
-Skeleton lateral_of(Vec3 direction, float radius) {
-    return {{NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
-            {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, Vec3{0, 0, 1} + direction},
-            {0.1f, 0.1f, 0.1f, radius}};
+// A stem, its leader, and laterals that leave it.
+Skeleton stem_with(const std::vector<Vec3>& laterals, float lateral_radius) {
+    std::vector<NodeId> parent{NodeId::none(), NodeId(0), NodeId(1)};
+    std::vector<Vec3> position{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
+    std::vector<float> radius{0.1f, 0.1f, 0.1f};
+    for (const Vec3 direction : laterals) {
+        parent.push_back(NodeId(1));
+        position.push_back(Vec3{0, 0, 1} + direction);
+        radius.push_back(lateral_radius);
+    }
+    return {parent, position, radius};
 }
 
 // Two poles of valence 6 are all that a fork costs; each tip adds the four corners of its cap.
@@ -94,7 +100,7 @@ TEST(BuildControlMesh, ALateralLeavesThroughAnOpening) {
     for (const float radius : {0.07f, 0.04f, 0.005f}) {
         for (const Vec3 direction : {Vec3{1, 0, 0}, Vec3{0.3f, 0.6f, 0.7f}, Vec3{-0.5f, 0.6f, -0.4f}}) {
             SCOPED_TRACE(radius);
-            const Skeleton s = lateral_of(direction, radius);
+            const Skeleton s = stem_with({direction}, radius);
             const ControlMesh m = cage_of(s, {.base = BaseShape::round});
             expect_spheres(m, 1);
             EXPECT_EQ(m.cage.quads.size(), 3u * 4 + 3 + (radius < 0.05f ? 7 : 3));
@@ -106,7 +112,7 @@ TEST(BuildControlMesh, ALateralLeavesThroughAnOpening) {
 
 // The rings of the stem and its leader stand across them, however the lateral leaves.
 TEST(BuildControlMesh, RingsBesideAnOpeningStandAcross) {
-    const Skeleton s = lateral_of({0.4f, 0.3f, 0.5f}, 0.05f);
+    const Skeleton s = stem_with({{0.4f, 0.3f, 0.5f}}, 0.05f);
     const ControlMesh m = cage_of(s, {.base = BaseShape::round});
     for (std::size_t f = 0; f < m.cage.quads.size(); ++f) {
         if (m.part[f] != TubePart::side || m.region[f] == 3) continue;
@@ -120,16 +126,8 @@ TEST(BuildControlMesh, RingsBesideAnOpeningStandAcross) {
 
 // Where two leave to opposite sides, each has a face; where there is no room for one, a hub takes its place.
 TEST(BuildControlMesh, SeveralLateralsShareTheFaces) {
-    const auto with = [](std::vector<Vec3> directions) {
-        std::vector<NodeId> parent{NodeId::none(), NodeId(0), NodeId(1)};
-        std::vector<Vec3> position{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
-        std::vector<float> radius{0.1f, 0.1f, 0.1f};
-        for (const Vec3 d : directions) {
-            parent.push_back(NodeId(1));
-            position.push_back(Vec3{0, 0, 1} + d);
-            radius.push_back(0.03f);
-        }
-        const ControlMesh m = cage_of(Skeleton(parent, position, radius), {.base = BaseShape::round});
+    const auto with = [](const std::vector<Vec3>& laterals) {
+        const ControlMesh m = cage_of(stem_with(laterals, 0.03f), {.base = BaseShape::round});
         expect_spheres(m, 1);
         return std::ranges::count(m.part, TubePart::fork);
     };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "command.h"
 #include "coppice/base/sort.h"
@@ -256,7 +257,7 @@ PlannedMesh mesh_with_faces(Run& run, const MeshFlags& flags, const Skeleton& sk
             high[0] > 0 && low[0] > 1
                 ? low[0] * std::pow(high[0] / low[0], std::log(wanted / low[1]) / std::log(high[1] / low[1]))
                 : goal * wanted / made;
-        PlannedMesh next = make(std::max<std::uint64_t>(100, static_cast<std::uint64_t>(goal)));
+        PlannedMesh next = make(std::max(kMinFaces, static_cast<std::uint64_t>(goal)));
         made = faces_of(next);
         if (off(next) < off(best)) best = std::move(next);
     }
@@ -286,17 +287,20 @@ std::string tell_plan(Run& run, const MeshFlags& flags, const PlannedMesh& made)
                        100 * budget.dropped_silhouette);
 }
 
-MeshResult make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
-                        const PointSet& constraints, std::string& planned) {
+/// Makes the surface; returns it, and what to say of a plan.
+std::pair<MeshResult, std::string> make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
+                                                const PointSet& constraints) {
     if (flags.faces > 0) {
         PlannedMesh made = mesh_with_faces(run, flags, skeleton, constraints);
-        planned = tell_plan(run, flags, made);
-        return std::move(made.result);
+        std::string planned = tell_plan(run, flags, made);
+        return {std::move(made.result), std::move(planned)};
     }
-    return run.stage("mesh", [&](const Context& ctx) {
-        return flags.volume.empty() ? mesh_skeleton(skeleton, constraints, flags.mesh, ctx)
-                                    : mesh_solid(skeleton, constraints, flags.mesh, ctx);
-    });
+    return {run.stage("mesh",
+                      [&](const Context& ctx) {
+                          return flags.volume.empty() ? mesh_skeleton(skeleton, constraints, flags.mesh, ctx)
+                                                      : mesh_solid(skeleton, constraints, flags.mesh, ctx);
+                      }),
+            {}};
 }
 
 ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
@@ -306,8 +310,9 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
-    std::string planned;
-    MeshResult result = make_surface(run, flags, file.skeleton, constraints, planned);
+    auto made = make_surface(run, flags, file.skeleton, constraints);
+    MeshResult& result = made.first;
+    const std::string& planned = made.second;
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
@@ -371,7 +376,7 @@ Command mesh_command() {
         {common_field("faces",
                       "Number of faces of the surface, within 5 %: chooses the levels, how far rings "
                       "are apart, and which branches are drawn; 0 = whatever it has",
-                      Unit::none, 0, 1e8),
+                      Unit::none, 0, kMaxFaces),
          &flags->faces},
         "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());

@@ -10,25 +10,26 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kQuarter = kPi / 2;
-// A lateral leaves at no less than this sine of its angle.
-constexpr float kLeastSine = 0.1f;
+constexpr std::size_t kFaces = 4;
+// Minimum sine of the angle between a lateral and the stem.
+constexpr float kMinSine = 0.1f;
 // A ring of four corners that subdivision brings to the radius 1 has its corners here; its edges are half as
 // long as this times the square root of 2.
 constexpr float kCornerRadius = 1.52f;
 constexpr float kHalfEdge = kCornerRadius / std::numbers::sqrt2_v<float>;
-// A lateral wider than this, by half its azimuth, leaves no ring of quads in its face.
+// Half the azimuth of a lateral above which there is no ring of quads between it and its face.
 constexpr float kWide = 0.55f;
-// No lateral is wider than this.
-constexpr float kWidest = 1.05f;
-// Between a lateral and the next edge of its face, by azimuth.
-constexpr float kLeastGap = 0.1f;
+// Maximum of the same.
+constexpr float kMaxHalfWidth = 1.05f;
+// Minimum azimuth between a lateral and the next edge of its face.
+constexpr float kMinGap = 0.1f;
 // Between a lateral and the rings below and above, in radii of the stem and of the lateral.
 constexpr float kMarginOfStem = 0.25f;
 constexpr float kMarginOfLateral = 0.35f;
-// The least part of the margin.
-constexpr float kLeastMargin = 0.15f;
-// The next ring of a lateral lies at least so many of its radii beyond the place where it comes out.
-constexpr float kLeastTube = 0.6f;
+// Minimum part of the margin that has to be there.
+constexpr float kMinMargin = 0.15f;
+// Minimum length of the tube of a lateral outside of the stem, in its radii.
+constexpr float kMinTube = 0.6f;
 // The middle of a face looks this way where laterals leave the choice, so that faces of neighbours run
 // straight. It is hardly ever the direction of a branch.
 constexpr Vec3 kPreferred{0.79f, 0.53f, 0.31f};
@@ -59,8 +60,8 @@ Openings::Openings(std::span<const Branch> branches, std::uint32_t stem, std::ui
 
 std::optional<Openings> Openings::plan(std::span<const Branch> branches, std::uint32_t stem,
                                        std::uint32_t leader) {
-    if (branches.size() > 6) return {};
-    if (dot(branches[stem].direction, branches[leader].direction) > -kGoesOn) return {};
+    if (branches.size() > 2 + kFaces) return {};
+    if (dot(branches[stem].direction, branches[leader].direction) > -kMinCosine) return {};
     Openings out(branches, stem, leader);
     for (std::uint32_t i = 0; i < branches.size(); ++i) {
         if (i != stem && i != leader && !out.add_lateral(i, branches[i])) return {};
@@ -82,13 +83,13 @@ bool Openings::add_lateral(std::uint32_t i, const Branch& b) {
     const float cosine = dot(b.direction, frame_.axis);
     const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
     const float across = kHalfEdge * b.radius;
-    if (across >= radius_ || sine < kLeastSine) return false;
+    if (across >= radius_ || sine < kMinSine) return false;
     Lateral l;
     l.branch = i;
     l.radius = b.radius;
     l.azimuth = frame_.azimuth(b.direction);
     l.half_width = std::asin(across / radius_);
-    if (l.half_width > kWidest) return false;
+    if (l.half_width > kMaxHalfWidth) return false;
     const Vec3 out = frame_.around(l.azimuth), side = cross(frame_.axis, out);
     const float reach = std::sqrt(radius_ * radius_ - across * across);
     l.low = kInfinity;
@@ -110,8 +111,8 @@ bool Openings::choose_phase() {
     const float preferred = frame_.azimuth(kPreferred);
     if (lateral_.size() == 1) {
         Lateral& l = lateral_[0];
-        widened_ = std::max(0.0f, l.half_width + kLeastGap - kPi / 4);
-        const float slack = std::max(0.0f, kPi / 4 - kLeastGap - l.half_width);
+        widened_ = std::max(0.0f, l.half_width + kMinGap - kPi / 4);
+        const float slack = std::max(0.0f, kPi / 4 - kMinGap - l.half_width);
         const float off = std::remainder(l.azimuth - preferred, kQuarter);
         phase_ = l.azimuth - std::clamp(off, -slack, slack);
         return true;
@@ -120,7 +121,7 @@ bool Openings::choose_phase() {
     float least = kInfinity;
     for (int step = -kSteps / 2; step < kSteps / 2; ++step) {
         const float turn = kQuarter / kSteps * static_cast<float>(step);
-        if (std::abs(turn) >= least || worst_side(preferred + turn) > kPi / 4 - kLeastGap) continue;
+        if (std::abs(turn) >= least || worst_side(preferred + turn) > kPi / 4 - kMinGap) continue;
         least = std::abs(turn);
         phase_ = preferred + turn;
     }
@@ -131,7 +132,7 @@ bool Openings::choose_phase() {
 
 // How far a side of a lateral is from the middle of its face, at most; infinite where two share one.
 float Openings::worst_side(float phase) const {
-    std::array<bool, 4> is_taken{};
+    std::array<bool, kFaces> is_taken{};
     float worst = 0;
     for (const Lateral& l : lateral_) {
         const std::uint32_t face = face_of(l.azimuth - phase);
@@ -150,7 +151,7 @@ float Openings::reach(std::uint32_t branch) const {
     if (branch == stem_number_) return std::max(0.0f, -low_);
     if (branch == leader_number_) return std::max(0.0f, high_);
     const auto found = std::ranges::find(lateral_, branch, &Lateral::branch);
-    return found->way + kLeastTube * found->radius;
+    return found->way + kMinTube * found->radius;
 }
 
 std::optional<Hub> Openings::build(std::span<const float> room) const {
@@ -158,9 +159,9 @@ std::optional<Hub> Openings::build(std::span<const float> room) const {
         if (reach(l.branch) > room[l.branch]) return {};
     }
     // Half of what is left is that of the other end.
-    const float below = std::min(margin_, 0.45f * (room[stem_number_] - std::max(0.0f, -low_)));
-    const float above = std::min(margin_, 0.45f * (room[leader_number_] - std::max(0.0f, high_)));
-    if (std::min(below, above) < kLeastMargin * margin_) return {};
+    const float below = std::min(margin_, 0.45f * (room[stem_number_] - reach(stem_number_)));
+    const float above = std::min(margin_, 0.45f * (room[leader_number_] - reach(leader_number_)));
+    if (std::min(below, above) < kMinMargin * margin_) return {};
     Hub hub;
     add_ring(low_ - below, hub);
     add_ring(high_ + above, hub);
@@ -168,7 +169,7 @@ std::optional<Hub> Openings::build(std::span<const float> room) const {
     hub.cell[stem_number_] = {0, 3, 2, 1};
     hub.cell[leader_number_] = {4, 5, 6, 7};
     for (const Lateral& l : lateral_) open(l, hub);
-    for (std::uint32_t face = 0; face < 4; ++face) {
+    for (std::uint32_t face = 0; face < kFaces; ++face) {
         if (!is_open(face)) hub.quads.push_back(corners_of(face));
     }
     return hub;

@@ -9,8 +9,8 @@
 
 namespace coppice::cage_internal {
 
-/// Least cosine of the angle by which a leader turns that continues its stem.
-inline constexpr float kGoesOn = 0.64f;
+/// Minimum cosine of the angle between a stem and a leader that continues it.
+inline constexpr float kMinCosine = 0.64f;
 
 /// The cage about a branch node whose leader continues the stem: two rings, below and above the laterals,
 /// joined by four faces, and each lateral leaves through one of these. A thin lateral leaves a ring of quads

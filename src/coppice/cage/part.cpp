@@ -359,8 +359,7 @@ class Parting {
         if (!at(n).parent) return shift_root(n, by);
         if (count == 0) return;
         // A stem that goes on stays straight.
-        const Vec3 in = normalized(at(n).position - at(at(n).parent).position);
-        if (dot(in, a.direction) > cage_internal::kGoesOn) by = a.direction * dot(by, a.direction);
+        if (dot(way_in(n), a.direction) > cage_internal::kMinCosine) by = a.direction * dot(by, a.direction);
         if (turns(n, by)) {
             push_ahead(n, by);
         } else {
@@ -368,10 +367,12 @@ class Parting {
         }
     }
 
+    // The direction from the parent.
+    Vec3 way_in(NodeId n) const { return normalized(at(n).position - at(at(n).parent).position); }
+
     // Whether the way from the parent to the shifted node would cut a corner of the skeleton.
     bool turns(NodeId n, Vec3 by) const {
-        const NodeId p = at(n).parent;
-        const Vec3 in = normalized(at(n).position - at(p).position);
+        const Vec3 in = way_in(n);
         return length(by - in * dot(by, in)) > kCorner * at(n).radius;
     }
 

@@ -115,6 +115,20 @@ class PartMap {
     std::array<Vec3d, 2> side_;
 };
 
+/// Whether p, in this part, is in the union and in no part before.
+bool is_own(const ConeUnion& solid, const Part& part, Vec3d p) {
+    if (solid.is_cut_off(part.capsule, p)) return false;
+    bool own = true;
+    solid.capsules().visit_containing(p, [&](std::uint32_t i, const RoundCone::Foot& foot) {
+        if (i == part.capsule) return true;
+        const Kind kind = kind_at(solid.capsules().cone(i), foot);
+        const bool before = kind < part.kind || (kind == part.kind && i < part.capsule);
+        own = !before || solid.is_cut_off(i, p);
+        return own;
+    });
+    return own;
+}
+
 /// Looks at more points of a part, up to as many as it wants.
 class Sampler {
   public:
@@ -137,24 +151,10 @@ class Sampler {
                 x[axis] -= std::floor(x[axis]);
             }
             const PartMap::Point p = map(x[0], x[1], x[2]);
-            if (!is_own(part, p.position)) continue;
+            if (!is_own(solid_, part, p.position)) continue;
             ++part.own;
             if (mark_ && mark_(p.position, p.radius)) ++part.marked;
         }
-    }
-
-    /// Whether p, in this part, is in the union and in no part before.
-    bool is_own(const Part& part, Vec3d p) const {
-        if (solid_.is_cut_off(part.capsule, p)) return false;
-        bool own = true;
-        solid_.capsules().visit_containing(p, [&](std::uint32_t i, const RoundCone::Foot& foot) {
-            if (i == part.capsule) return true;
-            const Kind kind = kind_at(solid_.capsules().cone(i), foot);
-            const bool before = kind < part.kind || (kind == part.kind && i < part.capsule);
-            own = !before || solid_.is_cut_off(i, p);
-            return own;
-        });
-        return own;
     }
 
   private:
@@ -239,20 +239,18 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
         const std::int64_t end = std::llround(before / all * static_cast<double>(samples));
         first[i + 1] = std::max(first[i], static_cast<std::uint64_t>(end));
     }
-    const MarkPoint none;
-    const Sampler sampler(solid, none);
+    const CounterRandom random(0, kKinds);
     const auto look = [&](IndexRange range) {
         Counts counts;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             if (first[i] == first[i + 1]) continue;
             const Part& part = parts[i];
             const PartMap map(solid.capsules().cone(part.capsule), part.kind);
-            const CounterRandom random(0, kKinds);
             for (std::uint64_t k = first[i]; k < first[i + 1]; ++k) {
                 const auto p =
                     map(random.uniform(3 * k), random.uniform(3 * k + 1), random.uniform(3 * k + 2));
                 ++counts[part.kind].points;
-                counts[part.kind].own += sampler.is_own(part, p.position) ? 1 : 0;
+                counts[part.kind].own += is_own(solid, part, p.position) ? 1 : 0;
             }
         }
         return counts;

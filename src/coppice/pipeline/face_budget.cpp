@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <utility>
 
 #include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/skeleton/chains_internal.h"
@@ -12,10 +14,9 @@
 namespace coppice {
 namespace {
 
-constexpr std::uint64_t kFewest = 100, kMost = 100'000'000;
 constexpr int kMaxLevels = 5;
 // Rings stand so many times as close as with the given options.
-constexpr double kLeastDensity = 0.1, kGreatestDensity = 16;
+constexpr double kMinDensity = 0.1, kMaxDensity = 16;
 // The surface moves by this at most, in radii, where there are fewer rings.
 constexpr float kMaxTolerance = 0.2f;
 // What is near enough to the wanted number, and what is too far from it.
@@ -91,6 +92,33 @@ MeshOptions with_density(MeshOptions options, double density) {
     return options;
 }
 
+// The faces of the cage of a skeleton by how near rings stand, each counted once.
+class CageFaces {
+  public:
+    CageFaces(Skeleton skeleton, const MeshOptions& given, const Context& ctx)
+        : skeleton_(std::move(skeleton)), given_(&given), ctx_(&ctx) {}
+
+    const Skeleton& skeleton() const { return skeleton_; }
+    double at(double density) {
+        const auto [found, is_new] = counts_.try_emplace(density, 0.0);
+        if (is_new) found->second = count(with_density(*given_, density));
+        return found->second;
+    }
+
+  private:
+    double count(const MeshOptions& options) const {
+        ctx_->throw_if_cancelled();
+        const PrepareResult prepared = prepare(skeleton_, options.prepare);
+        check_branches(prepared.skeleton);
+        return static_cast<double>(cage_of(prepared.skeleton, options, *ctx_).cage.quads.size());
+    }
+
+    Skeleton skeleton_;
+    const MeshOptions* given_;
+    const Context* ctx_;
+    std::map<double, double> counts_;
+};
+
 class Planner {
   public:
     Planner(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces, const Context& ctx)
@@ -99,22 +127,24 @@ class Planner {
     }
 
     FaceBudget plan() {
-        const double normal = count(skeleton_, 1), sparsest = count(skeleton_, kLeastDensity);
-        int levels = std::clamp(static_cast<int>(std::lround(std::log(goal_ / normal) / std::log(4.0))), 0,
-                                kMaxLevels);
+        CageFaces drawn(skeleton_, given_, ctx_);
+        int levels = std::clamp(static_cast<int>(std::lround(std::log(goal_ / drawn.at(1)) / std::log(4.0))),
+                                0, kMaxLevels);
         // Rather more rings than fewer branches.
-        if (levels > 0 && sparsest > wanted(levels)) --levels;
-        const std::uint32_t all = axes_.lateral_count();
-        const std::uint32_t laterals = sparsest <= wanted(levels) ? all : most_laterals(levels);
-        const Skeleton drawn = laterals < all ? axes_.with(laterals) : skeleton_;
+        if (levels > 0 && drawn.at(kMinDensity) > wanted(levels)) --levels;
+        std::uint32_t laterals = axes_.lateral_count();
+        if (drawn.at(kMinDensity) > wanted(levels)) {
+            laterals = most_laterals(levels);
+            if (laterals < axes_.lateral_count()) drawn = with(laterals);
+        }
         Rings best = rings_at(levels, drawn);
         // A few branches have too few rings to choose from: faces four times as many and as large do better.
         if (levels > 0 && off(best) > kFar) {
             const Rings more = rings_at(levels - 1, drawn);
             if (off(more) < off(best)) best = more;
         }
-        FaceBudget out{drawn,          with_density(given_, best.density), 0, axes_.count(),
-                       all - laterals, axes_.share_without(laterals)};
+        FaceBudget out{drawn.skeleton(), with_density(given_, best.density), 0,
+                       axes_.count(),    axes_.lateral_count() - laterals,   axes_.share_without(laterals)};
         out.options.levels = best.levels;
         out.faces = static_cast<std::uint64_t>(best.faces) << (2 * best.levels);
         return out;
@@ -130,32 +160,26 @@ class Planner {
     // Faces of the cage.
     double wanted(int levels) const { return std::ldexp(goal_, -2 * levels); }
     double off(const Rings& r) const { return std::abs(r.faces / wanted(r.levels) - 1); }
-    double count(const Skeleton& s, double density) const {
-        ctx_.throw_if_cancelled();
-        const MeshOptions options = with_density(given_, density);
-        const PrepareResult prepared = prepare(s, options.prepare);
-        check_branches(prepared.skeleton);
-        return static_cast<double>(cage_of(prepared.skeleton, options, ctx_).cage.quads.size());
-    }
+    CageFaces with(std::uint32_t laterals) const { return {axes_.with(laterals), given_, ctx_}; }
 
     // That with the rings farthest apart have no more faces than are wanted.
     std::uint32_t most_laterals(int levels) const {
         std::uint32_t fits = 0, too_many = axes_.lateral_count();
         while (fits + 1 < too_many) {
             const std::uint32_t middle = fits + (too_many - fits) / 2;
-            (count(axes_.with(middle), kLeastDensity) <= wanted(levels) ? fits : too_many) = middle;
+            (with(middle).at(kMinDensity) <= wanted(levels) ? fits : too_many) = middle;
         }
         return fits;
     }
 
-    Rings rings_at(int levels, const Skeleton& drawn) const {
+    Rings rings_at(int levels, CageFaces& drawn) const {
         Rings best{levels};
         const auto has_more = [&](double density) {
-            const Rings r{levels, density, count(drawn, density)};
+            const Rings r{levels, density, drawn.at(density)};
             if (best.faces == 0 || off(r) < off(best)) best = r;
             return r.faces >= wanted(levels);
         };
-        double low = kLeastDensity, high = kGreatestDensity;
+        double low = kMinDensity, high = kMaxDensity;
         (has_more(1) ? high : low) = 1;
         if (high == 1 && has_more(low)) return best;
         for (int step = 0; step < kSteps && off(best) > kNear; ++step) {
@@ -176,9 +200,9 @@ class Planner {
 
 FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces,
                       const Context& ctx) {
-    if (faces < kFewest || faces > kMost)
+    if (faces < kMinFaces || faces > kMaxFaces)
         throw InvalidInput(
-            fmt::format("mesh: faces must be from {} to {}, but is {}", kFewest, kMost, faces));
+            fmt::format("mesh: faces must be from {} to {}, but is {}", kMinFaces, kMaxFaces, faces));
     if (given.method != MeshMethod::quads && given.method != MeshMethod::bmesh)
         throw InvalidInput("mesh: method must be quads or bmesh for a number of faces");
     return Planner(skeleton, given, faces, ctx).plan();

@@ -6,6 +6,9 @@
 
 namespace coppice {
 
+/// Numbers of faces that may be asked for.
+inline constexpr std::uint64_t kMinFaces = 100, kMaxFaces = 100'000'000;
+
 /// A skeleton and options of which a surface has about as many faces as are wanted.
 struct FaceBudget {
     Skeleton skeleton;              ///< with what is drawn of the given one
@@ -27,8 +30,8 @@ struct FaceBudget {
 /// cross has more faces than planned, many where rings stand nearer than five radii.
 ///
 /// `options` are those for the given skeleton; their levels are not looked at. Throws InvalidInput naming
-/// `faces` when it is not from 100 to 100,000,000, and `method` when it is not quads or bmesh. It makes some
-/// twenty cages: about as long as the surface takes at two levels.
+/// `faces` when it is not from kMinFaces to kMaxFaces, and `method` when it is not quads or bmesh. It makes
+/// some twenty cages: about as long as the surface takes at two levels.
 FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& options, std::uint64_t faces,
                       const Context& ctx = {});
 
