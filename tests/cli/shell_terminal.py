@@ -5,14 +5,20 @@ import os
 import pty
 import select
 import sys
+import termios
 import time
 
 PATIENCE = 60  # seconds until an answer must have come
 PROMPT = "coppice> "
 
 
+def edits_line(terminal):
+    """Whether the shell waits for keys, so that Ctrl-C is a key of the line and not a signal."""
+    return not termios.tcgetattr(terminal)[3] & termios.ISIG
+
+
 def answer(terminal, expected):
-    """What comes until all of it holds the expected text after which the prompt stands again."""
+    """Returns what comes until all of it has the expected text, and a prompt after that at which a line is edited."""
     text, end = "", time.monotonic() + PATIENCE
     while time.monotonic() < end:
         if select.select([terminal], [], [], 0.1)[0]:
@@ -21,7 +27,7 @@ def answer(terminal, expected):
             except OSError:
                 break
         at = text.find(expected)
-        if at >= 0 and PROMPT in text[at:]:
+        if at >= 0 and PROMPT in text[at + len(expected):] and text.endswith(PROMPT) and edits_line(terminal):
             return text
     sys.exit(f"no '{expected}' and prompt in: {text!r}")
 
@@ -37,17 +43,19 @@ def main():
         os.environ["TERM"] = "xterm"
         os.execv(sys.argv[1], ["coppice", "shell"])
     answer(terminal, "help lists the commands")
-    say(terminal, "sph\tcrown\n", PROMPT)
+    say(terminal, "sph\tcrown\n", "crown\r\n")
     say(terminal, "describe cr\t\n", "sphere")
     say(terminal, "this goes\x03list\n", "solid      crown")
     say(terminal, "bogus\n", "there is no command 'bogus'")
     say(terminal, "\x1b[A\x1b[A\n", "solid      crown")
     os.write(terminal, b"for i in 1..2\nsphere ball${i}\n")
-    say(terminal, "end\n", PROMPT)
+    say(terminal, "end\n", "end\r\n")
     say(terminal, "list\n", "solid      ball1 ball2 crown")
-    say(terminal, "delete ball1 ball2\n", PROMPT)
+    say(terminal, "delete ball1 ball2\n", "ball2\r\n")
     os.write(terminal, b"render crown crown.png width=2048 height=2048 samples=4096\n")
-    time.sleep(0.5)  # it takes minutes; Ctrl-C is to come while it runs
+    while edits_line(terminal):
+        time.sleep(0.01)
+    time.sleep(0.5)  # the command takes minutes; Ctrl-C is to come while it runs
     say(terminal, "\x03", "interrupted")
     say(terminal, "list\n", "solid      crown")
     os.write(terminal, b"quit\n")

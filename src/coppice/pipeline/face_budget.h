@@ -6,8 +6,11 @@
 
 namespace coppice {
 
-/// Numbers of faces that may be asked for.
-inline constexpr std::uint64_t kMinFaces = 100, kMaxFaces = 100'000'000;
+/// Smallest number of faces that may be asked for.
+inline constexpr std::uint64_t kMinFaces = 100;
+
+/// Largest number of faces that may be asked for.
+inline constexpr std::uint64_t kMaxFaces = 100'000'000;
 
 /// A skeleton and options of which a surface has about as many faces as are wanted.
 struct FaceBudget {
