@@ -23,8 +23,10 @@ inline Quads quads_of(const Skeleton& skeleton, MeshOptions options) {
     options.remesh_rounds = 0;
     options.fit = Fit::surface;
     const Skeleton prepared = prepare(skeleton, options.prepare).skeleton;
-    const Skeleton grafted = graft_branches(prepared, options.graft, {}).tubes;
-    Skeleton parted = part_branches(grafted, {}).skeleton;
+    const bool merges = options.overlaps == Overlaps::merge && options.method == MeshMethod::quads;
+    const GraftResult grafted =
+        graft_branches(prepared, options.graft, merges ? PieceEnd::joined : PieceEnd::closed, {});
+    Skeleton parted = part_branches(grafted.tubes, grafted.joins, {}).skeleton;
     QuadSurface surface = std::move(mesh_skeleton(skeleton, options).quads());
     if (options.method == MeshMethod::quads) return {std::move(surface), std::move(parted), options.levels};
     RamificationMesh made =

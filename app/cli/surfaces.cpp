@@ -18,6 +18,7 @@ Figures counts_of(const GraftReport& r) {
     Figures out;
     out["grafted"] = r.grafted;
     out["cut"] = r.cut;
+    out["merged"] = r.merged;
     out["buried"] = r.buried;
     out["trees_joined"] = r.joined;
     return out;
@@ -40,8 +41,6 @@ Figures counts_of(const KnotReport& r) {
     out["folded"] = r.folded;
     out["rounds"] = r.rounds;
     out["slices"] = r.slices;
-    out["parts"] = r.parts;
-    out["handles"] = r.handles;
     return out;
 }
 
@@ -124,15 +123,17 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["vertices"] = surface.mesh.positions.size();
     counts["quads"] = surface.mesh.quads.size();
     counts["cage_quads"] = surface.cage.cage.quads.size();
+    counts["bodies"] = surface.knots.parts;
+    counts["handles"] = surface.knots.handles;
     counts["branches_grafted"] = counts_of(surface.grafted);
     counts["branches_parted"] = counts_of(surface.parted);
     if (surface.balls) counts["metaballs"] = counts_of(*surface.balls);
     if (had_knots(surface.knots)) counts["crossings_remeshed"] = counts_of(surface.knots);
     if (surface.ramified) counts["ramifications"] = counts_of(*surface.ramified);
-    const std::string how = surface.ramified
-                                ? told(*surface.ramified)
-                                : fmt::format("{} grafted, {} cut", grouped(surface.grafted.grafted),
-                                              grouped(surface.grafted.cut));
+    const std::string how =
+        surface.ramified ? told(*surface.ramified)
+                         : fmt::format("{} merged, {} grafted, {} cut", grouped(surface.grafted.merged),
+                                       grouped(surface.grafted.grafted), grouped(surface.grafted.cut));
     return fmt::format("{}; {} quads{}", how, grouped(surface.mesh.quads.size()), told(surface.knots));
 }
 

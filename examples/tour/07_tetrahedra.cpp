@@ -28,13 +28,13 @@ int main() {
     const coppice::MeshResult crossed = coppice::mesh_skeleton(cross, keep);
     judge("quads, kept", coppice::to_polygons(crossed.quads().mesh));
 
-    const coppice::MeshResult grafted = coppice::mesh_skeleton(cross);
+    coppice::MeshOptions graft;
+    graft.overlaps = coppice::Overlaps::graft;
+    const coppice::MeshResult grafted = coppice::mesh_skeleton(cross, graft);
     judge("quads, grafted", coppice::to_polygons(grafted.quads().mesh));
 
-    coppice::MeshOptions fuse;
-    fuse.overlaps = coppice::Overlaps::fuse;
-    const coppice::MeshResult fused = coppice::mesh_skeleton(cross, fuse);
-    judge("quads, fused", coppice::to_polygons(fused.quads().mesh));
+    const coppice::MeshResult merged = coppice::mesh_skeleton(cross);
+    judge("quads, merged", coppice::to_polygons(merged.quads().mesh));
 
     coppice::MeshOptions options{.method = coppice::MeshMethod::tetrahedra};
     options.tetra.edge = 0.3f;  // of the triangles, in radii

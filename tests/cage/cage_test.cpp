@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "coppice/cage/graft.h"
 #include "coppice/cage/part.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
 namespace coppice {
@@ -48,10 +50,54 @@ TEST(BuildControlMesh, EverySkeletonInTheZooGivesOneSpherePerTree) {
 TEST(BuildControlMesh, EveryPartedSkeletonInTheZooGivesOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const PartResult parted = part_branches(skeleton, {});
+        const PartResult parted = part_branches(skeleton, {}, {});
         EXPECT_EQ(parted.skeleton.tree_count(), skeleton.tree_count());
         expect_spheres(build_control_mesh(parted.skeleton, parted.source, {}, {}), skeleton.tree_count());
     }
+}
+
+// Each join puts two bodies together, or makes a handle.
+void expect_merged(const Skeleton& skeleton) {
+    const GraftResult grafted = graft_branches(skeleton, 0.6f, PieceEnd::joined, {});
+    const PartResult parted = part_branches(grafted.tubes, grafted.joins, {});
+    const ControlMesh m =
+        build_control_mesh(parted.skeleton, parted.source, {}, {}, parted.round_roots, parted.joins);
+    const TopologyReport t = topology(m.cage);
+    EXPECT_TRUE(t.watertight());
+    EXPECT_EQ(t.vertices, m.cage.positions.size()) << "every vertex is used";
+    EXPECT_EQ(t.euler, 2 * (static_cast<std::int64_t>(parted.skeleton.tree_count()) -
+                            static_cast<std::int64_t>(parted.joins.size())));
+    for (const NodeJoin& join : m.joins) {
+        EXPECT_TRUE(parted.skeleton.is_tip(join.end));
+        EXPECT_EQ(parted.skeleton.position(join.end), parted.skeleton.position(join.node));
+    }
+}
+
+TEST(BuildControlMesh, BranchesThatAreMergedHaveOneClosedCage) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        SCOPED_TRACE(name);
+        expect_merged(skeleton);
+    }
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+        SCOPED_TRACE(seed);
+        expect_merged(random_tree(400, seed, true));
+    }
+}
+
+// Two limbs alike: the faces left and right of the one are those that the other leaves through.
+TEST(BuildControlMesh, ACrossingHasEightVerticesOfValenceFive) {
+    const NodeId none;
+    const Skeleton s({none, NodeId(0), NodeId(1), none, NodeId(3), NodeId(1)},
+                     {{0, 0, -1}, {0, 0, 0}, {0, 0, 1}, {-1, 0, 0.2f}, {0, 0, 0}, {1, 0, -0.2f}},
+                     {0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f});
+    const std::vector<NodeJoin> joins{{NodeId(4), NodeId(1)}};
+    const ControlMesh m = build_control_mesh(s, same_nodes(s), {.base = BaseShape::round}, {}, {}, joins);
+    const TopologyReport t = topology(m.cage);
+    EXPECT_TRUE(t.watertight());
+    EXPECT_EQ(t.components, 1u);
+    EXPECT_EQ(t.euler, 2);
+    EXPECT_EQ(t.irregular_vertices, 8u + 4 * 4);
+    EXPECT_EQ(std::ranges::count(m.part, TubePart::fork), 2);
 }
 
 TEST(BuildControlMesh, EverySideCountCloses) {

@@ -49,7 +49,7 @@ void expect_sound(const Skeleton& given, const GraftResult& r) {
 TEST(GraftBranches, APieceEndsAtTheBarkAndTheRestSpringsFromThere) {
     for (const float offset : {0.0f, 0.02f, 0.08f}) {
         const Skeleton s = loop(offset);
-        const GraftResult r = graft_branches(s, kDepth, {});
+        const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
         expect_sound(s, r);
         EXPECT_EQ(r.report.grafted, 1u);
         EXPECT_EQ(r.report.cut, 1u);
@@ -66,8 +66,44 @@ TEST(GraftBranches, APieceEndsAtTheBarkAndTheRestSpringsFromThere) {
     }
 }
 
+TEST(GraftBranches, APieceThatIsJoinedEndsInANodeOfTheOtherBranch) {
+    for (const float offset : {0.0f, 0.02f, 0.08f}) {
+        const Skeleton s = loop(offset);
+        const GraftResult r = graft_branches(s, kDepth, PieceEnd::joined, {});
+        expect_sound(s, r);
+        EXPECT_EQ(r.report.grafted, 1u);
+        EXPECT_EQ(r.report.cut, 0u);
+        EXPECT_EQ(r.report.merged, 1u);
+        ASSERT_EQ(r.joins.size(), 1u);
+        const auto [end, node] = r.joins[0];
+        EXPECT_TRUE(r.tubes.is_tip(end));
+        EXPECT_EQ(r.tubes.position(end), r.tubes.position(node));
+        EXPECT_EQ(r.tubes.position(node).x, 0) << "on the axis of the stem";
+        EXPECT_EQ(r.tubes.children(node).size(), 2u) << "the stem goes on, and the branch springs from there";
+    }
+}
+
+// Limbs alike that cross, cut into segments: one goes on all the way, whichever segments are thicker there.
+TEST(GraftBranches, OfTwoAlikeOneHasAllOfTheCrossing) {
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    std::vector<float> radius;
+    for (const float side : {1.0f, -1.0f}) {
+        for (int k = 0; k <= 8; ++k) {
+            parent.push_back(k == 0 ? NodeId::none() : NodeId(static_cast<std::uint32_t>(parent.size() - 1)));
+            const float at = 0.25f * static_cast<float>(k) + (side > 0 ? 0.1f : 0);
+            position.push_back({side * (at - 1), 0, at});
+            radius.push_back(0.08f - 0.01f * at);
+        }
+    }
+    const GraftResult r = graft_branches({parent, position, radius}, kDepth, PieceEnd::joined, {});
+    EXPECT_EQ(r.report.grafted, 1u);
+    EXPECT_EQ(r.joins.size(), 1u);
+    EXPECT_EQ(r.tubes.tree_count(), 2u);
+}
+
 TEST(GraftBranches, NoTwoTubesCrossAfterwards) {
-    const GraftResult r = graft_branches(loop(0.03f), kDepth, {});
+    const GraftResult r = graft_branches(loop(0.03f), kDepth, PieceEnd::closed, {});
     for (const NodeId a : nodes(r.tubes)) {
         for (const NodeId b : nodes(r.tubes)) {
             if (r.tubes.is_root(a) || r.tubes.is_root(b) || a >= b) continue;
@@ -82,7 +118,7 @@ TEST(GraftBranches, TheThickBranchStandsWhereverItComesFrom) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(0), NodeId(3), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 4}, {3, 0, 0}, {3, 0, 3}, {-3, 0, 3}},
                      {0.2f, 0.03f, 0.03f, 0.2f, 0.2f, 0.2f});
-    const GraftResult r = graft_branches(s, kDepth, {});
+    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
     expect_sound(s, r);
     EXPECT_EQ(r.report.cut, 1u);
     for (const NodeId n : nodes(r.tubes)) {
@@ -95,7 +131,7 @@ TEST(GraftBranches, ATwigThatEndsInsideABranchIsCutThere) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 2}, {0, 0, 2}},
                      {0.3f, 0.3f, 0.3f, 0.05f, 0.05f});
-    const GraftResult r = graft_branches(s, kDepth, {});
+    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
     expect_sound(s, r);
     EXPECT_EQ(r.report.cut, 1u);
     EXPECT_EQ(r.report.grafted, 0u);
@@ -104,21 +140,21 @@ TEST(GraftBranches, ATwigThatEndsInsideABranchIsCutThere) {
 
 TEST(GraftBranches, OrdinaryTreesAndShallowOverlapsStayAsTheyAre) {
     for (const Skeleton& s : {loop(0.13f), loop(1), Skeleton({NodeId::none()}, {{}}, {1})}) {
-        const GraftResult r = graft_branches(s, kDepth, {});
+        const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
         EXPECT_EQ(r.report.cut, 0u);
         EXPECT_EQ(r.report.grafted, 0u);
         EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
         expect_sound(s, r);
     }
     const Skeleton tree = random_tree(3000, 2);
-    const GraftResult r = graft_branches(tree, kDepth, {});
+    const GraftResult r = graft_branches(tree, kDepth, PieceEnd::closed, {});
     EXPECT_LT(r.report.grafted, 30u);
     expect_sound(tree, r);
 }
 
 TEST(GraftBranches, DepthZeroChangesNothing) {
     const Skeleton s = loop(0);
-    const GraftResult r = graft_branches(s, 0, {});
+    const GraftResult r = graft_branches(s, 0, PieceEnd::closed, {});
     EXPECT_TRUE(std::ranges::equal(r.tubes.positions(), s.positions()));
     EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
 }
@@ -126,7 +162,7 @@ TEST(GraftBranches, DepthZeroChangesNothing) {
 TEST(GraftBranches, BranchesOfTwoTreesAreGraftedAsThoseOfOne) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {-2, 0, 2}, {2, 0, 2}}, {0.1f, 0.1f, 0.05f, 0.05f});
-    const GraftResult r = graft_branches(s, kDepth, {});
+    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
     EXPECT_EQ(r.report.cut, 1u);
     EXPECT_EQ(r.report.grafted, 1u);
     EXPECT_EQ(r.tubes.tree_count(), 2u);
@@ -141,7 +177,7 @@ TEST(GraftBranches, BranchesOfTwoTreesAreGraftedAsThoseOfOne) {
 TEST(GraftBranches, ATreeThatStandsInAnothersWoodIsABranchOfThat) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {0.02f, 0, 2}, {2, 0, 3}}, {0.1f, 0.1f, 0.05f, 0.05f});
-    const GraftResult r = graft_branches(s, kDepth, {});
+    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
     EXPECT_EQ(r.tubes.tree_count(), 1u);
     EXPECT_EQ(r.report.grafted, 1u);
     for (const NodeId n : nodes(r.skeleton)) {
@@ -154,7 +190,7 @@ TEST(GraftBranches, ATreeThatStandsInAnothersWoodIsABranchOfThat) {
 TEST(GraftBranches, EverySkeletonOfTheZooGivesATree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        expect_sound(skeleton, graft_branches(skeleton, kDepth, {}));
+        expect_sound(skeleton, graft_branches(skeleton, kDepth, PieceEnd::closed, {}));
     }
 }
 
@@ -168,7 +204,7 @@ TEST(GraftBranches, TanglesEndAndGiveATree) {
         position.push_back({i % 2 == 0 ? -10.0f : 10.0f, 0, 1e-4f * static_cast<float>(i)});
     }
     const Skeleton s(parent, position, std::vector<float>(kNodes, 0.5f));
-    expect_sound(s, graft_branches(s, kDepth, {}));
+    expect_sound(s, graft_branches(s, kDepth, PieceEnd::closed, {}));
 }
 
 TEST(GraftBranches, IsTheSameForAnyNumberOfThreads) {
@@ -176,7 +212,8 @@ TEST(GraftBranches, IsTheSameForAnyNumberOfThreads) {
     Context one, seven;
     one.threads = 1;
     seven.threads = 7;
-    const GraftResult a = graft_branches(s, kDepth, one), b = graft_branches(s, kDepth, seven);
+    const GraftResult a = graft_branches(s, kDepth, PieceEnd::closed, one),
+                      b = graft_branches(s, kDepth, PieceEnd::closed, seven);
     EXPECT_TRUE(std::ranges::equal(a.tubes.positions(), b.tubes.positions()));
     EXPECT_EQ(a.tube, b.tube);
 }

@@ -35,8 +35,8 @@ struct Scene {
 };
 
 inline Scene wrap(const Skeleton& given, float graft = 0.6f) {
-    const GraftResult grafted = graft_branches(prepare(given).skeleton, graft, {});
-    PartResult parted = part_branches(grafted.tubes, {});
+    const GraftResult grafted = graft_branches(prepare(given).skeleton, graft, PieceEnd::closed, {});
+    PartResult parted = part_branches(grafted.tubes, {}, {});
     const std::vector<NodeId> source = composed(parted.source, grafted.source);
     ControlMesh control = build_control_mesh(parted.skeleton, source, {}, {});
     return {grafted.skeleton, std::move(parted.skeleton), composed(grafted.tube, parted.tube),

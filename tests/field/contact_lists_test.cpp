@@ -56,6 +56,26 @@ TEST(FindContacts, AncestorsDescendantsAndSiblingsAreNot) {
     }
 }
 
+// A stem, and a branch of another tree that ends in its middle.
+TEST(FindContacts, WhatIsJoinedGrowsTogether) {
+    const NodeId none;
+    const Skeleton s({none, NodeId(0), NodeId(1), none, NodeId(3)},
+                     {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {2, 0, 1}, {0, 0, 1}}, {0.1f, 0.1f, 0.1f, 0.1f, 0.1f});
+    const std::vector<NodeId> tube{NodeId(0), NodeId(1), NodeId(2), NodeId(3), NodeId(4)};
+    std::vector<FieldRegion> regions;
+    for (const NodeId n : tube) regions.push_back({Box3{{-0.2f, -0.2f, 0.8f}, {0.2f, 0.2f, 1.2f}}, n});
+    ConvolutionField field(s, {});
+    field.set_regions(regions, {s, tube});
+    EXPECT_TRUE(std::ranges::equal(field.candidates(4), std::array{4u}));
+    EXPECT_EQ(field.rivals(4).size(), 2u);
+    const std::vector<NodeJoin> joins{{NodeId(4), NodeId(1)}};
+    field.set_regions(regions, {s, tube, joins});
+    for (const std::uint32_t r : {1u, 2u, 4u}) {
+        EXPECT_EQ(field.candidates(r).size(), 3u);
+        EXPECT_TRUE(field.rivals(r).empty());
+    }
+}
+
 TEST(FindContacts, OthersTakeNoPlaceOfRelatives) {
     const Skeleton s = crowded_stem();
     std::vector<NodeId> tube;

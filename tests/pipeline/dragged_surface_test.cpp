@@ -32,6 +32,7 @@ Buffer<Vec3> in_model_order(const DragPart& part, std::span<const Vec3> drawn) {
 TEST(QuadModel, AtRestIsTheMeshThatIsNeitherUnfoldedNorRemeshed) {
     const Skeleton tree = small_tree();
     MeshOptions plain;
+    plain.overlaps = Overlaps::graft;  // what is merged moves apart while it is dragged
     plain.untangle.passes = 0;
     plain.remesh_rounds = 0;
     const MeshResult made = mesh_skeleton(tree, plain);
@@ -121,13 +122,13 @@ TEST(DraggedSurface, AtAngleZeroIsTheSurfaceAtRestToTheBit) {
 }
 
 TEST(DraggedSurface, ThePartHasTheBitsOfTheWhole) {
-    MeshOptions flat, relaxed, fused;
+    MeshOptions flat, relaxed, kept;
     flat.control.tips = TipShape::flat;
     flat.levels = 1;
     relaxed.project.relax_passes = 1;
-    fused.overlaps = Overlaps::fuse;
-    fused.levels = 0;
-    for (const MeshOptions& options : {MeshOptions{}, flat, relaxed, fused}) {
+    kept.overlaps = Overlaps::keep;
+    kept.levels = 0;
+    for (const MeshOptions& options : {MeshOptions{}, flat, relaxed, kept}) {
         const Dragged d(small_tree(), options);
         const DragPart whole = whole_part(d.model);
         EXPECT_EQ(whole.written, whole.vertex.size());

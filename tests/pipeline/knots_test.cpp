@@ -159,26 +159,49 @@ TEST(Knots, WhatIsThickBesideThreadsIsAllThere) {
     }
 }
 
-TEST(Knots, ALoopThatIsFusedIsAHandle) {
+TEST(Knots, ALoopThatIsMergedIsAHandle) {
     const Skeleton loop = noose();
-    const QuadSurface fused = mesh_skeleton(loop, with(Overlaps::fuse)).quads();
-    EXPECT_EQ(crossings(fused.mesh), 0u);
-    EXPECT_EQ(fused.knots.parts, 1u);
-    EXPECT_EQ(fused.knots.handles, 1);
-    EXPECT_EQ(topology(fused.mesh).euler, 0);
+    const QuadSurface merged = mesh_skeleton(loop, with(Overlaps::merge)).quads();
+    EXPECT_EQ(crossings(merged.mesh), 0u);
+    EXPECT_EQ(merged.knots.parts, 1u);
+    EXPECT_EQ(merged.knots.handles, 1);
+    EXPECT_EQ(topology(merged.mesh).euler, 0);
     const QuadSurface kept = mesh_skeleton(loop, with(Overlaps::keep)).quads();
     EXPECT_GT(crossings(kept.mesh), 0u);
     EXPECT_EQ(topology(kept.mesh).euler, 2);
 }
 
+// Two limbs of one tree that cross, thick or thin, steep or slanting: nothing is left to remesh.
+TEST(Knots, LimbsThatCrossMergeCleanly) {
+    for (const float thin : {1.0f, 0.7f, 0.4f}) {
+        for (const float slant : {0.0f, 0.5f, 0.9f}) {
+            SCOPED_TRACE(thin);
+            SCOPED_TRACE(slant);
+            const float r = 0.1f * thin;
+            const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
+                             {{0, 0, 0}, {0, 0, 1}, {0, 0, 5}, {-1.5f, 0, 2}, {1.5f, 0.02f, 3 + 2 * slant}},
+                             {0.1f, 0.1f, 0.1f, r, r});
+            const QuadSurface made = mesh_skeleton(s).quads();
+            EXPECT_EQ(made.knots.pairs_before, 0u);
+            EXPECT_EQ(made.knots.parts, 1u);
+            EXPECT_EQ(made.knots.handles, 1);
+            EXPECT_EQ(made.grafted.merged, 1u);
+            EXPECT_EQ(crossings(made.mesh), 0u);
+            EXPECT_EQ(topology(made.mesh).euler, 0);
+            EXPECT_TRUE(topology(made.mesh).watertight());
+        }
+    }
+}
+
 TEST(Knots, TreesThatCrossAreGraftedOrBentApartOrBecomeOneBody) {
     const Skeleton bars = crossed_bars();
-    for (const Overlaps overlaps : {Overlaps::graft, Overlaps::apart, Overlaps::fuse}) {
+    for (const Overlaps overlaps : {Overlaps::graft, Overlaps::apart, Overlaps::merge}) {
         const MeshResult made = mesh_skeleton(bars, with(overlaps));
         EXPECT_EQ(crossings(made.quads().mesh), 0u);
-        EXPECT_EQ(topology(made.quads().mesh).components, overlaps == Overlaps::fuse ? 1u : 2u);
+        EXPECT_EQ(topology(made.quads().mesh).components, overlaps == Overlaps::merge ? 1u : 2u);
         EXPECT_EQ(made.quads().knots.handles, 0);
-        EXPECT_EQ(made.quads().grafted.grafted, overlaps == Overlaps::graft ? 1u : 0u);
+        EXPECT_EQ(made.quads().grafted.grafted, overlaps == Overlaps::apart ? 0u : 1u);
+        EXPECT_EQ(made.quads().grafted.merged, overlaps == Overlaps::merge ? 1u : 0u);
         EXPECT_EQ(made.bent_apart.has_value(), overlaps == Overlaps::apart);
     }
     EXPECT_EQ(topology(mesh_skeleton(bars, with(Overlaps::keep)).quads().mesh).components, 2u);

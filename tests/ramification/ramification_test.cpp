@@ -54,7 +54,7 @@ TEST(Ramification, WrapsTheZooInOneSpherePerTree) {
             const RamificationOptions options{.all_additional = additional,
                                               .no_connection_optimisation = additional};
             expect_spheres(made_of(skeleton, options).control, skeleton);
-            expect_spheres(made_of(part_branches(skeleton, {}).skeleton, options).control, skeleton);
+            expect_spheres(made_of(part_branches(skeleton, {}, {}).skeleton, options).control, skeleton);
         }
         const ControlOptions flat{.tips = TipShape::flat}, round{.base = BaseShape::round};
         expect_spheres(made_of(skeleton, {}, flat).control, skeleton);

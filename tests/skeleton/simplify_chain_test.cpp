@@ -33,6 +33,24 @@ TEST(SimplifyChain, ALateralHasTheRadiusOfItsEndAllAlong) {
     EXPECT_EQ(nodes_of(simplify_chain(points, {0.02, 0, false, 1.5})), (Nodes{0, 2}));
 }
 
+// An elbow near the fork goes, but not what bends there: the long segment after it stays where it is.
+TEST(SimplifyChain, MovesAPointAlongItsSegmentWhereTheAxisWouldTurn) {
+    const std::vector<ChainPoint> points{{{0, 0, 0}, 0.1, 0}, {{0.08, 0, 0}, 0.1, 1}, {{0.08, 0, 4}, 0.1, 2}};
+    for (const ChainRule& rule :
+         {ChainRule{0.02, 0.9, false, 0.1, 0.1}, ChainRule{0.02, 0.9, true, 0, 0.1}}) {
+        const SimplifiedChain chain = simplify_chain(points, rule);
+        EXPECT_EQ(nodes_of(chain), (Nodes{0, 1, 2}));
+        EXPECT_EQ(chain.moved, 1u);
+        const Vec3d at = chain.points[1].position;
+        EXPECT_NEAR(at.x, 0.08, 1e-12);
+        EXPECT_NEAR(length(at), rule.fork_ball > 0 ? 0.1 : 0.09, 1e-12);
+    }
+    // Where there is no room for it on a short segment, it goes.
+    const std::vector<ChainPoint> crowded{
+        {{0, 0, 0}, 0.1, 0}, {{0.08, 0, 0}, 0.1, 1}, {{0.08, 0, 0.09}, 0.1, 2}, {{0.08, 0, 4}, 0.1, 3}};
+    EXPECT_EQ(simplify_chain(crowded, {0.02, 0.9, false, 0.3, 0.1}).points.size(), 3u);
+}
+
 TEST(SimplifyChain, PushesJumpsApartAndKeepsBothRadii) {
     // Half a metre thick up to 1, a quarter from 1.05 on: too near, but worth two points.
     const std::vector<ChainPoint> points{

@@ -11,17 +11,22 @@
 namespace coppice::cage_internal {
 
 /// The axes of a skeleton: chains that follow the leader, each from a root or branch node to a tip. Segments
-/// are ranked as if the thickest one that springs from those already ranked came next;
-/// axes are numbered by the rank of their first segments.
+/// are ranked as if the thickest one that springs from those already ranked came next, where an axis counts
+/// as thick as it was until it has lost a third of that: so of two alike that cross, one comes first at the
+/// whole of the crossing. Axes are numbered by the rank of their first segments.
 class Axes {
   public:
     /// O(n log n).
     explicit Axes(const Skeleton& s)
         : arc_(s.size()), axis_(s.size(), 0), place_(s.size(), 0), rank_(s.size(), 0) {
         std::vector<std::uint64_t> heap;
+        std::vector<float> thickness(s.size(), 0);
         const auto wait_for_children = [&](NodeId n) {
             for (const NodeId c : s.children(n)) {
-                heap.push_back(key(s.radius(c), c));
+                const float before = s.is_root(n) || s.leader(n) != c ? 0 : thickness[n.index()];
+                const float r = s.radius(c);
+                thickness[c.index()] = r > kSameThickness * before ? std::max(r, before) : r;
+                heap.push_back(key(thickness[c.index()], c));
                 std::push_heap(heap.begin(), heap.end());
             }
         };
@@ -56,6 +61,8 @@ class Axes {
     }
 
   private:
+    static constexpr float kSameThickness = 2.0f / 3;
+
     // The thicker, and of equals the one with the lower number, has the greater key: the bits of positive
     // numbers are in the order of the numbers.
     static std::uint64_t key(float radius, NodeId n) {

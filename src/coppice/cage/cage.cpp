@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/parallel.h"
 #include "coppice/cage/hub_internal.h"
 #include "coppice/cage/openings_internal.h"
@@ -38,14 +39,20 @@ constexpr std::size_t kCageGrain = 256;
 class CageBuilder {
   public:
     CageBuilder(const Skeleton& s, std::span<const NodeId> source, std::span<const NodeId> round_roots,
-                const ControlOptions& options, const Context& ctx)
+                std::span<const NodeJoin> joins, const ControlOptions& options, const Context& ctx)
         : s_(s),
           source_(source),
           round_roots_(round_roots),
           options_(options),
           ctx_(ctx),
           shrinkage_(shrinkage(options.sides)),
-          node_(s.size()) {}
+          node_(s.size()),
+          ends_at_(compress_rows<NodeId>(s.size(), [&](const auto& put) {
+              for (const NodeJoin& join : joins) put(join.node.index(), join.end);
+          })) {
+        out_.joins.assign(joins.begin(), joins.end());
+        for (const NodeJoin& join : joins) at(join.end).joined = join.node;
+    }
 
     ControlMesh build() && {
         make_hubs();
@@ -62,16 +69,24 @@ class CageBuilder {
         std::uint32_t first_vertex = 0;
         std::uint32_t first_quad = 0;
         std::uint32_t hub = 0;  ///< index + 1
+        NodeId joined;          ///< where its tube ends in another branch: the node of that
         Ring upper{};           ///< where the tube from the parent begins, at the parent
         Ring lower{};           ///< where it ends, at this node; both counter-clockwise about its direction
     };
 
     Node& at(NodeId n) { return node_[n.index()]; }
-    std::uint32_t degree(NodeId n) const {
-        return static_cast<std::uint32_t>(s_.children(n).size()) + (s_.is_root(n) ? 0 : 1);
+    const Node& at(NodeId n) const { return node_[n.index()]; }
+    std::span<const NodeId> ends_at(NodeId n) const { return ends_at_[n.index()]; }
+    // Of the branches that begin at a node, those that end there included.
+    std::uint32_t branch_count(NodeId n) const {
+        return static_cast<std::uint32_t>(s_.children(n).size() + ends_at(n).size());
     }
+    std::uint32_t degree(NodeId n) const { return branch_count(n) + (s_.is_root(n) ? 0 : 1); }
     // A ring or hub whose orientation does not depend on the chains that meet there.
-    bool is_fixed(NodeId n) const { return degree(n) >= 3 || (degree(n) == 2 && s_.is_root(n)); }
+    bool is_fixed(NodeId n) const {
+        return degree(n) >= 3 || (degree(n) == 2 && (s_.is_root(n) || !ends_at(n).empty()));
+    }
+    bool ends_fixed(NodeId n) const { return is_fixed(n) || at(n).joined; }
 
     Branch branch_to_parent(NodeId n) const {
         const Segment seg = s_.segment(n);
@@ -81,18 +96,21 @@ class CageBuilder {
         const Segment seg = s_.segment(c);
         return {normalized(seg.b - seg.a), seg.radius_a, distance(seg.a, seg.b)};
     }
-    // Those to the children, in their order, and then that to the parent.
+    // Those to the children, in their order, those that end there, and then that to the parent.
     std::vector<Branch> branches(NodeId n) const {
         std::vector<Branch> out;
         out.reserve(degree(n));
         for (const NodeId c : s_.children(n)) out.push_back(branch_to_child(c));
+        for (const NodeId e : ends_at(n)) out.push_back(branch_to_parent(e));
         if (!s_.is_root(n)) out.push_back(branch_to_parent(n));
         return out;
     }
-    std::uint32_t number_among_siblings(NodeId c) const {
-        const auto siblings = s_.children(s_.parent(c));
-        return static_cast<std::uint32_t>(std::find(siblings.begin(), siblings.end(), c) - siblings.begin());
+    std::uint32_t number_among_siblings(NodeId c) const { return place(s_.children(s_.parent(c)), c); }
+    static std::uint32_t place(std::span<const NodeId> in, NodeId n) {
+        return static_cast<std::uint32_t>(std::find(in.begin(), in.end(), n) - in.begin());
     }
+    // The one that goes on towards the tip: the leader, or the first that ends there.
+    std::uint32_t onward(NodeId n) const { return s_.is_tip(n) ? 0 : number_among_siblings(s_.leader(n)); }
 
     void make_hubs() {
         std::vector<NodeId> branching;
@@ -105,8 +123,7 @@ class CageBuilder {
         parallel_for(ctx_, branching.size(), kCageGrain, [&](std::size_t i) {
             const NodeId n = branching[i];
             if (s_.is_root(n)) return;
-            const auto children = static_cast<std::uint32_t>(s_.children(n).size());
-            plan[i] = Openings::plan(branches(n), children, number_among_siblings(s_.leader(n)));
+            plan[i] = Openings::plan(branches(n), branch_count(n), onward(n));
         });
         hub_.resize(branching.size());
         parallel_for(ctx_, branching.size(), kCageGrain, [&](std::size_t i) {
@@ -119,12 +136,18 @@ class CageBuilder {
     // [m] How much of each branch the hub of a node may take, beside that at the other end.
     std::vector<float> rooms(NodeId n, std::span<const std::optional<Openings>> plan) const {
         std::vector<float> out;
-        for (const NodeId c : s_.children(n)) {
-            const auto stem = static_cast<std::uint32_t>(s_.children(c).size());
-            out.push_back(room(branch_to_child(c).length, c, stem, plan));
-        }
+        for (const NodeId c : s_.children(n)) out.push_back(room_towards_tip(c, plan));
+        for (const NodeId e : ends_at(n))
+            out.push_back(room(branch_to_parent(e).length, s_.parent(e), number_among_siblings(e), plan));
         out.push_back(room(branch_to_parent(n).length, s_.parent(n), number_among_siblings(n), plan));
         return out;
+    }
+    float room_towards_tip(NodeId c, std::span<const std::optional<Openings>> plan) const {
+        const float length = branch_to_child(c).length;
+        const NodeId node = at(c).joined;
+        if (!node) return room(length, c, branch_count(c), plan);
+        const auto number = static_cast<std::uint32_t>(s_.children(node).size()) + place(ends_at(node), c);
+        return room(length, node, number, plan);
     }
     float room(float length, NodeId other_end, std::uint32_t branch,
                std::span<const std::optional<Openings>> plan) const {
@@ -150,10 +173,9 @@ class CageBuilder {
             }
             return best;
         };
-        const std::size_t children = s_.children(n).size();
-        const std::uint32_t stem =
-            s_.is_root(n) ? number_among_siblings(s_.leader(n)) : static_cast<std::uint32_t>(children);
-        const std::uint32_t leader = straightest_from(stem, children);
+        const std::uint32_t count = branch_count(n);
+        const std::uint32_t stem = s_.is_root(n) ? onward(n) : count;
+        const std::uint32_t leader = straightest_from(stem, count);
         const bool of_root = s_.is_root(n) || is_round_root(s_.parent(n));
         if (!of_root || !is_ball(s_, n)) return cage_internal::build_hub(branch, stem, leader);
         // Branches have a like share of a ball, however thin they are.
@@ -164,6 +186,7 @@ class CageBuilder {
     }
 
     std::uint32_t vertex_count(NodeId n) {
+        if (at(n).joined) return 0;
         if (degree(n) == 0 || is_flat(n)) return 8;
         return degree(n) < 3 ? 4 : static_cast<std::uint32_t>(hub_[at(n).hub - 1].position.size());
     }
@@ -171,12 +194,13 @@ class CageBuilder {
         const std::uint32_t tube = s_.is_root(n) ? 0 : 4;
         if (degree(n) > 2) return tube + static_cast<std::uint32_t>(hub_[at(n).hub - 1].quads.size());
         if (degree(n) == 0) return 6;
+        if (at(n).joined) return tube;
         if (degree(n) == 1) return tube + (is_open(n) ? 0 : is_flat(n) ? kFlatEndQuads : 1);
         return tube;
     }
     bool is_open(NodeId n) const { return has_base(n) && options_.base == BaseShape::open; }
     bool is_flat(NodeId n) const {
-        if (degree(n) != 1) return false;
+        if (degree(n) != 1 || at(n).joined) return false;
         return s_.is_root(n) ? has_base(n) && options_.base == BaseShape::flat
                              : options_.tips == TipShape::flat;
     }
@@ -233,12 +257,10 @@ class CageBuilder {
             } else if (degree(n) >= 3) {
                 fill_hub(n);
             } else if (is_fixed(n)) {
-                const auto c = s_.children(n);
-                const Frame frame(
-                    normalized(branch_to_child(c[0]).direction - branch_to_child(c[1]).direction));
+                const auto branch = branches(n);
+                const Frame frame(normalized(branch[0].direction - branch[1].direction));
                 fill_ring(n, frame, 0);
-                at(c[0]).upper = ring_of(n);
-                at(c[1]).upper = reversed(ring_of(n));
+                begin_branches(n, std::array{ring_of(n), reversed(ring_of(n))});
             }
         });
     }
@@ -257,9 +279,17 @@ class CageBuilder {
         const std::uint32_t first_quad = at(n).first_quad + (s_.is_root(n) ? 0 : 4);
         for (std::uint32_t q = 0; q < hub.quads.size(); ++q)
             set_quad(first_quad + q, shifted(hub.quads[q]), n, QuadKind::face, TubePart::fork);
-        const auto children = s_.children(n);
-        for (std::size_t i = 0; i < children.size(); ++i) at(children[i]).upper = shifted(hub.cell[i]);
-        if (!s_.is_root(n)) at(n).lower = reversed(shifted(hub.cell.back()));
+        std::vector<Ring> cells;
+        for (const Ring& cell : hub.cell) cells.push_back(shifted(cell));
+        begin_branches(n, cells);
+    }
+
+    // Lets the branches of a node begin with these rings, each counter-clockwise about its direction.
+    void begin_branches(NodeId n, std::span<const Ring> cells) {
+        std::size_t i = 0;
+        for (const NodeId c : s_.children(n)) at(c).upper = cells[i++];
+        for (const NodeId e : ends_at(n)) at(e).lower = reversed(cells[i++]);
+        if (!s_.is_root(n)) at(n).lower = reversed(cells[i]);
     }
 
     void fill_ball(NodeId n) {
@@ -303,7 +333,8 @@ class CageBuilder {
     void fill_chain(NodeId head) {
         const NodeId start = s_.parent(head);
         std::vector<NodeId> chain{head};
-        while (degree(chain.back()) == 2) chain.push_back(s_.children(chain.back())[0]);
+        while (degree(chain.back()) == 2 && !is_fixed(chain.back()))
+            chain.push_back(s_.children(chain.back())[0]);
         const NodeId end = chain.back();
         std::vector<Frame> frame;
         frame.reserve(chain.size());
@@ -313,7 +344,7 @@ class CageBuilder {
             frame.push_back(frame.empty() ? Frame(d) : frame.back().turned(d));
             total += branch_to_child(n).length;
         }
-        const bool start_fixed = is_fixed(start), end_fixed = is_fixed(end);
+        const bool start_fixed = is_fixed(start), end_fixed = ends_fixed(end);
         float phase = 0, end_phase = 0;
         if (start_fixed) phase = ring_phase(at(head).upper, start, frame.front());
         if (end_fixed) {
@@ -409,6 +440,7 @@ class CageBuilder {
     const Context& ctx_;
     const float shrinkage_;
     std::vector<Node> node_;
+    const CompressedRows<NodeId> ends_at_;  // per node: the tips of other branches that are joined to it
     std::vector<Hub> hub_;
     std::vector<QuadKind> kind_;
     ControlMesh out_;
@@ -418,12 +450,12 @@ class CageBuilder {
 
 ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
                                const ControlOptions& options, const Context& ctx,
-                               std::span<const NodeId> round_roots) {
+                               std::span<const NodeId> round_roots, std::span<const NodeJoin> joins) {
     COPPICE_ASSERT(source.size() == skeleton.size());
     if (options.sides != 4 && options.sides != 8 && options.sides != 16) {
         throw InvalidInput(fmt::format("control: sides must be 4, 8 or 16, but is {}", options.sides));
     }
-    return CageBuilder(skeleton, source, round_roots, options, ctx).build();
+    return CageBuilder(skeleton, source, round_roots, joins, options, ctx).build();
 }
 
 }  // namespace coppice

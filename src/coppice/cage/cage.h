@@ -57,9 +57,12 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 /// base has its border in that plane. Trees of one node are balls; roots with several children have no base.
 ///
 /// `source` maps each node of `skeleton` to the node of the skeleton on which the field is built; both may be
-/// the same. Trees end round at `round_roots` (ascending), whatever the base.
+/// the same. Trees end round at `round_roots` (ascending), whatever the base. `joins` (by `end`) name tips
+/// that lie at a node which is no tip of a lone root: they end there as laterals of that node do, and each
+/// join takes away a sphere or adds a handle.
 ControlMesh build_control_mesh(const Skeleton& skeleton, std::span<const NodeId> source,
                                const ControlOptions& options, const Context& ctx,
-                               std::span<const NodeId> round_roots = {});
+                               std::span<const NodeId> round_roots = {},
+                               std::span<const NodeJoin> joins = {});
 
 }  // namespace coppice

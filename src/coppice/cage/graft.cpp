@@ -19,6 +19,7 @@ struct GraftNode {
     Vec3 position;
     float radius;
     NodeId attached;  ///< for the first node of a piece that springs from another branch
+    NodeId joined;    ///< for the last node of a piece that ends in another branch: the node of that
     NodeId in_tree;   ///< the nearest node of the tree of tubes from this one on towards the root
 };
 
@@ -52,7 +53,7 @@ CutSkeleton cut_skeleton(const AxisGeometry& axes, const SegmentCuts& cuts) {
         });
         const auto add = [&](std::uint32_t place, float arc, Vec3 position, float radius) {
             out.of_place[place] = NodeId(static_cast<std::uint32_t>(out.nodes.size()));
-            out.nodes.push_back({parent, n, arc, position, radius, {}, {}});
+            out.nodes.push_back({parent, n, arc, position, radius, {}, {}, {}});
             parent = out.of_place[place];
         };
         for (const std::uint32_t c : on_segment) {
@@ -76,17 +77,30 @@ bool is_visible(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) {
     return plan == kNoIndex || g.plan.plans[plan].is_visible(middle_of(g, cut, n));
 }
 
+// The node of the tree of tubes before a node. Nothing follows one at which a piece joins another branch.
+NodeId in_tree_before(const CutSkeleton& cut, const GraftNode& n) {
+    const GraftNode& parent = cut.at(n.parent);
+    return parent.joined ? cut.at(parent.parent).in_tree : parent.in_tree;
+}
+
 void attach_pieces(const Grafts& g, CutSkeleton& cut) {
     for (const std::uint32_t plan : g.plan.of_axis) {
         if (plan == kNoIndex) continue;
         for (const VisiblePiece& p : g.plan.plans[plan].pieces) {
             if (p.start != kNoIndex) cut.at(cut.of_place[p.start]).attached = cut.of_place[p.attach];
+            if (p.join != kNoIndex) cut.at(cut.of_place[p.end]).joined = cut.of_place[p.join];
         }
     }
     for (std::uint32_t i = 0; i < cut.nodes.size(); ++i) {
         GraftNode& n = cut.nodes[i];
-        const bool in_tree = !n.parent || n.attached || is_visible(g, cut, n);
-        n.in_tree = in_tree ? NodeId(i) : cut.at(n.parent).in_tree;
+        const bool in_tree = !n.parent || n.attached || n.joined || is_visible(g, cut, n);
+        n.in_tree = in_tree ? NodeId(i) : in_tree_before(cut, n);
+    }
+    // A piece that ends where it comes from is left as it is.
+    for (GraftNode& n : cut.nodes) {
+        if (!n.joined || cut.at(n.joined).in_tree != in_tree_before(cut, n)) continue;
+        n.joined = NodeId::none();
+        n.in_tree = in_tree_before(cut, n);
     }
 }
 
@@ -95,7 +109,7 @@ NodeId parent_tube(const Grafts& g, const CutSkeleton& cut, const GraftNode& n) 
     const Axes& axes = g.axes.axes;
     const bool falls = n.attached && (!cut.at(n.attached).parent ||
                                       axes.rank(cut.at(n.attached).segment) < axes.rank(n.segment));
-    return cut.at(falls ? n.attached : n.parent).in_tree;
+    return falls ? cut.at(n.attached).in_tree : in_tree_before(cut, n);
 }
 
 /// The tree of tubes before it is numbered: by new node, none for those that are not in it.
@@ -161,7 +175,10 @@ std::vector<NodeId> tubes_of_segments(const Grafts& g, const CutSkeleton& cut, s
         }
         const std::uint32_t axis = g.axes.axes.axis_of(n.segment);
         const float middle = middle_of(g, cut, n);
-        if (g.plan.plans[g.plan.of_axis[axis]].is_left_out(middle)) continue;
+        if (const VisiblePiece* ended = g.plan.plans[g.plan.of_axis[axis]].piece_ended_before(middle)) {
+            if (ended->join != kNoIndex) tube[i] = id[cut.at(cut.of_place[ended->end]).in_tree.index()];
+            continue;
+        }
         const AxisPoint host = host_at(g.axes, g.enclosure, g.plan, axis, middle);
         const NodeId holder =
             host.segment ? node_holding(g.plan.cuts, cut, g.axes.skeleton.size(), host) : n.parent;
@@ -184,7 +201,7 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
         id[n.index()] = NodeId(static_cast<std::uint32_t>(parent.size()));
         parent.push_back(node.parent ? id[tree.parent[n.index()].index()] : NodeId::none());
         source.push_back(node.attached && !children.empty() ? children[0] : n);
-        position.push_back(node.position);
+        position.push_back(node.joined ? cut.at(cut.at(node.joined).in_tree).position : node.position);
         radius.push_back(node.radius);
         stack.insert(stack.end(), children.rbegin(), children.rend());
     }
@@ -192,28 +209,38 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
     Skeleton tubes(std::move(parent), std::move(position), std::move(radius), origin);
     std::vector<NodeId> segment;
     for (const GraftNode& n : cut.nodes) segment.push_back(n.segment);
+    std::vector<NodeJoin> joins;
+    for (std::size_t i = 0; i < cut.nodes.size(); ++i) {
+        if (!cut.nodes[i].joined) continue;
+        const NodeId at = id[cut.at(cut.nodes[i].joined).in_tree.index()];
+        if (id[i] && at) joins.push_back({id[i], at});
+    }
+    std::ranges::sort(joins, {}, &NodeJoin::end);
     GraftReport report = g.plan.report;
     report.joined = g.axes.skeleton.tree_count() - tubes.tree_count();
+    report.merged = static_cast<std::uint32_t>(joins.size());
+    report.cut -= report.merged;
     return {skeleton_of(cut, origin),
             std::move(tubes),
             std::move(segment),
             std::move(source),
             tubes_of_segments(g, cut, id),
+            std::move(joins),
             report};
 }
 
 }  // namespace
 
-GraftResult graft_branches(const Skeleton& skeleton, float depth, const Context& ctx) {
+GraftResult graft_branches(const Skeleton& skeleton, float depth, PieceEnd end, const Context& ctx) {
     if (!(depth > 0) || skeleton.size() <= 2) {
         std::vector<NodeId> same;
         for (const NodeId n : nodes(skeleton)) same.push_back(n);
-        return {skeleton, skeleton, same, same, same, {}};
+        return {skeleton, skeleton, same, same, same, {}, {}};
     }
     const Axes order(skeleton);
     const AxisGeometry axes{skeleton, order};
     const Enclosure enclosure(depth);
-    const GraftPlan plan = plan_grafts(axes, enclosure, ctx);
+    const GraftPlan plan = plan_grafts(axes, enclosure, end, ctx);
     const Grafts grafts{axes, enclosure, plan};
     CutSkeleton cut = cut_skeleton(axes, plan.cuts);
     attach_pieces(grafts, cut);

@@ -29,6 +29,7 @@ constexpr std::uint32_t kAxesPerLook = 1024;  // whether the work is cancelled
 struct Input {
     const AxisGeometry& axes;
     const Enclosure& enclosure;
+    PieceEnd end;
     const Skeleton& skeleton() const { return axes.skeleton; }
 };
 
@@ -38,9 +39,9 @@ bool is_enclosed(const GraftPlan& plan, NodeId n) {
     return static_cast<bool>(plan.enclosed_at[n.index()].segment);
 }
 
-Part visible_part(const Input& in, const GraftPlan& plan, NodeId n) {
+Part visible_part(const Skeleton& s, const GraftPlan& plan, NodeId n) {
     const auto [from, to] = plan.visible[n.index()];
-    return {in.skeleton().segment(n), from, to};
+    return {s.segment(n), from, to};
 }
 
 // ---- where an axis lies inside others
@@ -50,7 +51,7 @@ void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId host
     if (plan.visible[host_node.index()].empty()) return;
     const Enclosure& enclosure = in.enclosure;
     const Segment own = in.skeleton().segment(n);
-    const Part host = visible_part(in, plan, host_node);
+    const Part host = visible_part(in.skeleton(), plan, host_node);
     const float nearest = nearest_parameter(own, host);
     if (enclosure.clearance(host, own, nearest).gap >= 0) return;
     const float clear = kClear * own.radius_b;
@@ -58,10 +59,10 @@ void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId host
     const float exit =
         enclosure.clearance(host, own, 1).gap < clear ? 1 : enclosure.exit(host, own, nearest, 1, clear);
     const float start = in.axes.start(n), size = in.axes.axes.arc(n) - start;
-    const Vec3 outward = normalized(enclosure.clearance(host, own, enter).offset);
-    out.push_back({start + enter * size, start + exit * size, host_node,
+    const Clearance at_enter = enclosure.clearance(host, own, enter);
+    out.push_back({start + enter * size, start + exit * size, host_node, at_enter.t,
                    enclosure.clearance(host, own, exit).t,
-                   std::max(0.0f, -dot(normalized(own.b - own.a), outward))});
+                   std::max(0.0f, -dot(normalized(own.b - own.a), normalized(at_enter.offset)))});
 }
 
 std::vector<EnclosedInterval> enclosed_intervals(const Input& in, const GraftPlan& plan,
@@ -89,10 +90,19 @@ float snapped(const Input& in, Chain chain, float arc) {
 
 float radius_on(const Input& in, Chain chain, float arc) { return in.axes.radius(in.axes.at(chain, arc)); }
 
+// Where the last ring of a piece stands: at the bark, or clear of a branch that it joins.
 float end_ahead_of(const Input& in, const EnclosedInterval& interval, float radius) {
     const float host = in.axes.radius({interval.host, interval.host_t});
-    const float ahead = host + kEndAhead * radius - in.enclosure.least_distance(host, radius);
+    const float ahead = in.end == PieceEnd::joined
+                            ? kClear * radius
+                            : host + kEndAhead * radius - in.enclosure.least_distance(host, radius);
     return interval.from - std::max(0.0f, ahead) / std::max(interval.approach, kFlattest);
+}
+
+// Where the last ring of a piece stands that begins at an arc length.
+float last_ring(const Input& in, Chain chain, float from, const EnclosedInterval& next, float radius) {
+    const float to = snapped(in, chain, end_ahead_of(in, next, radius));
+    return in.end == PieceEnd::joined ? std::max(to, from) : to;
 }
 
 // Along the axis, within what shows of it and comes before the given rank.
@@ -112,14 +122,14 @@ AxisPoint moved(const Input& in, const GraftPlan& plan, AxisPoint p, float by, s
     }
 }
 
-// Follows a piece back from where it leaves its host, as if it came straight from the host's axis.
-AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, AxisPoint on_host) {
+// Follows a piece from where it leaves its host, or enters it, as if it ran straight to the host's axis.
+AxisPoint traced_back(const Input& in, const GraftPlan& plan, AxisPoint out, AxisPoint on_host, bool enters) {
     const Segment own = in.skeleton().segment(out.segment), host = in.skeleton().segment(on_host.segment);
     const Vec3 along = normalized(host.b - host.a), direction = normalized(own.b - own.a);
     const float d = distance(in.axes.position(out), in.axes.position(on_host));
     const float c = dot(along, direction);
     const float way = c / std::max(std::sqrt(std::max(0.0f, 1 - c * c)), 1e-3f);
-    const float by = -d * std::clamp(way, -kMostTracedBack, kMostTracedBack);
+    const float by = (enters ? d : -d) * std::clamp(way, -kMostTracedBack, kMostTracedBack);
     return moved(in, plan, on_host, by, in.axes.axes.rank(out.segment));
 }
 
@@ -135,8 +145,16 @@ std::uint32_t attachment(const Input& in, GraftPlan& plan, Chain chain, float fr
         if (in_between && from <= in.axes.axes.arc(chain[0])) return kNoIndex;
     }
     ++plan.report.grafted;
-    const AxisPoint at = left ? traced_back(in, plan, in.axes.at(chain, from), {left->host, left->host_t})
-                              : plan.enclosed_at[base.index()];
+    const AxisPoint at =
+        left ? traced_back(in, plan, in.axes.at(chain, from), {left->host, left->host_t}, false)
+             : plan.enclosed_at[base.index()];
+    return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
+}
+
+// The place of the host in which a piece ends that enters it.
+std::uint32_t join_place(const Input& in, GraftPlan& plan, Chain chain, const EnclosedInterval& enclosed) {
+    const AxisPoint at =
+        traced_back(in, plan, in.axes.at(chain, enclosed.from), {enclosed.host, enclosed.host_from}, true);
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
@@ -158,14 +176,20 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
         const bool is_tip = next == last;
         const float r = radius_on(in, chain, is_tip ? end : next->from);
         from = snapped(in, chain, from);
-        const float to = is_tip ? end : snapped(in, chain, end_ahead_of(in, *next, r));
+        const float to = is_tip ? end : last_ring(in, chain, from, *next, r);
         const bool is_whole = is_tip && !left && !is_enclosed(plan, in.skeleton().parent(chain[0]));
-        if (is_whole || to - from >= (is_tip ? kLeastTip : kLeastShown) * r) {
+        const float shown = in.end == PieceEnd::joined && !is_tip ? next->from - from : to - from;
+        if (is_whole || shown >= (is_tip ? kLeastTip : kLeastShown) * r) {
             const std::uint32_t attach = attachment(in, plan, chain, from, left);
             pieces.push_back({attach == kNoIndex ? 0 : from, to, attach});
             if (!is_tip) {
-                pieces.back().resume =
-                    std::min(next->to, next->from + r / std::max(next->approach, kFlattest));
+                VisiblePiece& piece = pieces.back();
+                piece.resume = std::min(next->to, next->from + r / std::max(next->approach, kFlattest));
+                if (in.end == PieceEnd::joined) {
+                    // The next piece may begin where this one has left.
+                    piece.resume = std::min(piece.resume, 0.5f * (next->from + next->to));
+                    if (piece.resume > to) piece.join = join_place(in, plan, chain, *next);
+                }
                 ++plan.report.cut;
             }
         }
@@ -187,8 +211,9 @@ std::uint32_t place_at(const Input& in, GraftPlan& plan, Chain chain, float arc)
 // Cuts the axis where a piece begins and ends, and notes what it shows of each segment.
 void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisiblePiece& piece) {
     if (piece.attach != kNoIndex) piece.start = place_at(in, plan, chain, piece.from);
-    place_at(in, plan, chain, piece.to);
-    if (piece.resume > piece.to) place_at(in, plan, chain, piece.resume);
+    const std::uint32_t last = place_at(in, plan, chain, piece.to);
+    if (piece.resume > piece.to) piece.end = place_at(in, plan, chain, piece.resume);
+    if (piece.end == last) piece.join = kNoIndex;
     for (auto n = in.axes.first_node_at(chain, piece.from); n != chain.end() && in.axes.start(*n) < piece.to;
          ++n) {
         const float start = in.axes.start(*n), size = std::max(in.axes.axes.arc(*n) - start, 1e-30f);
@@ -228,9 +253,9 @@ bool AxisPlan::is_visible(float arc) const {
     return piece && arc <= piece->to;
 }
 
-bool AxisPlan::is_left_out(float arc) const {
+const VisiblePiece* AxisPlan::piece_ended_before(float arc) const {
     const VisiblePiece* const piece = last_piece_before(arc);
-    return piece && piece->to <= arc && arc <= piece->resume;
+    return piece && piece->to <= arc && arc <= piece->resume ? piece : nullptr;
 }
 
 AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
@@ -246,12 +271,13 @@ AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const Gr
     const NodeId host =
         std::min_element(first, last, [&](const auto& a, const auto& b) { return off(a) < off(b); })->host;
     const AxisPoint own = axes.at(chain, arc);
-    const Part part = visible_part({axes, enclosure}, plan, host);
+    const Part part = visible_part(axes.skeleton, plan, host);
     return {host, enclosure.clearance(part, axes.skeleton.segment(own.segment), own.t).t};
 }
 
-GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, const Context& ctx) {
-    const Input in{axes, enclosure};
+GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, PieceEnd end,
+                      const Context& ctx) {
+    const Input in{axes, enclosure, end};
     const Skeleton& s = axes.skeleton;
     const std::vector<Crossing> all = find_crossings(s, axes.axes, enclosure, ctx);
     const auto crossings = compress_rows<Crossing>(s.size(), [&](const auto& put) {

@@ -15,8 +15,8 @@ namespace coppice::cage_internal {
 struct EnclosedInterval {
     float from, to;  ///< [m] along the axis
     NodeId host;
-    float host_t;    ///< where on the host it ends
-    float approach;  ///< the cosine at which it enters, >= 0
+    float host_from, host_t;  ///< where on the host it begins and ends
+    float approach;           ///< the cosine at which it enters, >= 0
 };
 
 /// A part of an axis that gets a tube.
@@ -26,6 +26,8 @@ struct VisiblePiece {
     std::uint32_t start = kNoIndex;   ///< the place of `from`, where attached
     /// [m] where the axis lies so deep in what the piece has met that nothing shows; 0: it ends at its tip
     float resume = 0;
+    std::uint32_t join = kNoIndex;  ///< the place of another branch in which it ends, if any
+    std::uint32_t end = kNoIndex;   ///< the place of `resume`, where joined
 };
 
 struct AxisPlan {
@@ -34,8 +36,8 @@ struct AxisPlan {
 
     /// Whether a tube holds the axis at an arc length.
     bool is_visible(float arc) const;
-    /// Whether an arc length lies in the little that is left out where a piece ends.
-    bool is_left_out(float arc) const;
+    /// The piece that ends before an arc length which lies in the little that is left out there; or none.
+    const VisiblePiece* piece_ended_before(float arc) const;
 
   private:
     const VisiblePiece* last_piece_before(float arc) const;
@@ -52,7 +54,7 @@ struct GraftPlan {
 };
 
 /// Plans axis by axis, in their order: thick before thin.
-GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, const Context& ctx);
+GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, PieceEnd end, const Context& ctx);
 
 /// The nearest point of the branch that hides a point of an axis; no segment where nothing does.
 AxisPoint host_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,

@@ -19,10 +19,14 @@ constexpr float kCornerRadius = 1.52f;
 constexpr float kHalfEdge = kCornerRadius / std::numbers::sqrt2_v<float>;
 // Half the azimuth of a lateral above which there is no ring of quads between it and its face.
 constexpr float kWide = 0.55f;
-// Maximum of the same.
+// Maximum of the same: beyond, the edges of the face lie outside of the stem.
 constexpr float kMaxHalfWidth = 1.05f;
+// Maximum azimuth between a wide lateral and the middle of its face.
+constexpr float kMaxTurn = 0.35f;
 // Minimum azimuth between a lateral and the next edge of its face.
 constexpr float kMinGap = 0.1f;
+// Maximum radius of a lateral, in radii of the stem.
+constexpr float kMaxRatio = 1.05f;
 // Between a lateral and the rings below and above, in radii of the stem and of the lateral.
 constexpr float kMarginOfStem = 0.25f;
 constexpr float kMarginOfLateral = 0.35f;
@@ -83,15 +87,14 @@ bool Openings::add_lateral(std::uint32_t i, const Branch& b) {
     const float cosine = dot(b.direction, frame_.axis);
     const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
     const float across = kHalfEdge * b.radius;
-    if (across >= radius_ || sine < kMinSine) return false;
+    if (b.radius > kMaxRatio * radius_ || sine < kMinSine) return false;
     Lateral l;
     l.branch = i;
     l.radius = b.radius;
     l.azimuth = frame_.azimuth(b.direction);
-    l.half_width = std::asin(across / radius_);
-    if (l.half_width > kMaxHalfWidth) return false;
+    l.half_width = std::min(std::asin(std::min(across / radius_, 1.0f)), kMaxHalfWidth);
     const Vec3 out = frame_.around(l.azimuth), side = cross(frame_.axis, out);
-    const float reach = std::sqrt(radius_ * radius_ - across * across);
+    const float reach = std::sqrt(std::max(0.0f, radius_ * radius_ - across * across));
     l.low = kInfinity;
     l.high = -kInfinity;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -138,7 +141,9 @@ float Openings::worst_side(float phase) const {
         const std::uint32_t face = face_of(l.azimuth - phase);
         if (is_taken[face]) return kInfinity;
         is_taken[face] = true;
-        worst = std::max(worst, std::abs(std::remainder(l.azimuth - phase, kQuarter)) + l.half_width);
+        // A wide one takes all of its face, which may look a little past it.
+        const float own = l.is_wide() ? kPi / 4 - kMinGap - kMaxTurn : l.half_width;
+        worst = std::max(worst, std::abs(std::remainder(l.azimuth - phase, kQuarter)) + own);
     }
     return worst;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "coppice/base/kernel/fast_atan2.h"
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/cage/openings_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 
@@ -23,6 +25,11 @@ constexpr float kCorner = 0.5f;
 constexpr std::uint8_t kMaxSlides = 64;
 // A leader shorter than this many radii leaves no room for a tube between two branch nodes.
 constexpr float kShortest = 0.8f;
+
+// A node that is taken out and lies this many radii off what is left is a bend; then there is a ring so many
+// after it.
+constexpr float kBend = 0.3f;
+constexpr float kRingAfterBend = 2.0f;
 
 // Two branches that leave a root at 110 degrees or more bend there; more than two leave a side of it free
 // where none comes nearer to its middle than 75 degrees, both by the cosine of the angle from there.
@@ -65,13 +72,14 @@ Crotch crotch(Vec3 a, float radius_a, Vec3 b, float radius_b) {
 
 class Parting {
   public:
-    Parting(const Skeleton& s, const Context& ctx) : s_(s), ctx_(ctx) {
-        node_.reserve(s.size() + s.size() / 8);
+    Parting(const Skeleton& s, std::span<const NodeJoin> joins, const Context& ctx) : s_(s), ctx_(ctx) {
+        node_.reserve(s.size() + joins.size() + s.size() / 8);
         for (const NodeId n : nodes(s)) {
             const auto children = s.children(n);
             node_.push_back(
                 {s.position(n), s.radius(n), n, s.parent(n), {children.begin(), children.end()}, {}});
         }
+        for (const NodeJoin& join : joins) add_joined(join);
     }
 
     PartResult run() && {
@@ -84,6 +92,9 @@ class Parting {
         for (std::uint32_t i = s_.size(); i < node_.size(); ++i) resolve(NodeId(i));
         for (std::uint32_t i = 0, size = static_cast<std::uint32_t>(node_.size()); i < size; ++i)
             shift(NodeId(i));
+        for (std::uint32_t i = s_.size(), size = static_cast<std::uint32_t>(node_.size()); i < size; ++i) {
+            if (at(NodeId(i)).joined) divide_if_direct(NodeId(i));
+        }
         return finish();
     }
 
@@ -95,6 +106,8 @@ class Parting {
         NodeId parent;
         std::vector<NodeId> children;
         NodeId dissolved_into;    ///< whose tube wraps the segment of a node that was taken out
+        NodeId joined;            ///< of two nodes that stand for a join, each other: see add_joined
+        bool is_bundle = false;   ///< see bundle_one
         std::uint8_t slides = 0;  ///< how often it was moved on along its chain
     };
     struct View {  // a child as its branch node sees it
@@ -104,6 +117,35 @@ class Parting {
         float length;
         bool tip;
     };
+
+    // What ends in a node is for that node a lateral which leads to where it comes from: a node of its own
+    // stands for that, and is gone in the end.
+    void add_joined(const NodeJoin& join) {
+        const NodeId from = s_.parent(join.end), m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({s_.position(from), s_.radius(join.end), join.end, join.node, {}, {}, join.end});
+        at(join.end).joined = m;
+        kids(join.node).push_back(m);
+    }
+
+    // Two nodes may have one tube between them at most: another gets a ring in its middle.
+    void divide_if_direct(NodeId joined) {
+        const NodeId end = at(joined).joined, from = at(end).parent, node = at(joined).parent;
+        const auto also_ends_there = [&](NodeId c) {
+            return c != end && at(c).joined && at(at(c).joined).parent == node;
+        };
+        const bool is_direct = at(node).parent == from || at(from).parent == node ||
+                               std::ranges::any_of(kids(from), also_ends_there);
+        if (from == node || !is_direct) return;
+        const NodeId m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({lerp(at(from).position, at(node).position, 0.5f),
+                         at(end).radius,
+                         at(end).source,
+                         from,
+                         {end},
+                         {}});
+        std::ranges::replace(kids(from), end, m);
+        adopt(m, end);
+    }
 
     // The only segment of a tree gets a node in its middle: each end is a tube of its own, and may be cut by
     // its own plane.
@@ -116,7 +158,7 @@ class Parting {
                          n,
                          {tip},
                          {}});
-        kids(n) = {m};
+        std::ranges::replace(kids(n), tip, m);
         adopt(m, tip);
     }
 
@@ -126,15 +168,18 @@ class Parting {
     const std::vector<NodeId>& kids(NodeId n) const { return at(n).children; }
     View view(NodeId n, NodeId c) const {
         const Vec3 d = at(c).position - at(n).position;
-        return {c, normalized(d), at(c).radius, length(d), is_tip(c)};
+        return {c, normalized(d), at(c).radius, length(d), is_tip(c) && !at(c).joined};
     }
-    bool is_bundle(NodeId n) const { return n.index() >= s_.size(); }
+    bool is_bundle(NodeId n) const { return at(n).is_bundle; }
+    // Stands for a tube that ends in its parent.
+    bool is_joined(NodeId n) const { return n.index() >= s_.size() && at(n).joined; }
     bool is_tip(NodeId n) const { return at(n).children.empty(); }
 
     NodeId leader(NodeId n) const {
         NodeId best;
         for (const NodeId c : at(n).children) {
-            if (!best || at(c).radius > at(best).radius) best = c;
+            const bool goes_on = best && is_joined(best) != is_joined(c);
+            if (!best || (goes_on ? is_joined(best) : at(c).radius > at(best).radius)) best = c;
         }
         return best;
     }
@@ -151,13 +196,34 @@ class Parting {
 
     // Replaces child c of n by the children of c.
     void dissolve(NodeId n, NodeId c) {
-        const std::vector<NodeId> grandchildren = std::move(kids(c));
+        std::vector<NodeId> grandchildren = std::move(kids(c));
         kids(c).clear();
-        at(c).dissolved_into = grandchildren.size() == 1 ? grandchildren[0] : n;
+        for (NodeId& g : grandchildren) g = ring_after_bend(n, c, g);
+        const bool goes_on = grandchildren.size() == 1 && !is_joined(grandchildren[0]);
+        at(c).dissolved_into = goes_on ? grandchildren[0] : n;
         for (const NodeId g : grandchildren) adopt(n, g);
         auto& list = kids(n);
         const auto place = list.erase(std::find(list.begin(), list.end(), c));
         list.insert(place, grandchildren.begin(), grandchildren.end());
+    }
+
+    // Whether a tube from n to g would leave out what bends at c.
+    bool bends(NodeId n, NodeId c, NodeId g) const {
+        const Vec3 from = at(n).position, axis = at(g).position - from;
+        const Vec3 off = at(c).position - from - axis * closest_parameter(at(c).position, from, axis, 1.0f);
+        return length(off) > kBend * at(g).radius;
+    }
+
+    // Where the way from n to g bends at c, which goes, a long segment gets a ring: the first node of it.
+    NodeId ring_after_bend(NodeId n, NodeId c, NodeId g) {
+        const Vec3 rest = at(g).position - at(c).position;
+        const float r = at(g).radius, way = length(rest);
+        if (c.index() >= s_.size() || at(g).joined || way < 2 * kRingAfterBend * r || !bends(n, c, g))
+            return g;
+        const NodeId m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({at(c).position + rest * (kRingAfterBend * r / way), r, at(g).source, n, {g}, {}});
+        adopt(m, g);
+        return m;
     }
 
     // A child inside the union about n joins n.
@@ -174,7 +240,8 @@ class Parting {
                 ++report_.swallowed;
                 return true;
             }
-            if (v.length >= inside || is_bundle(c)) continue;
+            if (v.length >= inside || is_bundle(c) || at(c).joined) continue;
+            if (kids(c).size() == 1 && c.index() >= s_.size() && slide(n, c, inside)) return true;
             dissolve(n, c);
             ++report_.absorbed;
             return true;
@@ -189,7 +256,7 @@ class Parting {
         if (c != lead && v.length + 0.7f * v.radius <= root_distance(n, v)) return true;
         for (const NodeId o : at(n).children) {
             const View s = view(n, o);
-            if (o == c || is_bundle(o) || s.length < v.length) continue;
+            if (o == c || is_bundle(o) || is_joined(o) || s.length < v.length) continue;
             const Vec3 tip = v.direction * v.length;
             const Vec3 off = tip - s.direction * std::clamp(dot(tip, s.direction), 0.0f, s.length);
             if (length_squared(off) < s.radius * s.radius + v.radius * v.radius) return true;
@@ -228,28 +295,25 @@ class Parting {
             const Crotch k = crotch(a.direction, a.radius, b.direction, b.radius);
             const float along_a = k.distance * std::cos(k.angle_a),
                         along_b = k.distance * std::cos(k.angle_b);
-            if (along_a > kCrotchShare * a.length && !a.tip && !is_bundle(lead)) {
-                if (kids(lead).size() == 1) {
-                    slide(n, lead, along_a / kCrotchShare);
-                    return true;
-                }
+            if (along_a > kCrotchShare * a.length && !a.tip && !is_bundle(lead) && !is_joined(lead)) {
+                if (kids(lead).size() == 1 && slide(n, lead, along_a / kCrotchShare)) return true;
                 if (along_a < kMoveShare * a.length) continue;
                 if (!b.tip || dot(at(c).position - at(lead).position, a.direction) > b.radius) {
                     move_on(n, c, lead);
                     return true;
                 }
             }
-            if (along_b > kCrotchShare * b.length && kids(c).size() == 1) {
-                slide(n, c, along_b / kCrotchShare);
+            if (along_b > kCrotchShare * b.length && kids(c).size() == 1 &&
+                slide(n, c, along_b / kCrotchShare))
                 return true;
-            }
         }
         return false;
     }
 
     // Moves a node in the middle of a chain on along the chain until it is `away` from n; one that would come
-    // too near the next node, or was moved too often, gives way to it.
-    void slide(NodeId n, NodeId c, float away) {
+    // too near the next node, or was moved too often, gives way to it. Nothing, and false, where the chain
+    // bends there.
+    bool slide(NodeId n, NodeId c, float away) {
         const NodeId next = kids(c)[0];
         const Vec3 rest = at(next).position - at(c).position;
         const float room = length(rest), missing = 1.02f * away - distance(at(n).position, at(c).position);
@@ -258,10 +322,13 @@ class Parting {
         if (fits && at(c).slides < kMaxSlides) {
             at(c).position += rest * (step / room);
             ++at(c).slides;
+        } else if (bends(n, c, next)) {
+            return false;
         } else {
             dissolve(n, c);
             ++report_.absorbed;
         }
+        return true;
     }
 
     void move_on(NodeId n, NodeId c, NodeId lead) {
@@ -324,7 +391,9 @@ class Parting {
                          at(a.radius >= b.radius ? a.node : b.node).source,
                          n,
                          {a.node, b.node},
-                         {}});
+                         {},
+                         {},
+                         true});
         auto& rest = kids(n);
         std::erase_if(rest, [&](NodeId c) { return c == a.node || c == b.node; });
         rest.push_back(m);
@@ -457,6 +526,7 @@ class Parting {
         while (!stack.empty()) {
             const auto [n, p] = stack.back();
             stack.pop_back();
+            if (is_joined(n)) continue;
             const NodeId id(static_cast<std::uint32_t>(parent.size()));
             new_id[n.index()] = id;
             parent.push_back(p);
@@ -466,6 +536,7 @@ class Parting {
             const auto& list = at(n).children;
             for (auto c = list.rbegin(); c != list.rend(); ++c) stack.push_back({*c, id});
         }
+        std::vector<NodeJoin> joins = joins_of(new_id, parent, position);
         std::vector<NodeId> tube(s_.size());
         for (const NodeId n : nodes(s_)) {
             NodeId t = n;
@@ -478,7 +549,30 @@ class Parting {
                 round_roots.push_back(new_id[n.index()]);
         }
         return {Skeleton(std::move(parent), std::move(position), std::move(radius), s_.origin()),
-                std::move(source), std::move(tube), std::move(round_roots), report_};
+                std::move(source),
+                std::move(tube),
+                std::move(round_roots),
+                std::move(joins),
+                report_};
+    }
+
+    // The joins of the new nodes, whose ends it moves to where they end. A tube needs a ring between two
+    // branch nodes, or it is left as it is.
+    std::vector<NodeJoin> joins_of(std::span<const NodeId> new_id, std::span<const NodeId> parent,
+                                   std::vector<Vec3>& position) const {
+        std::vector<NodeJoin> out;
+        for (const Node& n : node_) {
+            if (!n.joined || !is_tip(n.joined) || n.joined.index() >= s_.size()) continue;
+            const NodeId end = new_id[n.joined.index()], node = new_id[n.parent.index()];
+            const auto& siblings = kids(n.parent);
+            const bool is_lone =
+                !at(n.parent).parent && std::ranges::all_of(siblings, [&](NodeId c) { return is_joined(c); });
+            if (!end || parent[end.index()] == node || is_lone) continue;
+            out.push_back({end, node});
+            position[end.index()] = position[node.index()];
+        }
+        std::ranges::sort(out, {}, &NodeJoin::end);
+        return out;
     }
 
     const Skeleton& s_;
@@ -489,8 +583,8 @@ class Parting {
 
 }  // namespace
 
-PartResult part_branches(const Skeleton& skeleton, const Context& ctx) {
-    return Parting(skeleton, ctx).run();
+PartResult part_branches(const Skeleton& skeleton, std::span<const NodeJoin> joins, const Context& ctx) {
+    return Parting(skeleton, joins, ctx).run();
 }
 
 }  // namespace coppice

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/base/node_join.h"
 #include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
@@ -25,7 +27,8 @@ struct PartResult {
     std::vector<NodeId> tube;  ///< per node of the given skeleton: the new node whose tube wraps its segment
     /// Roots of one child that stand for a root of several, ascending: a tree has no flat base there.
     std::vector<NodeId> round_roots;
-    PartReport report;  ///< what was done
+    std::vector<NodeJoin> joins;  ///< those given, of the new nodes, by `end`
+    PartReport report;            ///< what was done
 };
 
 /// A branch that leaves at an acute angle stays inside its leader for a while: two tubes that began at the
@@ -34,6 +37,8 @@ struct PartResult {
 /// shifted towards its farthest crotch; a root stays, and a node of its own takes its branches. Topology
 /// changes, but every tip that shows stays, and the surface is projected on the field of the given skeleton.
 /// O(n k) for at most k children at a node.
-PartResult part_branches(const Skeleton& skeleton, const Context& ctx);
+///
+/// `joins` (by `end`) name tips that end in a node of another branch: there they are laterals like others.
+PartResult part_branches(const Skeleton& skeleton, std::span<const NodeJoin> joins, const Context& ctx);
 
 }  // namespace coppice

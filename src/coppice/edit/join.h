@@ -68,7 +68,7 @@ struct EnumNames<Crossings> {
 /// the one that hangs on the other. Its outer part comes to hang on the other one at the foot point; its
 /// inner part stays and ends within the wood. Where an axis begins or ends in the wood, nothing is cut, so
 /// that branches may run in the wood of their hosts for as long as they like. Skeletons have no loops: to
-/// let the surface close them, keep crossings and let overlaps fuse.
+/// let the surface close them, keep crossings and let overlaps merge.
 ///
 /// O(n log n), and as much as there is wood that overlaps. Throws InvalidInput where no root is selected and
 /// crossings are kept.

@@ -7,6 +7,7 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
+#include "coppice/base/sort.h"
 #include "coppice/field/collect_lists_internal.h"
 #include "coppice/field/list_kernel.h"
 #include "coppice/spatial/box_tree.h"
@@ -66,6 +67,65 @@ std::vector<SegmentSupport> rival_capsules(const Skeleton& skeleton, const Conte
     });
     return capsules;
 }
+
+/// What tubes that are near a region add to its own through joins.
+class JoinedTubes {
+  public:
+    /// `near`: per region the tubes it is connected to without joins.
+    JoinedTubes(const TubeTree& tubes, const Kinship& kinship, std::span<const SegmentSupport> supports,
+                std::span<const FieldRegion> regions, const CandidateLists& near, const Context& ctx) {
+        if (tubes.joins.empty()) return;
+        const CompressedRows<NodeId> across = tubes_across(tubes);
+        std::vector<FieldRegion> begun;  // of floods beyond the joins
+        std::vector<std::uint32_t> region;
+        std::vector<NodeId> seeds;
+        for (std::uint32_t r = 0; r < regions.size(); ++r) {
+            seeds.clear();
+            for (std::uint64_t k = near.first[r]; k < near.first[r + 1]; ++k) {
+                const auto beyond = across[near.segments[k]];
+                seeds.insert(seeds.end(), beyond.begin(), beyond.end());
+            }
+            sort_unique(seeds);
+            const Box3& box = regions[r].box;
+            for (const NodeId seed : seeds) {
+                if (!may_touch(supports[seed.index()], box, box.center(), 0.5f * box.diagonal())) continue;
+                begun.push_back({box, seed});
+                region.push_back(r);
+            }
+        }
+        found_ = find_candidates(
+            tubes.tree, supports, begun,
+            [&](std::size_t i, NodeId t) { return kinship.related(t.index(), begun[i].seed.index()); }, ctx);
+        of_region_ = group_by(region, regions.size());
+    }
+
+    /// Adds the tubes of a region, which are ascending, and stay so.
+    void add(std::uint32_t region, std::vector<std::uint32_t>& tubes) const {
+        if (of_region_.items.empty()) return;
+        for (const std::uint32_t i : of_region_[region]) {
+            tubes.insert(tubes.end(), found_.segments.begin() + static_cast<std::ptrdiff_t>(found_.first[i]),
+                         found_.segments.begin() + static_cast<std::ptrdiff_t>(found_.first[i + 1]));
+        }
+        if (!of_region_[region].empty()) sort_unique(tubes);
+    }
+
+  private:
+    // Per tube at a join: one of those that begin or end on the other side of it.
+    static CompressedRows<NodeId> tubes_across(const TubeTree& tubes) {
+        const Skeleton& tree = tubes.tree;
+        return compress_rows<NodeId>(tree.size(), [&](const auto& put) {
+            for (const NodeJoin& join : tubes.joins) {
+                const NodeId leader = tree.leader(join.node);
+                put(join.end.index(), leader ? leader : join.node);
+                put(join.node.index(), join.end);
+                for (const NodeId c : tree.children(join.node)) put(c.index(), join.end);
+            }
+        });
+    }
+
+    CandidateLists found_;                     // per flood
+    CompressedRows<std::uint32_t> of_region_;  // the floods of each
+};
 
 /// Finds rivals for runs of regions that lie close to each other: one search for all of a run.
 class RivalSearch {
@@ -196,18 +256,21 @@ ContactLists find_contacts(const Skeleton& skeleton, std::span<const SegmentSupp
     const auto is_own = [&](std::size_t r, NodeId t) {
         return kinship.related(t.index(), static_cast<std::uint32_t>(r));
     };
-    const CandidateLists near = find_candidates(
-        tubes.tree, tube_supports(tubes.tree, contents, supports, ctx), at_tubes, is_own, ctx);
+    const std::vector<SegmentSupport> of_tubes = tube_supports(tubes.tree, contents, supports, ctx);
+    const CandidateLists near = find_candidates(tubes.tree, of_tubes, at_tubes, is_own, ctx);
+    const JoinedTubes joined(tubes, kinship, of_tubes, regions, near, ctx);
     ContactLists out;
     out.own = collect_lists(regions.size(), kContactListsGrain, ctx, [&](IndexRange range, const auto& put) {
-        std::vector<std::uint32_t> list;
+        std::vector<std::uint32_t> list, tubes_near;
         for (auto r = static_cast<std::uint32_t>(range.begin); r < range.end; ++r) {
+            tubes_near.assign(near.segments.begin() + static_cast<std::ptrdiff_t>(near.first[r]),
+                              near.segments.begin() + static_cast<std::ptrdiff_t>(near.first[r + 1]));
+            joined.add(r, tubes_near);
             const Box3& box = regions[r].box;
             const Vec3 center = box.empty() ? Vec3{} : box.center();
             const float half_diagonal = box.empty() ? 0 : 0.5f * box.diagonal();
             list.clear();
-            for (std::uint64_t k = near.first[r]; k < near.first[r + 1]; ++k) {
-                const std::uint32_t t = near.segments[k];
+            for (const std::uint32_t t : tubes_near) {
                 for (const std::uint32_t s : contents[t]) {
                     const bool touches = t == r || may_touch(supports[s], box, center, half_diagonal);
                     if (touches && list.size() < kLongestList) list.push_back(s);

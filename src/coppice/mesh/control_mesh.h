@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coppice/base/id.h"
+#include "coppice/base/node_join.h"
 #include "coppice/mesh/mesh.h"
 
 namespace coppice {
@@ -32,12 +33,13 @@ enum class TubePart : std::uint8_t {
 /// positions and anchors alike; projection then moves each refined vertex along the ray from its anchor
 /// through its position.
 struct ControlMesh {
-    QuadMesh cage;                      ///< closed, one sphere per tree
+    QuadMesh cage;                      ///< closed, one sphere per tree where there are no joins
     Buffer<Vec3> anchors;               ///< [m] one per cage vertex
     std::vector<std::uint32_t> region;  ///< per quad: the tube it belongs to
     std::vector<TubePart> part;         ///< per quad; those of one part of a tube follow each other
     std::vector<NodeId> region_node;  ///< per region: the skeleton segment (named by its child node) it wraps
     std::vector<ClipPlane> clip;      ///< one per flat end, by first quad
+    std::vector<NodeJoin> joins;      ///< tubes that end in branch nodes of others, by `end`
 };
 
 }  // namespace coppice

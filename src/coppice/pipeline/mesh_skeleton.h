@@ -60,15 +60,15 @@ struct EnumNames<Fit> {
 
 /// What becomes of branches that run through each other.
 enum class Overlaps {
-    graft,  ///< what comes out of another branch springs from there, and is a branch of that
+    merge,  ///< they become one body where the axis of one runs inside the other
+    graft,  ///< what enters another branch is cut off there, and what comes out of it springs from there
     apart,  ///< trees are bent apart, so that each keeps its wood; within a tree as graft
-    fuse,   ///< they become one body as they cross, so that the surface is that of their union
     keep,   ///< they cross, and so do their quads
 };
 
 template <>
 struct EnumNames<Overlaps> {
-    static constexpr std::array<std::string_view, 4> names{"graft", "apart", "fuse", "keep"};
+    static constexpr std::array<std::string_view, 4> names{"merge", "graft", "apart", "keep"};
 };
 
 /// What tetrahedra the method `tetrahedra` begins with.
@@ -118,8 +118,8 @@ struct MeshOptions {
     int levels =
         2;  ///< times the cage is subdivided, or the tetrahedra, which then are as much larger before
     Fit fit = Fit::surface;               ///< where vertices lie in the end
-    Overlaps overlaps = Overlaps::graft;  ///< what becomes of branches that run through each other
-    float graft = 0.6f;  ///< [sum of radii] branches whose axes come nearer than this are grafted; 0 = off
+    Overlaps overlaps = Overlaps::merge;  ///< what becomes of branches that run through each other
+    float graft = 0.6f;        ///< [sum of radii] branches whose axes come nearer than this overlap; 0 = none
     PrepareOptions prepare;    ///< what is done to the skeleton first
     ControlOptions control;    ///< the cage, and how branches end
     FieldOptions field;        ///< what surface the radii mean
@@ -146,12 +146,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                        "What the surface preserves: the areas of sections of branches, or the volume of the "
                        "rounded cones of the skeleton"),
           o.fit);
-    visit(common_field("overlaps",
-                       "Treatment of branches that overlap: one is grafted onto the other, different trees "
-                       "are bent apart, both are fused into one body, or the overlap is kept"),
-          o.overlaps);
+    visit(
+        common_field("overlaps",
+                     "Treatment of branches that run through each other: both are merged into one body, one "
+                     "is cut off and grafted onto the other, trees are bent apart, or they are kept"),
+        o.overlaps);
     visit(Field{"graft",
-                "branches whose axes come nearer than this times the sum of their radii are grafted; 0 = off",
+                "branches whose axes come nearer than this times the sum of their radii overlap; 0 = none",
                 Unit::none, 0, 1},
           o.graft);
     visit(Field{"prepare", "Preparing the skeleton"}, o.prepare);
@@ -186,7 +187,7 @@ struct KnotReport {
     std::uint32_t folded = 0;        ///< quads that stayed folded
     std::uint32_t rounds = 0;        ///< of remeshing
     std::uint32_t slices = 0;        ///< rows of quads around tubes that were replaced
-    std::uint64_t parts = 0;         ///< of the surface, after remeshing
+    std::uint64_t parts = 0;         ///< of the surface, remeshed or not
     std::int64_t handles = 0;        ///< of all parts: the Euler number is 2 (parts - handles)
 };
 
@@ -251,12 +252,12 @@ struct MeshResult {
 /// The faces of a surface, whichever method made it. O(n).
 PolygonMesh to_polygons(const MeshResult& result);
 
-/// Wraps a skeleton in one closed surface of quads, one sphere per tree that does not begin inside another:
-/// prepares the skeleton, grafts branches that run through each other, finds where branches part, builds a
+/// Wraps a skeleton in one closed surface of quads, one sphere per tree that does not run through another:
+/// prepares the skeleton, merges branches that run through each other, finds where branches part, builds a
 /// coarse cage, subdivides it, moves it onto the convolution field, and unfolds what was folded [Zhu2015].
 /// Where quads still cross, the tubes there are replaced by quads made of the triangles that tetrahedra find,
 /// which never cross; branches that touch there become one body, and a loop of such branches is a handle of
-/// the surface. Levels 0 and open bases are not looked at. Trees that run through each other are grafted too;
+/// the surface. Levels 0 and open bases are not looked at. Trees that run through each other are merged too;
 /// with `overlaps` apart they are bent apart first (see bend_apart), and the surface is that of the bent
 /// skeleton.
 ///

@@ -20,14 +20,12 @@ float volume_true_scale(const MeshOptions& options) {
 
 }  // namespace
 
-// Where the end of a tree is cut flat, the field goes on far enough to be full there. Branches that are to
-// become one body do not press on each other.
+// Where the end of a tree is cut flat, the field goes on far enough to be full there.
 FieldOptions surface_field_options(const MeshOptions& options) {
     constexpr float kBeyondCut = 1.5f;
     const ControlOptions& control = options.control;
     FieldOptions field = options.field;
     if (field.radius_scale == 0) field.radius_scale = volume_true_scale(options);
-    if (options.overlaps == Overlaps::fuse) field.contact = 0;
     if (control.base == BaseShape::round) field.root_extension = -1;
     if (control.tips == TipShape::flat) field.tip_extension = kBeyondCut;
     return field;

@@ -19,6 +19,9 @@ struct Choice {
     std::vector<Vec3> position;
 };
 
+// [radius] Greatest shift of the surface by leaving out a node that is too near to another.
+constexpr double kMaxShift = 0.1;
+
 void simplify(const Skeleton& s, NodeId anchor, const std::vector<NodeId>& chain, const ResampleOptions& o,
               Choice& choice, ResampleReport& report) {
     if (chain.size() == 1) return;
@@ -28,7 +31,8 @@ void simplify(const Skeleton& s, NodeId anchor, const std::vector<NodeId>& chain
     for (const NodeId n : chain) points.push_back({Vec3d(s.position(n)), s.radius(n), n.index()});
     const double spacing = o.min_spacing;
     const SimplifiedChain kept = simplify_chain(
-        std::move(points), {o.tolerance, spacing, leads, leads ? 0 : spacing * s.radius(anchor)});
+        std::move(points), {o.tolerance, spacing, leads, leads ? 0 : spacing * s.radius(anchor),
+                            std::max<double>(o.tolerance, kMaxShift)});
     report.moved += kept.moved;
     for (std::size_t i = 1; i + 1 < kept.points.size(); ++i) {
         choice.kept[kept.points[i].node] = true;

@@ -73,10 +73,12 @@ struct ResampleResult {
 /// from the new axis, in position and radius together. Then of two nodes nearer than `min_spacing` (times the
 /// lesser radius) the one of less influence goes, unless the radius jumps by more than a fifth between them:
 /// then they are pushed apart. Laterals lose the nodes within their branch node's ball, which nothing shows
-/// of. Then segments longer than `max_length` (in local radii) are split evenly, and rings come beside sharp
-/// turns, before tips of long segments, and where branches leave a root that several leave (outside of its
-/// ball, where it is one: see is_ball); none of these where `bend_angle` is pi or more. Insertion is bounded:
-/// on skeletons that would grow more than threefold `max_length` is raised.
+/// of. Where either would move the surface by over a tenth of the radius, the node moves on along its segment
+/// in place of going, if there is room. Then segments longer than `max_length` (in local radii) are split
+/// evenly, and rings come beside sharp turns, before tips of long segments, and where branches leave a root
+/// that several leave (outside of its ball, where it is one: see is_ball); none of these where `bend_angle`
+/// is pi or more. Insertion is bounded: on skeletons that would grow more than threefold `max_length` is
+/// raised.
 ///
 /// Which child leads at a branch node stays the same, so laterals keep their own radius at the start.
 /// Throws InvalidInput when an option is out of its range. O(n log n), no recursion.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace coppice {
@@ -80,16 +81,49 @@ void add_spaced(std::vector<ChainPoint>& out, const ChainPoint& p, double spacin
     out.push_back(p);
 }
 
-std::vector<ChainPoint> space_out(const std::vector<ChainPoint>& points, const std::vector<bool>& chosen,
-                                  const ChainRule& rule) {
-    std::vector<ChainPoint> out{points[0]};
+/// A point moved along the segment to the next one until it is `away` [m] from the one before; nothing where
+/// that takes more than half of the segment.
+std::optional<ChainPoint> moved_on(ChainPoint p, const ChainPoint& before, const ChainPoint& next,
+                                   double away) {
+    const Vec3d from = p.position - before.position, way = next.position - p.position;
+    // Where |from + t way| = away: the greater solution of a quadratic equation.
+    const double a = length_squared(way), b = dot(from, way), c = length_squared(from) - away * away;
+    if (!(a > 0) || c >= 0) return {};
+    const double t = (std::sqrt(b * b - a * c) - b) / a;
+    if (!(t <= 0.5)) return {};
+    p.position += way * t;
+    return p;
+}
+
+SimplifiedChain space_out(const std::vector<ChainPoint>& points, const std::vector<bool>& chosen,
+                          const ChainRule& rule) {
+    SimplifiedChain out{{points[0]}};
+    std::vector<ChainPoint>& kept = out.points;
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {
         if (!chosen[i]) continue;
-        if (out.size() == 1 && distance(points[i].position, points[0].position) < rule.fork_ball) continue;
-        add_spaced(out, points[i], rule.min_spacing);
+        const ChainPoint& p = points[i];
+        const ChainPoint& next = points[static_cast<std::size_t>(
+            std::find(chosen.begin() + static_cast<std::ptrdiff_t>(i) + 1, chosen.end(), true) -
+            chosen.begin())];
+        const ChainPoint& before = kept.back();
+        const double ball = kept.size() == 1 ? rule.fork_ball : 0;
+        const bool is_in_ball = distance(p.position, before.position) < ball;
+        if (!is_in_ball && !crowd(before, p, rule.min_spacing)) {
+            kept.push_back(p);
+            continue;
+        }
+        if (shift_of(p, before, next) > rule.max_shift) {
+            const double spacing = rule.min_spacing * std::min(before.radius, p.radius);
+            if (const auto moved = moved_on(p, before, next, std::max(ball, spacing))) {
+                kept.push_back(*moved);
+                ++out.moved;
+                continue;
+            }
+        }
+        if (!is_in_ball) add_spaced(kept, p, rule.min_spacing);
     }
-    while (out.size() > 1 && crowd(out.back(), points.back(), rule.min_spacing)) out.pop_back();
-    out.push_back(points.back());
+    while (kept.size() > 1 && crowd(kept.back(), points.back(), rule.min_spacing)) kept.pop_back();
+    kept.push_back(points.back());
     return out;
 }
 
@@ -122,8 +156,8 @@ std::uint32_t spread_jumps(std::vector<ChainPoint>& chain, double spacing) {
 
 SimplifiedChain simplify_chain(std::vector<ChainPoint> points, const ChainRule& rule) {
     const std::vector<bool> chosen = choose_points(points, rule);
-    SimplifiedChain out{space_out(points, chosen, rule)};
-    out.moved = spread_jumps(out.points, rule.min_spacing);
+    SimplifiedChain out = space_out(points, chosen, rule);
+    out.moved += spread_jumps(out.points, rule.min_spacing);
     return out;
 }
 

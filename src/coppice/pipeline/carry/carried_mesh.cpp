@@ -261,7 +261,7 @@ ProjectReport CarriedMesh::Body::project_onto(const Skeleton& now, std::span<con
         }
     });
     complete(regions, made.quads().cage.region_node, now);
-    field.set_regions(regions, {tubes_, tube_}, ctx);
+    field.set_regions(regions, {tubes_, tube_, made.quads().cage.joins}, ctx);
     return project(positions, anchors, free_, FieldRef(field), options_.project, ctx);
 }
 

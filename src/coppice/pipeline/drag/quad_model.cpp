@@ -19,6 +19,8 @@ MeshOptions plain_quads(const MeshOptions& given) {
     if (given.fit != Fit::surface)
         throw InvalidInput("mesh: fit must be surface for a surface whose branches are dragged");
     MeshOptions options = given;
+    // What is merged moves apart while it is dragged.
+    if (options.overlaps == Overlaps::merge) options.overlaps = Overlaps::graft;
     options.untangle.passes = 0;
     options.remesh_rounds = 0;
     options.device = Device::cpu;  // frames made on the CPU come back to these bits

@@ -104,7 +104,7 @@ class Search {
     Vec3d position(NodeId n) const { return Vec3d(tubes_.position(n)); }
     bool exists(std::uint32_t t) const { return faces_[t].side.count + faces_[t].cap[1].count > 0; }
     // The node at an end of a tube; none for a ball.
-    NodeId node(NodeId tube, int end) const { return end == 0 ? tubes_.parent(tube) : tube; }
+    NodeId node(NodeId tube, int end) const { return slices_.node(tube, end); }
 
     void look_at_tubes() {
         parallel_for_ranges(ctx_, tubes_.size(), kTubeGrain, [&](IndexRange range) {
@@ -125,7 +125,7 @@ class Search {
         proof.radius = std::sqrt(proof.bounds.distance_squared);
         bool is_alone = true;
         for (int end = 0; end < 2 && !tubes_.is_root(t); ++end) {
-            if (degree(tubes_, node(t, end)) < 2) continue;
+            if (slices_.tube_count(node(t, end)) < 2) continue;
             is_alone = false;
             const Vec3d c = position(node(t, end));
             const double size = farthest(proof.bounds, c);
@@ -143,14 +143,14 @@ class Search {
     void look_at_nodes() {
         parallel_for(ctx_, tubes_.size(), 4 * kTubeGrain, [&](std::size_t i) {
             const NodeId n(static_cast<std::uint32_t>(i));
-            if (degree(tubes_, n) < 2) return;
+            if (slices_.tube_count(n) < 2) return;
             bool holds = true;
-            for_each_segment_at(tubes_, n, [&](NodeId t) { holds &= view_at(t, n).clear > 0; });
+            slices_.for_each_tube_at(n, [&](NodeId t) { holds &= view_at(t, n).clear > 0; });
             if (holds && slices_.is_fork(n)) holds = turns_once(n);
-            if (!holds) for_each_segment_at(tubes_, n, [&](NodeId t) { view_at(t, n) = {}; });
+            if (!holds) slices_.for_each_tube_at(n, [&](NodeId t) { view_at(t, n) = {}; });
         });
     }
-    View& view_at(NodeId tube, NodeId n) { return proof_[tube.index()].view[tube == n ? 1 : 0]; }
+    View& view_at(NodeId tube, NodeId n) { return proof_[tube.index()].view[slices_.end_at(tube, n)]; }
 
     // Counts the turns about the vertices of a branch node that the quads of one tube make.
     void count_turns(const TubePoints& points, NodeId t, int end, double size) {
@@ -170,10 +170,10 @@ class Search {
     // in the mesh, and each belongs to one node.
     bool turns_once(NodeId n) const {
         bool once = true;
-        for_each_segment_at(tubes_, n, [&](NodeId t) {
+        slices_.for_each_tube_at(n, [&](NodeId t) {
             const CageRun& run = faces_[t.index()].side;
             for (std::uint32_t f = run.first; f < run.first + run.count; ++f)
-                once &= turns_[slices_.cage().cage.quads[f][t == n ? 3 : 0]] == 1;
+                once &= turns_[slices_.cage().cage.quads[f][slices_.end_at(t, n) == 1 ? 3 : 0]] == 1;
         });
         const NodeId owner = slices_.fork_tube(n);
         const CageRun& between = faces_[owner.index()].fork[owner == n ? 1 : 0];
@@ -266,9 +266,11 @@ class Search {
     // The ends at which two tubes meet, or -1.
     std::array<int, 2> shared_ends(NodeId a, NodeId b) const {
         if (tubes_.is_root(a) || tubes_.is_root(b)) return {-1, -1};
-        if (tubes_.parent(a) == b) return {0, 1};
-        if (tubes_.parent(b) == a) return {1, 0};
-        if (tubes_.parent(a) == tubes_.parent(b)) return {0, 0};
+        for (const int end_a : {0, 1}) {
+            for (const int end_b : {0, 1}) {
+                if (node(a, end_a) == node(b, end_b)) return {end_a, end_b};
+            }
+        }
         return {-1, -1};
     }
 

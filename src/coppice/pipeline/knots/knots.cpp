@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/pipeline/knots/knots_internal.h"
@@ -100,11 +101,40 @@ void Knots::spare(const KnotGroup& group) {
 void Knots::take_trees(std::span<const NodeId> trees, std::span<const NodeId> root) {
     for (const NodeId n : nodes(map_.tubes)) {
         const NodeId tree = root[n.index()];
-        if (!std::binary_search(trees.begin(), trees.end(), tree)) continue;
-        for (Slice i = slices_.first(n); i <= slices_.last(n); ++i) {
-            spared_[i] = 0;
-            take(i);
-            join(slices_.first(tree), i);
+        if (std::binary_search(trees.begin(), trees.end(), tree)) take_tube(n, slices_.first(tree));
+    }
+}
+
+// All of a tube, spared or not, into the group of a slice.
+void Knots::take_tube(NodeId tube, Slice group) {
+    for (Slice i = slices_.first(tube); i <= slices_.last(tube); ++i) {
+        spared_[i] = 0;
+        take(i);
+        join(group, i);
+    }
+}
+
+void Knots::take_zone(Slice slice, float radii) {
+    const Skeleton& s = map_.tubes;
+    const NodeId first = slices_.tube(slice);
+    struct Step {
+        NodeId tube;
+        float left;  // [m] of the way, beyond the tube
+    };
+    std::vector<Step> queue{{first, radii * s.radius(first)}};
+    std::unordered_map<std::uint32_t, float> left{{first.index(), queue[0].left}};
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+        const Step step = queue[k];
+        take_tube(step.tube, slices_.first(first));
+        if (step.left <= 0 || s.is_root(step.tube)) continue;
+        for (const int end : {0, 1}) {
+            slices_.for_each_tube_at(slices_.node(step.tube, end), [&](NodeId t) {
+                const float rest = step.left - distance(s.position(t), s.position(s.parent(t)));
+                const auto [at, is_new] = left.try_emplace(t.index(), rest);
+                if (!is_new && rest <= at->second) return;
+                at->second = rest;
+                queue.push_back({t, rest});
+            });
         }
     }
 }
@@ -112,7 +142,7 @@ void Knots::take_trees(std::span<const NodeId> trees, std::span<const NodeId> ro
 // All slices at a branch node, once one of them goes.
 void Knots::close_branch_node(NodeId n) {
     if (!slices_.is_fork(n)) return;
-    for_each_segment_at(map_.tubes, n, [&](NodeId t) { take(slices_.at(t, n)); });
+    slices_.for_each_tube_at(n, [&](NodeId t) { take(slices_.at(t, n)); });
 }
 
 // The seam where the upper slice begins.
@@ -164,7 +194,7 @@ bool Knots::lies_well(const Seam& seam) const {
         bool up = to_tip;
         for (float way = 0;;) {
             own.push_back(tube);
-            const NodeId node = up ? tube : s.parent(tube);
+            const NodeId node = slices_.node(tube, up ? 1 : 0);
             const Vec3 along = s.position(node) - at;
             const bool begins_near = way < kWindow * seam.radius;
             way += length(along);
@@ -177,14 +207,14 @@ bool Knots::lies_well(const Seam& seam) const {
             const float ratio = s.radius(node) / seam.radius;
             if (is_near && (ratio > kGreatestRatio || ratio * kGreatestRatio < 1)) return false;
             NodeId onward;
-            if (slices_.is_fork(node) || degree(s, node) != 2) {
+            if (slices_.is_fork(node) || slices_.tube_count(node) != 2) {
                 if (is_near) return false;
                 // What goes on at a branch node is not in the way.
                 if (up) onward = s.leader(node);
                 if (!up && !s.is_root(node) && s.leader(node) == tube) onward = node;
                 if (!onward) break;
             } else {
-                for_each_segment_at(s, node, [&](NodeId t) {
+                slices_.for_each_tube_at(node, [&](NodeId t) {
                     if (t != tube) onward = t;
                 });
             }
@@ -211,7 +241,7 @@ void Knots::close() {
         const NodeId t = slices_.tube(gone);
         if (!map_.tubes.is_root(t)) {
             if (gone == slices_.first(t)) close_branch_node(map_.tubes.parent(t));
-            if (gone == slices_.last(t)) close_branch_node(t);
+            if (gone == slices_.last(t)) close_branch_node(slices_.end_node(t));
         }
         for (const bool to_tip : {false, true}) {
             const auto seam = seam_beside(gone, to_tip);
@@ -235,9 +265,9 @@ std::vector<KnotGroup> Knots::groups() {
         }
         const NodeId t = slices_.tube(i);
         if (s.is_root(t)) continue;
-        for (const NodeId n : {s.parent(t), t}) {
+        for (const NodeId n : {s.parent(t), slices_.end_node(t)}) {
             if (slices_.at(t, n) != i || !slices_.is_fork(n)) continue;
-            for_each_segment_at(s, n, [&](NodeId other) { join(i, slices_.at(other, n)); });
+            slices_.for_each_tube_at(n, [&](NodeId other) { join(i, slices_.at(other, n)); });
         }
     }
     std::sort(seams.begin(), seams.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });

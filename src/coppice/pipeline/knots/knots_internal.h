@@ -47,6 +47,8 @@ class Knots {
     /// Takes all of some trees, named by their roots in ascending order, spared or not, each as one group;
     /// `root` is that of every node.
     void take_trees(std::span<const NodeId> trees, std::span<const NodeId> root);
+    /// Takes all tubes within so many radii of a slice, along the tubes, spared or not, as one group.
+    void take_zone(Slice slice, float radii);
     /// Takes slices on from a seam, so many radii along the tube, as far as the next branch node.
     void move_on(const Seam& seam, float radii);
     /// Takes slices both ways from one on, likewise.
@@ -68,6 +70,7 @@ class Knots {
 
   private:
     void take_along(Slice at, bool to_tip, float way);
+    void take_tube(NodeId tube, Slice group);
     void close_branch_node(NodeId n);
     bool lies_well(const Seam& seam) const;
     std::optional<std::array<Slice, 2>> seam_beside(Slice gone, bool to_tip) const;

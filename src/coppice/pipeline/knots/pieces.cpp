@@ -232,9 +232,11 @@ std::uint32_t count_bodies(const Slices& slices, const Knots& knots, const Piece
     }
     for (const NodeId n : nodes(s)) {
         if (!slices.is_fork(n)) continue;
-        const Slice first = slices.at(s.children(n)[0], n);
-        for_each_segment_at(s, n, [&](NodeId t) {
-            if (is_kept(first) && is_kept(slices.at(t, n))) join(first, slices.at(t, n));
+        Slice first = Slices::kNone;
+        slices.for_each_tube_at(n, [&](NodeId t) {
+            const Slice here = slices.at(t, n);
+            if (is_kept(first) && is_kept(here)) join(first, here);
+            if (first == Slices::kNone) first = here;
         });
     }
     std::uint32_t begin = slices.count();  // of the numbers of the piece's vertices

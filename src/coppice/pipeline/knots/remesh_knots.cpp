@@ -15,6 +15,10 @@
 namespace coppice::pipeline_internal {
 namespace {
 
+// [radii] Of zones that are taken where nothing else is left to do.
+constexpr float kFirstZone = 5;
+constexpr float kZoneGrowth = 4;
+constexpr float kMaxZone = 100;
 constexpr int kRoundsForFolds = 3;  // in which seams are moved for the sake of folded quads alone
 
 class Remeshing {
@@ -58,7 +62,8 @@ class Remeshing {
             const bool is_last = round + 2 >= rounds_;
             const std::vector<FacePair> unanswered = answer(now, pairs);
             const bool is_answered = unanswered.size() < pairs.size() || moved;
-            const bool took = take_trees(now, is_last ? pairs : unanswered, spared);
+            const bool took = (!is_last && take_zones(now, unanswered, spared)) ||
+                              take_trees(now, is_last ? pairs : unanswered, spared);
             if (!is_answered && !took) break;
             if (is_last) ask_all_care(now, pairs);
         }
@@ -187,6 +192,24 @@ class Remeshing {
         return found;
     }
 
+    // Where nothing else is left to do: all of the tubes around, and more of them the next times; false where
+    // that has been tried.
+    bool take_zones(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
+        if (zone_ > kMaxZone || (pairs.empty() && spared.empty())) return false;
+        const std::size_t before = knots_.count();
+        const auto take = [&](Slice at) {
+            if (at != Slices::kNone) knots_.take_zone(at, zone_);
+        };
+        for (const FacePair& p : pairs) {
+            for (const std::uint32_t face : {p.first, p.second}) take(now.slice[face]);
+        }
+        for (const FacePair& p : spared) {
+            for (const std::uint32_t quad : {p.first, p.second}) take(slices_.of_quad(quad));
+        }
+        zone_ *= kZoneGrowth;
+        return knots_.count() != before;
+    }
+
     // The last resort: whole trees, where they are not too large for one piece; false when none is new.
     bool take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
         if (pairs.empty() && spared.empty()) return false;
@@ -245,6 +268,7 @@ class Remeshing {
     Pieces pieces_;
     std::vector<Care> care_;  // per slice, and one more for what is near none
     std::set<NodeId> taken_trees_;
+    float zone_ = kFirstZone;
 };
 
 // Of the quads that could not be unfolded, those that are inverted, ascending.

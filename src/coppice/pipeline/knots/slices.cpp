@@ -13,8 +13,14 @@ Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels,
       levels_(levels),
       side_(sides),
       first_side_(tubes.size(), kNone),
+      joins_(cage.joins),
+      end_(tubes.size()),
       has_fork_(tubes.size(), 0) {
-    for (const NodeId n : nodes(tubes)) has_fork_[n.index()] = degree(tubes, n) > 2 ? 1 : 0;
+    std::ranges::stable_sort(joins_, {}, &NodeJoin::node);
+    for (const NodeId n : nodes(tubes)) end_[n.index()] = n;
+    for (const NodeJoin& join : joins_) end_[join.end.index()] = join.node;
+    for (const NodeId n : nodes(tubes))
+        has_fork_[n.index()] = degree(tubes, n) > 2 || !joins_at(n).empty() ? 1 : 0;
     for (std::uint32_t f = static_cast<std::uint32_t>(cage.region.size()); f-- > 0;) {
         if (cage.part[f] == TubePart::side) first_side_[cage.region[f]] = f;
         if (cage.part[f] == TubePart::fork) has_fork_[cage.region[f]] = 1;
@@ -26,6 +32,12 @@ Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels,
             ++sides_;
         }
     }
+}
+
+std::uint32_t Slices::tube_count(NodeId n) const {
+    std::uint32_t count = 0;
+    for_each_tube_at(n, [&](NodeId) { ++count; });
+    return count;
 }
 
 Slice Slices::of_quad(std::uint32_t quad) const {
@@ -62,10 +74,10 @@ Slice Slices::next(Slice s, bool towards_tip) const {
     if (tubes_->is_root(here)) return kNone;  // a ball, of which only the last slice has quads
     if (towards_tip && row(s) + 1 < per_tube()) return s + 1;
     if (!towards_tip && row(s) > 0) return s - 1;
-    const NodeId node = towards_tip ? here : tubes_->parent(here);
-    if (is_fork(node) || degree(*tubes_, node) != 2) return kNone;
+    const NodeId node = towards_tip ? end_node(here) : tubes_->parent(here);
+    if (is_fork(node) || tube_count(node) != 2) return kNone;
     Slice found = kNone;
-    for_each_segment_at(*tubes_, node, [&](NodeId t) {
+    for_each_tube_at(node, [&](NodeId t) {
         if (t != here) found = at(t, node);
     });
     return found;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -21,6 +22,18 @@ struct TubeMap {
         wrapping;  ///< per node of `skeleton`: the tubes about its segment, in order
     std::span<const std::array<float, 2>> sides = {};  ///< see Slices
 };
+
+/// Number of segments that meet at a node.
+inline std::uint32_t degree(const Skeleton& s, NodeId n) {
+    return static_cast<std::uint32_t>(s.children(n).size()) + (s.is_root(n) ? 0 : 1);
+}
+
+/// Calls visit(segment) for the segments that meet at a node, each named by its child node.
+template <class Visit>
+void for_each_segment_at(const Skeleton& s, NodeId n, const Visit& visit) {
+    if (!s.is_root(n)) visit(n);
+    for (const NodeId c : s.children(n)) visit(c);
+}
 
 /// A row of refined quads around a tube, numbered tube by tube from its beginning to its end; what closes a
 /// tube belongs to its outermost row, and what lies between those at a branch node to that of the tube that
@@ -55,12 +68,27 @@ class Slices {
     }
     /// That of a refined quad.
     Slice of_quad(std::uint32_t quad) const;
-    /// Whether a node is a branch node: three tubes or more meet there, or such as have quads between them.
+    /// The node at which a tube ends, which may be one of another branch.
+    NodeId end_node(NodeId tube) const { return end_[tube.index()]; }
+    /// The node at an end of a tube: 0 where it begins, 1 where it ends.
+    NodeId node(NodeId tube, int end) const { return end == 0 ? tubes_->parent(tube) : end_node(tube); }
+    /// Which end of a tube lies at one of its two nodes.
+    int end_at(NodeId tube, NodeId node) const { return end_node(tube) == node ? 1 : 0; }
+    /// Number of tubes that meet at a node.
+    std::uint32_t tube_count(NodeId n) const;
+    /// Calls visit(tube) for these.
+    template <class Visit>
+    void for_each_tube_at(NodeId n, const Visit& visit) const {
+        if (end_node(n) == n) for_each_segment_at(*tubes_, n, visit);
+        for (const NodeJoin& join : joins_at(n)) visit(join.end);
+    }
+    /// Whether a node is a branch node: three tubes or more meet there, or such as have quads between them,
+    /// or one of another branch.
     bool is_fork(NodeId n) const { return has_fork_[n.index()] != 0; }
     /// The tube to which quads between those at a branch node belong.
     NodeId fork_tube(NodeId n) const { return tubes_->is_root(n) ? tubes_->children(n)[0] : n; }
     /// The slice of a tube at one of its two nodes.
-    Slice at(NodeId tube, NodeId node) const { return node == tube ? last(tube) : first(tube); }
+    Slice at(NodeId tube, NodeId node) const { return end_at(tube, node) == 1 ? last(tube) : first(tube); }
     /// The slice at a place of the field's skeleton that a tube wraps.
     Slice near(NodeId tube, Vec3 p) const;
 
@@ -71,26 +99,20 @@ class Slices {
     Loop ring(Slice s, std::span<const Quad> quads) const;
 
   private:
+    std::span<const NodeJoin> joins_at(NodeId n) const {
+        return std::ranges::equal_range(joins_, n, {}, &NodeJoin::node);
+    }
+
     const ControlMesh* cage_;
     const Skeleton* tubes_;
     int levels_;
     std::span<const std::array<float, 2>> side_;  ///< per tube, or none
     std::vector<std::uint32_t> first_side_;       ///< per tube: its first cage quad that is a side
+    std::vector<NodeJoin> joins_;                 ///< by node
+    std::vector<NodeId> end_;                     ///< per tube: see end_node
     std::vector<std::uint8_t> has_fork_;          ///< per node: whether it is a branch node
     std::uint32_t sides_ = 0;
 };
-
-/// Number of segments that meet at a node.
-inline std::uint32_t degree(const Skeleton& s, NodeId n) {
-    return static_cast<std::uint32_t>(s.children(n).size()) + (s.is_root(n) ? 0 : 1);
-}
-
-/// Calls visit(segment) for the segments that meet at a node, each named by its child node.
-template <class Visit>
-void for_each_segment_at(const Skeleton& s, NodeId n, const Visit& visit) {
-    if (!s.is_root(n)) visit(n);
-    for (const NodeId c : s.children(n)) visit(c);
-}
 
 /// The node at the other end of a segment.
 inline NodeId other_end(const Skeleton& s, NodeId segment, NodeId end) {

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/pipeline/field_regions_internal.h"
 #include "coppice/pipeline/quads/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
+#include "coppice/skeleton/measure.h"
 
 namespace coppice {
 namespace {
@@ -35,10 +37,14 @@ struct Wrapped {
 };
 
 Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages) {
-    const bool grafts = options.overlaps == Overlaps::graft || options.overlaps == Overlaps::apart;
-    const float graft = grafts ? options.graft : 0;
-    GraftResult grafted = stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, ctx); });
-    PartResult parted = stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, ctx); });
+    const float graft = options.overlaps == Overlaps::keep ? 0 : options.graft;
+    // Units of ramifications have no tubes that end in others.
+    const bool merges = options.overlaps == Overlaps::merge && options.method != MeshMethod::ramifications;
+    const PieceEnd end = merges ? PieceEnd::joined : PieceEnd::closed;
+    GraftResult grafted =
+        stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, end, ctx); });
+    PartResult parted =
+        stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, grafted.joins, ctx); });
     auto source = composed(parted.source, grafted.source);
     auto tube = composed(grafted.tube, parted.tube);
     return {std::move(grafted), std::move(parted), std::move(source), std::move(tube)};
@@ -46,7 +52,7 @@ Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Cont
 
 ControlMesh cage_about(const Wrapped& wrapped, const MeshOptions& options, const Context& ctx) {
     return build_control_mesh(wrapped.tubes(), wrapped.source, options.control, ctx,
-                              wrapped.parted.round_roots);
+                              wrapped.parted.round_roots, wrapped.parted.joins);
 }
 
 // How a cage was refined.
@@ -90,7 +96,7 @@ class CageRefiner {
     void set_regions() {
         if (has_regions_) return;
         field_.set_regions(pipeline_internal::field_regions(out_.cage, wrapped_.skeleton()),
-                           {wrapped_.tubes(), wrapped_.tube}, ctx_);
+                           {wrapped_.tubes(), wrapped_.tube, out_.cage.joins}, ctx_);
         has_regions_ = true;
     }
 
@@ -100,7 +106,7 @@ class CageRefiner {
         const cuda::QuadJob job{patches.cage(), levels_,   cage.cage.positions, cage.anchors,
                                 cage.region,    cage.clip, options_.project,    options_.untangle};
         const cuda::ContactInput contacts{
-            wrapped_.skeleton(), {wrapped_.tubes(), wrapped_.tube}, field_, cage};
+            wrapped_.skeleton(), {wrapped_.tubes(), wrapped_.tube, cage.joins}, field_, cage};
         return stages_.run("send", 0.3f, [&] {
             return begin_on_device(
                 job, contacts, [&] { set_regions(); }, out_.device, ctx_);
@@ -170,11 +176,27 @@ BallReport balls_of(const ConvolutionField& field) {
     return out;
 }
 
+// What the joins of trees make of them: each puts two bodies together, or closes a loop.
+void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, KnotReport& out) {
+    const std::vector<NodeId> root = tree_roots(tubes);
+    DisjointSets bodies(tubes.size());
+    out.parts = tubes.tree_count();
+    for (const NodeJoin& join : joins) {
+        const bool is_new = bodies.join(root[join.end.index()].index(), root[join.node.index()].index());
+        if (is_new) {
+            --out.parts;
+        } else {
+            ++out.handles;
+        }
+    }
+}
+
 void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels, const MeshOptions& options,
             const Context& ctx, Stages& stages, RemeshTrace* trace = nullptr,
             std::span<const std::uint8_t> wanted = {}) {
     out.knots = stages.run("remesh", 1.0f,
                            [&] { return remesh_knots(out, map, levels, options, ctx, trace, wanted); });
+    if (out.knots.rounds == 0) count_bodies(map.tubes, out.cage.joins, out.knots);
 }
 
 // Whether a tube is only the branch node at a root.

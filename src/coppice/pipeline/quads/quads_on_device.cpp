@@ -31,7 +31,8 @@ std::optional<DeviceQuads> begin_on_device(const cuda::QuadJob& job, const cuda:
                                            const Context& ctx) {
     return on_device(use, [&] {
         DeviceQuads device(ctx);
-        if (contacts.field.contact() == 0 || !device.begin(job, contacts)) {
+        const bool finds_lists = contacts.field.contact() != 0 && contacts.tubes.joins.empty();
+        if (!finds_lists || !device.begin(job, contacts)) {
             set_regions();
             device.begin(job, contacts.field);
         }
