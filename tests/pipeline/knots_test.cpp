@@ -4,6 +4,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "coppice/base/random.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
@@ -191,6 +192,44 @@ TEST(Knots, LimbsThatCrossMergeCleanly) {
             EXPECT_TRUE(topology(made.mesh).watertight());
         }
     }
+}
+
+// Stems within each other, of all radii.
+Skeleton crowd(std::uint64_t seed) {
+    const CounterRandom random(seed, 0);
+    std::uint64_t draw = 0;
+    const auto uniform = [&](double low, double high) {
+        return static_cast<float>(random.uniform(draw++, low, high));
+    };
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    std::vector<float> radius;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const bool is_root = i == 0 || uniform(0, 1) < 0.07f;
+        const auto before =
+            static_cast<std::uint32_t>(uniform(0, 1) < 0.7f ? i - 1.0f : uniform(0, 0.99 * i));
+        parent.push_back(is_root ? NodeId::none() : NodeId(before));
+        position.push_back({uniform(-0.03, 0.03), uniform(-0.03, 0.03), 0.08f * static_cast<float>(i)});
+        radius.push_back(uniform(0, 1) < 0.7f ? 0.1f : std::pow(10.0f, uniform(-3, -0.5)));
+    }
+    return {parent, position, radius};
+}
+
+TEST(Knots, MergingIsNeverWorseThanGrafting) {
+    std::size_t times_grafted = 0;
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
+        SCOPED_TRACE(seed);
+        const Skeleton s = crowd(seed);
+        const QuadSurface merged = mesh_skeleton(s).quads();
+        const QuadSurface grafted = mesh_skeleton(s, with(Overlaps::graft)).quads();
+        EXPECT_LE(merged.knots.pairs_after, grafted.knots.pairs_after);
+        EXPECT_TRUE(topology(merged.mesh).watertight());
+        EXPECT_EQ(topology(merged.mesh).euler,
+                  2 * (static_cast<std::int64_t>(merged.knots.parts) - merged.knots.handles));
+        times_grafted += merged.cage.joins.empty() ? 1 : 0;
+    }
+    EXPECT_GT(times_grafted, 0u);
+    EXPECT_LT(times_grafted, 8u);
 }
 
 TEST(Knots, TreesThatCrossAreGraftedOrBentApartOrBecomeOneBody) {

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/base/sort.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/pipeline/knots/crossings_internal.h"
@@ -210,10 +211,11 @@ class Remeshing {
         return knots_.count() != before;
     }
 
-    // The last resort: whole trees, where they are not too large for one piece; false when none is new.
+    // The last resort: whole trees, and what is joined to them, where they are not too large for one piece;
+    // false when none is new.
     bool take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
         if (pairs.empty() && spared.empty()) return false;
-        const std::vector<NodeId> root = tree_roots(slices_.tubes());
+        const std::vector<NodeId> root = body_roots();
         std::vector<NodeId> bad;
         const auto add = [&](Slice at) {
             if (at != Slices::kNone) bad.push_back(root[slices_.tube(at).index()]);
@@ -231,6 +233,16 @@ class Remeshing {
         knots_.take_trees(bad, root);
         taken_trees_.insert(bad.begin(), bad.end());
         return !bad.empty();
+    }
+
+    // Per node the first root of its tree and all that are joined to it.
+    std::vector<NodeId> body_roots() const {
+        std::vector<NodeId> root = tree_roots(slices_.tubes());
+        DisjointSets bodies(root.size());
+        for (const NodeJoin& join : slices_.cage().joins)
+            bodies.join(root[join.end.index()].index(), root[join.node.index()].index());
+        for (NodeId& n : root) n = NodeId(bodies.find(n.index()));
+        return root;
     }
 
     std::vector<Segment> segments_of(NodeId tree, std::span<const NodeId> root) const {
@@ -254,7 +266,7 @@ class Remeshing {
             }
         }
         care_.back() = Care::flat;
-        const std::vector<NodeId> root = tree_roots(slices_.tubes());
+        const std::vector<NodeId> root = body_roots();
         for (Slice s = 0; s < slices_.count(); ++s) {
             if (taken_trees_.contains(root[slices_.tube(s).index()])) care_[s] = Care::flat;
         }

@@ -36,11 +36,13 @@ struct Wrapped {
     const Skeleton& skeleton() const { return grafted.skeleton; }
 };
 
-Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, const Context& ctx, Stages& stages) {
+PieceEnd piece_end(const MeshOptions& options) {
+    return options.overlaps == Overlaps::merge ? PieceEnd::joined : PieceEnd::closed;
+}
+
+Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, PieceEnd end, const Context& ctx,
+                Stages& stages) {
     const float graft = options.overlaps == Overlaps::keep ? 0 : options.graft;
-    // Units of ramifications have no tubes that end in others.
-    const bool merges = options.overlaps == Overlaps::merge && options.method != MeshMethod::ramifications;
-    const PieceEnd end = merges ? PieceEnd::joined : PieceEnd::closed;
     GraftResult grafted =
         stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, end, ctx); });
     PartResult parted =
@@ -202,18 +204,11 @@ void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels,
 // Whether a tube is only the branch node at a root.
 bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
 
-}  // namespace
-
-ControlMesh cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
-    std::vector<std::pair<std::string, double>> seconds;
-    Stages stages(ctx, seconds);
-    return cage_about(to_wrap(prepared, options, ctx, stages), options, ctx);
-}
-
-QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
-                          const QuadExtras& extras, const Context& ctx, Stages& stages) {
+QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& constraints,
+                      const MeshOptions& options, const QuadExtras& extras, const Context& ctx,
+                      Stages& stages) {
     QuadSurface out;
-    const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    const Wrapped wrapped = to_wrap(prepared, options, end, ctx, stages);
     out.grafted = wrapped.grafted.report;
     out.parted = wrapped.parted.report;
     out.cage = stages.run("cage", 0.15f, [&] { return cage_about(wrapped, options, ctx); });
@@ -251,6 +246,27 @@ QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints,
     return out;
 }
 
+}  // namespace
+
+ControlMesh cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
+    std::vector<std::pair<std::string, double>> seconds;
+    Stages stages(ctx, seconds);
+    return cage_about(to_wrap(prepared, options, piece_end(options), ctx, stages), options, ctx);
+}
+
+QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
+                          const QuadExtras& extras, const Context& ctx, Stages& stages) {
+    const auto mesh = [&](PieceEnd end) {
+        return mesh_with(end, prepared, constraints, options, extras, ctx, stages);
+    };
+    const PieceEnd end = piece_end(options);
+    QuadSurface out = mesh(end);
+    if (end == PieceEnd::closed || out.knots.pairs_after == 0) return out;
+    // Crowds of branches within each other, of which no one body can be made.
+    QuadSurface grafted = mesh(PieceEnd::closed);
+    return grafted.knots.pairs_after < out.knots.pairs_after ? std::move(grafted) : mesh(end);
+}
+
 QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& constraints,
                                   const MeshOptions& options, const QuadExtras& extras, const Context& ctx,
                                   Stages& stages) {
@@ -259,7 +275,8 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
     MeshOptions with = options;
     with.control.sides = 4;
     QuadSurface out;
-    const Wrapped wrapped = to_wrap(prepared, options, ctx, stages);
+    // Units have no tubes that end in others.
+    const Wrapped wrapped = to_wrap(prepared, options, PieceEnd::closed, ctx, stages);
     out.grafted = wrapped.grafted.report;
     out.parted = wrapped.parted.report;
     RamificationMesh made = stages.run("cage", 0.15f, [&] {
