@@ -13,14 +13,17 @@ Slices::Slices(const ControlMesh& cage, const Skeleton& tubes, int levels,
       levels_(levels),
       side_(sides),
       first_side_(tubes.size(), kNone),
-      joins_(cage.joins),
+      ending_at_(compress_rows<NodeId>(tubes.size(),
+                                       [&](const auto& put) {
+                                           for (const NodeJoin& join : cage.joins)
+                                               put(join.node.index(), join.end);
+                                       })),
       end_(tubes.size()),
       has_fork_(tubes.size(), 0) {
-    std::ranges::stable_sort(joins_, {}, &NodeJoin::node);
     for (const NodeId n : nodes(tubes)) end_[n.index()] = n;
-    for (const NodeJoin& join : joins_) end_[join.end.index()] = join.node;
+    for (const NodeJoin& join : cage.joins) end_[join.end.index()] = join.node;
     for (const NodeId n : nodes(tubes))
-        has_fork_[n.index()] = degree(tubes, n) > 2 || !joins_at(n).empty() ? 1 : 0;
+        has_fork_[n.index()] = degree(tubes, n) > 2 || !ending_at_[n.index()].empty() ? 1 : 0;
     for (std::uint32_t f = static_cast<std::uint32_t>(cage.region.size()); f-- > 0;) {
         if (cage.part[f] == TubePart::side) first_side_[cage.region[f]] = f;
         if (cage.part[f] == TubePart::fork) has_fork_[cage.region[f]] = 1;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -80,7 +79,7 @@ class Slices {
     template <class Visit>
     void for_each_tube_at(NodeId n, const Visit& visit) const {
         if (end_node(n) == n) for_each_segment_at(*tubes_, n, visit);
-        for (const NodeJoin& join : joins_at(n)) visit(join.end);
+        for (const NodeId tube : ending_at_[n.index()]) visit(tube);
     }
     /// Whether a node is a branch node: three tubes or more meet there, or such as have quads between them,
     /// or one of another branch.
@@ -99,16 +98,12 @@ class Slices {
     Loop ring(Slice s, std::span<const Quad> quads) const;
 
   private:
-    std::span<const NodeJoin> joins_at(NodeId n) const {
-        return std::ranges::equal_range(joins_, n, {}, &NodeJoin::node);
-    }
-
     const ControlMesh* cage_;
     const Skeleton* tubes_;
     int levels_;
     std::span<const std::array<float, 2>> side_;  ///< per tube, or none
     std::vector<std::uint32_t> first_side_;       ///< per tube: its first cage quad that is a side
-    std::vector<NodeJoin> joins_;                 ///< by node
+    CompressedRows<NodeId> ending_at_;            ///< per node: tubes of other branches that end there
     std::vector<NodeId> end_;                     ///< per tube: see end_node
     std::vector<std::uint8_t> has_fork_;          ///< per node: whether it is a branch node
     std::uint32_t sides_ = 0;
