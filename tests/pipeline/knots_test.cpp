@@ -8,6 +8,7 @@
 #include "coppice/measure/surface_report.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
+#include "coppice/pipeline/live_surface.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
@@ -226,6 +227,9 @@ TEST(Knots, MergingIsNeverWorseThanGrafting) {
         EXPECT_TRUE(topology(merged.mesh).watertight());
         EXPECT_EQ(topology(merged.mesh).euler,
                   2 * (static_cast<std::int64_t>(merged.knots.parts) - merged.knots.handles));
+        const QuadMesh live = LiveSurface(s, {}).mesh();
+        EXPECT_EQ(live.quads.size(), merged.mesh.quads.size());
+        EXPECT_TRUE(topology(live).watertight());
         times_grafted += merged.cage.joins.empty() ? 1 : 0;
     }
     EXPECT_GT(times_grafted, 0u);

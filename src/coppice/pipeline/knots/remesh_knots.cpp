@@ -76,7 +76,8 @@ class Remeshing {
     void finish(QuadMesh& mesh, KnotReport& report, RemeshTrace* trace) const {
         NumberSet gone = put_into(mesh, slices_, knots_, pieces_, ctx_);
         if (trace != nullptr) {
-            trace->is_local = taken_trees_.empty() && !knots_.spares_any() && care_.back() == Care::none;
+            trace->is_local = taken_trees_.empty() && zone_ == kFirstZone && !knots_.spares_any() &&
+                              care_.back() == Care::none;
             trace->gone = gone.ascending();
             trace->is_gone.resize(slices_.count());
             for (const Slice s : knots_.taken()) trace->is_gone[s] = 1;
@@ -215,7 +216,7 @@ class Remeshing {
     // false when none is new.
     bool take_trees(const Draft& now, std::span<const FacePair> pairs, std::span<const FacePair> spared) {
         if (pairs.empty() && spared.empty()) return false;
-        const std::vector<NodeId> root = body_roots();
+        const std::vector<NodeId> root = body_roots(slices_.tubes(), slices_.cage().joins);
         std::vector<NodeId> bad;
         const auto add = [&](Slice at) {
             if (at != Slices::kNone) bad.push_back(root[slices_.tube(at).index()]);
@@ -233,16 +234,6 @@ class Remeshing {
         knots_.take_trees(bad, root);
         taken_trees_.insert(bad.begin(), bad.end());
         return !bad.empty();
-    }
-
-    // Per node the first root of its tree and all that are joined to it.
-    std::vector<NodeId> body_roots() const {
-        std::vector<NodeId> root = tree_roots(slices_.tubes());
-        DisjointSets bodies(root.size());
-        for (const NodeJoin& join : slices_.cage().joins)
-            bodies.join(root[join.end.index()].index(), root[join.node.index()].index());
-        for (NodeId& n : root) n = NodeId(bodies.find(n.index()));
-        return root;
     }
 
     std::vector<Segment> segments_of(NodeId tree, std::span<const NodeId> root) const {
@@ -266,7 +257,7 @@ class Remeshing {
             }
         }
         care_.back() = Care::flat;
-        const std::vector<NodeId> root = body_roots();
+        const std::vector<NodeId> root = body_roots(slices_.tubes(), slices_.cage().joins);
         for (Slice s = 0; s < slices_.count(); ++s) {
             if (taken_trees_.contains(root[slices_.tube(s).index()])) care_[s] = Care::flat;
         }
@@ -293,6 +284,15 @@ std::vector<std::uint32_t> folded_quads(const QuadSurface& surface) {
 }
 
 }  // namespace
+
+std::vector<NodeId> body_roots(const Skeleton& tubes, std::span<const NodeJoin> joins) {
+    std::vector<NodeId> root = tree_roots(tubes);
+    DisjointSets bodies(root.size());
+    for (const NodeJoin& join : joins)
+        bodies.join(root[join.end.index()].index(), root[join.node.index()].index());
+    for (NodeId& n : root) n = NodeId(bodies.find(n.index()));
+    return root;
+}
 
 KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, const MeshOptions& options,
                         const Context& ctx, RemeshTrace* trace, std::span<const std::uint8_t> wanted) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "coppice/base/node_join.h"
 #include "coppice/pipeline/knots/slices_internal.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
@@ -21,10 +23,13 @@ struct RemeshTrace {
     std::vector<std::uint8_t> is_gone;  ///< per slice; empty: all stay
     std::vector<std::uint32_t> gone;    ///< refined vertices that went, ascending
     std::vector<Piece> pieces;
-    /// Whether what became of each place depends on what lies near it alone: not where whole trees had to be
-    /// taken, or something was given back.
+    /// Whether what became of each place depends on what lies near it alone: not where zones or whole trees
+    /// had to be taken, or something was given back.
     bool is_local = true;
 };
+
+/// Per node of some tubes the first root of its tree and all that are joined to it.
+std::vector<NodeId> body_roots(const Skeleton& tubes, std::span<const NodeJoin> joins);
 
 /// Replaces the quads of slices that cross others, or themselves, by quads made of the surface that
 /// tetrahedra find there, which never crosses itself, until no quads cross; each round takes more of the

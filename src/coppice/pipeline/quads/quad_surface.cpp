@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "coppice/base/disjoint_sets.h"
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/pipeline/field_regions_internal.h"
 #include "coppice/pipeline/quads/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
-#include "coppice/skeleton/measure.h"
 
 namespace coppice {
 namespace {
@@ -180,17 +178,9 @@ BallReport balls_of(const ConvolutionField& field) {
 
 // What the joins of trees make of them: each puts two bodies together, or closes a loop.
 void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, KnotReport& out) {
-    const std::vector<NodeId> root = tree_roots(tubes);
-    DisjointSets bodies(tubes.size());
-    out.parts = tubes.tree_count();
-    for (const NodeJoin& join : joins) {
-        const bool is_new = bodies.join(root[join.end.index()].index(), root[join.node.index()].index());
-        if (is_new) {
-            --out.parts;
-        } else {
-            ++out.handles;
-        }
-    }
+    const std::vector<NodeId> root = pipeline_internal::body_roots(tubes, joins);
+    for (const NodeId n : nodes(tubes)) out.parts += root[n.index()] == n ? 1 : 0;
+    out.handles = std::ssize(joins) + static_cast<std::int64_t>(out.parts) - tubes.tree_count();
 }
 
 void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels, const MeshOptions& options,
@@ -207,6 +197,7 @@ bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tub
 QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& constraints,
                       const MeshOptions& options, const QuadExtras& extras, const Context& ctx,
                       Stages& stages) {
+    if (extras.trace != nullptr) *extras.trace = {};  // of what was made before
     QuadSurface out;
     const Wrapped wrapped = to_wrap(prepared, options, end, ctx, stages);
     out.grafted = wrapped.grafted.report;
