@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/io/mesh/writer.h"
+#include "coppice/pipeline/surface_verdict.h"
 #include "figures.h"
 #include "files.h"
 
@@ -174,6 +175,22 @@ std::string count(Figures& counts, const CylinderMesh& surface) {
                        grouped(surface.mesh.face_count()));
 }
 
+Figures counts_of(const VolumeReport& r) {
+    Figures out;
+    out["mesh"] = r.mesh;
+    out["cones"] = r.cones;
+    out["error"] = r.error;
+    out["ratio"] = r.ratio();
+    return out;
+}
+
+Figures counts_of(const AxesReport& r) {
+    Figures out = figures_of(r);
+    out["tips"] = r.tips;
+    out["tips_short"] = r.short_tips;
+    return out;
+}
+
 template <class Surface>
 void tell_device(Run& run, const Surface& surface) {
     run.counts()["device"] = surface.device.name;
@@ -232,13 +249,57 @@ std::string count_surface(Run& run, const MeshResult& result) {
                        fitted.closed ? "" : " (parts of it are lost: see coppice check)");
 }
 
+std::vector<std::string> faults_of(const AxesReport& axes) {
+    const auto at = [](NodeId node, Vec3d p) {
+        return fmt::format("node {} ({:.6g}, {:.6g}, {:.6g})", node.index(), p.x, p.y, p.z);
+    };
+    std::vector<std::string> out;
+    if (axes.severed > 0) {
+        const SeveredPlace& longest = axes.longest.front();
+        out.push_back(
+            fmt::format("the surface severs branches at {}; the longest, {:.3g} long, begins before {}",
+                        counted(axes.severed, "place"), longest.length, at(longest.node, longest.place)));
+    }
+    if (axes.short_tips > 0) {
+        const ShortTip& shortest = axes.shortest.front();
+        out.push_back(fmt::format("{} of {} too short; the surface ends {:.2g} radii too early at {}",
+                                  grouped(axes.short_tips),
+                                  axes.tips == 1 ? "1 tip is" : grouped(axes.tips) + " tips are",
+                                  shortest.missing, at(shortest.node, shortest.place)));
+    }
+    return out;
+}
+
+Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, const ControlOptions& ends) {
+    const auto verdict =
+        run.stage("judge", [&](const Context& ctx) { return judge_surface(result, skeleton, ends, ctx); });
+    if (!verdict) return {};
+    Verdict out{verdict->is_good(), {}};
+    if (verdict->volume) {
+        run.counts()["volume"] = counts_of(*verdict->volume);
+        if (!result.fitted)
+            out.said = fmt::format("; volume {:.1f} % of the cones'", 100 * verdict->volume->ratio());
+        if (!verdict->holds_volume()) {
+            run.warn(fmt::format("the surface has {:.1f} % of the volume of the skeleton's rounded cones",
+                                 100 * verdict->volume->ratio()));
+        }
+    }
+    run.counts()["axes"] = counts_of(verdict->axes);
+    for (const std::string& fault : faults_of(verdict->axes)) run.warn(fault);
+    if (verdict->crossings > 0)
+        run.warn(fmt::format("{} of quads still cross; coppice check names the places",
+                             counted(verdict->crossings, "pair")));
+    return out;
+}
+
 std::string then_mesh(Run& run, const std::filesystem::path& path, const Skeleton& skeleton,
                       const MeshOptions& options) {
     if (path.empty()) return {};
     const MeshResult made =
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(skeleton, options, ctx); });
     run.stage("write mesh", [&](const Context& ctx) { write_surface(path, made, {}, ctx); });
-    return fmt::format("; {}: {}", path.string(), count_surface(run, made));
+    const Verdict verdict = judge(run, made, skeleton, options.control);
+    return fmt::format("; {}: {}{}", path.string(), count_surface(run, made), verdict.said);
 }
 
 }  // namespace coppice::cli

@@ -20,13 +20,13 @@ FIELDS.update({f"bmesh, bulge {b:g}": ("--method", "bmesh", "--ball-bulge", f"{b
 
 
 def methods(coppice, forks, trees, folder, runs):
-    text = head("skeleton", "method", "faces", "irregular, %", "crossing pairs", "missing, pinched", "radius, mean of absolute: vertices", "faces",
+    text = head("skeleton", "method", "faces", "irregular, %", "crossing pairs", "missing, severed", "radius, mean of absolute: vertices", "faces",
                 "forks: bending", "angle between faces, degrees: p50", "p95", "s")
     for name, path, ways in [(*fork, FINER) for fork in forks] + [(*tree, WAYS) for tree in trees]:
         for way, (judged, _, seconds) in in_turn(coppice, path, folder, ways, runs).items():
             angle = judged["fork_face_angle_degrees"]
             text += row(name, way, f"{judged['faces']:,}", f"{judged['irregular_percent']:.1f}", f"{judged['intersections']['total']:,}",
-                        f"{judged['segments_missing']}, {judged['segments_pinched']}", f"{judged['radius_all']['mean_abs']:.4f}",
+                        f"{judged['segments_missing']}, {judged['axes']['severed']}", f"{judged['radius_all']['mean_abs']:.4f}",
                         f"{judged['radius_areas']['mean_abs']:.4f}", f"{judged['fork_bending']:,.0f}",
                         f"{angle.get('p50', 0):.1f}", f"{angle.get('p95', 0):.1f}", f"{seconds['mesh']:.4f}")
     return text

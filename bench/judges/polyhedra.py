@@ -36,7 +36,7 @@ def rows(coppice, path, folder, runs):
         parts = judged["components"]
         text += row(os.path.basename(path), f"{counts['nodes'] - counts['trees']:,}", way, corners, *tetra, f"{judged['faces']:,}",
                     f"{judged['intersections']['total']:,}", f"{judged['trees']:,}, {parts:,}, {parts - judged['euler'] // 2:,}",
-                    f"{judged['segments_missing']}, {judged['segments_pinched']}", f"{judged['radius_all']['mean_abs']:.4f}",
+                    f"{judged['segments_missing']}, {judged['axes']['severed']}", f"{judged['radius_all']['mean_abs']:.4f}",
                     f"{judged['volume']['ratio']:.3f}", f"{judged['scaled_jacobian']['p1']:.2f}", f"{seconds['mesh']:.3f}")
     return text
 
@@ -44,7 +44,7 @@ def rows(coppice, path, folder, runs):
 def main():
     told = arguments("Tetrahedra of the octree beside those of the polyhedron")
     text = head("skeleton", "segments", "way", "squares + added, auxiliary points", "tetrahedra, coarse", "fine", "vertices", "faces", "crossing pairs",
-                "trees, parts, handles", "missing, pinched", "radius, mean of absolute", "volume, ratio", "shape, p1", "s")
+                "trees, parts, handles", "missing, severed", "radius, mean of absolute", "volume, ratio", "shape, p1", "s")
     with tempfile.TemporaryDirectory() as folder:
         for path in told.files[:1] if told.small else told.files:
             text += rows(told.coppice, path, folder, 1 if told.small else RUNS)

@@ -9,6 +9,7 @@
 
 #include "clock.h"
 #include "coppice/io/file.h"
+#include "coppice/measure/axes.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/png.h"
 #include "coppice/render/render.h"
@@ -272,9 +273,8 @@ RoutesResult compare_twigs(const Scene& scene, const RoutesOptions& options, con
     for (double cells = kFirst; cells > kLast; cells /= kStep) {
         const Grid grid = box_about(skeleton, static_cast<float>(cells * thinnest));
         const Made made = by_grid(skeleton, grid, ctx)(true);
-        const SurfaceTree surface(made.mesh, ctx);
-        const CoverageReport found = coverage(surface, CapsuleTree(skeleton, made.mesh.origin, ctx), ctx);
-        if (found.missing + found.pinched > 0) continue;
+        const ConeUnion solid(skeleton, made.mesh.origin, EndShape::flat, EndShape::round, ctx);
+        if (judge_axes(made.mesh, skeleton, solid, EndShape::round, ctx).report.severed > 0) continue;
         bench.add_brute_force(bench.measure_grid("grid that shows all twigs", grid), grid);
         break;
     }

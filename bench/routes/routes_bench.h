@@ -57,7 +57,7 @@ RoutesResult compare_routes(const Scene& scene, const RoutesOptions& options, co
 RoutesResult compare_paper(const PaperTree& tree, const RoutesOptions& options, const Context& ctx);
 
 /// Default tetrahedra beside the coarsest of a row of grids, each 1.25 times as fine as the one before, at
-/// which no twig is missing or pinched.
+/// which no twig is missing or severed.
 RoutesResult compare_twigs(const Scene& scene, const RoutesOptions& options, const Context& ctx);
 
 }  // namespace coppice::bench

@@ -55,7 +55,7 @@ std::string memory_text(std::uint64_t bytes) {
 }
 
 std::string twigs_text(const SurfaceFigures& f) {
-    return fmt::format("{}, {}", f.report.coverage->missing, f.report.coverage->pinched);
+    return fmt::format("{}, {}", f.report.axes->missing, f.report.axes->severed);
 }
 
 void add_grid_rows(Table& table, const PaperTree& tree, const RoutesResult& ours) {
@@ -79,7 +79,7 @@ void add_grid_rows(Table& table, const PaperTree& tree, const RoutesResult& ours
 std::string grid_table(const Comparison& all) {
     Table table({"tree", "grid", "corners", "triangles, printed", "field, printed", "surface, printed",
                  "total, printed", "triangles, ours", "every segment, ours", "culled, ours",
-                 "missing, pinched"});
+                 "missing, severed"});
     for (std::size_t i = 0; i < all.papers.size(); ++i) {
         if (!all.papers[i].grids.empty()) add_grid_rows(table, all.papers[i], all.paper_trees[i]);
     }
@@ -103,7 +103,7 @@ void add_tetra_rows(Table& table, const PaperTree& tree, const RoutesResult& our
 
 std::string tetra_table(const Comparison& all) {
     Table table({"tree", "row", "segments", "tetrahedra", "vertices", "triangles", "lattice", "subdivision",
-                 "field", "surface", "total", "missing, pinched"});
+                 "field", "surface", "total", "missing, severed"});
     for (std::size_t i = 0; i < all.papers.size(); ++i) {
         add_tetra_rows(table, all.papers[i], all.paper_trees[i]);
     }
@@ -137,7 +137,7 @@ std::string quad_table(const Comparison& all) {
 
 std::string parts_table(const Comparison& all) {
     Table table({"tree", "route", "faces", "thick, m", "faces per radius, thick", "edge, thick", "thin, m",
-                 "faces per radius, thin", "edge, thin", "missing, pinched"});
+                 "faces per radius, thin", "edge, thin", "missing, severed"});
     for (const RoutesResult& tree : all.paper_trees) {
         for (const RouteResult& r : tree.routes) {
             const PartFigures &thick = r.figures.thick, &thin = r.figures.thin;
@@ -152,7 +152,7 @@ std::string parts_table(const Comparison& all) {
 
 std::string routes_tables(const Comparison& all) {
     Table times({"scene", "route", "faces", "time", "us per face", "memory, MiB", "radius, mean error",
-                 "missing, pinched"});
+                 "missing, severed"});
     Table shapes({"scene", "route", "watertight", "parts", "handles", "crossings: near", "elsewhere",
                   "overlap", "least angle", "edge p5", "p50", "p95", "p95 / p5"});
     for (const RoutesResult& scene : all.scenes) {
@@ -178,7 +178,7 @@ std::string routes_tables(const Comparison& all) {
 
 std::string twigs_table(const RoutesResult& twigs) {
     Table table({"scene", "route", "cell, m", "triangles", "corners", "culled", "every segment",
-                 "memory, MiB", "missing, pinched", "times ours"});
+                 "memory, MiB", "missing, severed", "times ours"});
     const RouteResult& ours = *twigs.find("tetrahedra");
     for (const RouteResult& r : twigs.routes) {
         const bool is_grid = &r != &ours;
@@ -217,8 +217,8 @@ nlohmann::ordered_json route_json(const RouteResult& r) {
                                {"crossings_remote", f.report.intersections->remote},
                                {"crossings_overlap", f.report.intersections->overlap},
                                {"radius_regular_mean_abs", f.report.radius->regular.mean_abs},
-                               {"missing", f.report.coverage->missing},
-                               {"pinched", f.report.coverage->pinched},
+                               {"missing", f.report.axes->missing},
+                               {"severed", f.report.axes->severed},
                                {"least_angle_p1", f.least_angle},
                                {"edge_p5", f.edge.p5},
                                {"edge_p50", f.edge.p50},

@@ -30,7 +30,7 @@ struct SurfaceFigures {
     std::int64_t handles() const {
         return static_cast<std::int64_t>(report.topology.components) - report.topology.euler / 2;
     }
-    bool shows_all() const { return report.coverage->missing == 0 && report.coverage->pinched == 0; }
+    bool shows_all() const { return report.axes->missing == 0 && report.axes->severed == 0; }
 };
 
 /// Judges a surface. Of more than a million faces, angles and edges are those of evenly spread ones.

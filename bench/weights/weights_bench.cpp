@@ -109,8 +109,8 @@ WeightsResult measure_weights(const Scene& scene, const std::string& kernel, con
     const SurfaceReport report = check_surface(to_polygons(result.quads().mesh), &scene.skeleton, {}, ctx);
     out.regular = report.radius->regular;
     out.forks = fork_deviation(result.quads().mesh, scene.skeleton, ctx);
-    out.missing = report.coverage->missing;
-    out.pinched = report.coverage->pinched;
+    out.missing = report.axes->missing;
+    out.severed = report.axes->severed;
     out.crossings = report.intersections->total;
     return out;
 }
@@ -217,7 +217,7 @@ std::string weights_markdown(const std::vector<WeightsResult>& rows) {
     std::string out =
         "| scene | kernel | weights | constraints | zero | residual rms, max | regular mean of absolute, p1, "
         "p99 "
-        "| forks mean, mean of absolute, min, p99, max | missing, pinched | crossings | weights ms | mesh ms "
+        "| forks mean, mean of absolute, min, p99, max | missing, severed | crossings | weights ms | mesh ms "
         "|\n"
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
     for (const WeightsResult& r : rows) {
@@ -227,7 +227,7 @@ std::string weights_markdown(const std::vector<WeightsResult>& rows) {
             "{:+.2f}, {:+.2f} | {}, {} | {} | {:.2f} | {:.1f} |\n",
             r.scene, r.kernel, r.weights, r.constraints, r.zero, r.residual_rms, r.residual_max,
             r.regular.mean_abs, r.regular.p1, r.regular.p99, r.forks.mean, r.forks.mean_abs, r.forks.min,
-            r.forks.p99, r.forks.max, r.missing, r.pinched, r.crossings, 1e3 * median_of(r, "weights"),
+            r.forks.p99, r.forks.max, r.missing, r.severed, r.crossings, 1e3 * median_of(r, "weights"),
             1e3 * median_of(r, "mesh"));
     }
     return out;

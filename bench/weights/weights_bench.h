@@ -20,7 +20,7 @@ struct WeightsResult {
     double residual_rms = 0, residual_max = 0;  ///< of the plain sum at the constraints, [level]
     Statistics regular;                         ///< radius deviation away from nodes, see RadiusReport
     Statistics forks;  ///< the same of all vertices beside a segment within one radius of a branch node
-    std::uint64_t missing = 0, pinched = 0, crossings = 0;
+    std::uint64_t missing = 0, severed = 0, crossings = 0;
     std::vector<Measure> measures;  ///< "weights" and "mesh"
 };
 

@@ -90,8 +90,7 @@ TEST(AcceptanceTetra, APolyhedronHoldsATreeAsFaithfullyAsItsTetrahedraAreWide) {
     const SurfaceReport r = judge(random_tree(288, 1), polyhedron(0.5f));
     expect_solid(r);
     EXPECT_EQ(r.topology.components, 1u);
-    EXPECT_EQ(r.coverage->missing, 0u);
-    EXPECT_EQ(r.coverage->pinched, 0u);
+    EXPECT_EQ(r.axes->severed, 0u);
     EXPECT_LE(r.radius->regular.mean_abs, 0.01);
 }
 
@@ -110,8 +109,7 @@ TEST(AcceptanceTetra, NoSegmentIsMissingFromHardTrees) {
          {"random_hard_2", "random_large_hard", "whorl_on_short_trunk", "thin_lateral_15"}) {
         SCOPED_TRACE(name);
         const SurfaceReport r = judge(zoo_skeleton(name));
-        EXPECT_EQ(r.coverage->missing, 0u);
-        EXPECT_EQ(r.coverage->pinched, 0u);
+        EXPECT_EQ(r.axes->severed, 0u);
     }
 }
 
@@ -216,8 +214,7 @@ TEST_P(AcceptanceTetraWorkload, IsFaithful) {
     const SurfaceReport r = judge(read_skeleton(workload(GetParam())).skeleton);
     expect_solid(r);
     EXPECT_LE(r.radius->regular.mean_abs, 0.012);
-    EXPECT_EQ(r.coverage->missing, 0u);
-    EXPECT_EQ(r.coverage->pinched, 0u);
+    EXPECT_EQ(r.axes->severed, 0u);
     // The least angle of one triangle in a hundred: the sine of 12 degrees over that of 60.
     EXPECT_GE(r.shape.scaled_jacobian.p1, 0.24);
 }

@@ -27,10 +27,10 @@ TEST(CheckSurface, BringsAllTogether) {
     EXPECT_TRUE(r.sound());
     EXPECT_EQ(r.topology.euler, 2);
     EXPECT_GT(r.shape.signed_volume, 0);
-    ASSERT_TRUE(r.intersections && r.radius && r.coverage);
+    ASSERT_TRUE(r.intersections && r.radius && r.axes);
     EXPECT_EQ(r.intersections->total, 0u);
     EXPECT_EQ(r.radius->all.n, m.positions.size());
-    EXPECT_EQ(r.coverage->missing, 0u);
+    EXPECT_EQ(r.axes->missing, 0u);
     // 0.974 is the area of 16 sides over that of their circle; the base is round but is meant to be flat.
     ASSERT_TRUE(r.volume);
     EXPECT_TRUE(r.holds_volume());
@@ -45,22 +45,22 @@ TEST(CheckSurface, SaysWhenVolumeIsMissing) {
     const SurfaceReport r = check_surface(capsule(16, 4, 0.5f, 0, 5), &s);
     EXPECT_FALSE(r.holds_volume());
     EXPECT_GT(r.volume->missing_percent(), 40);
-    EXPECT_EQ(r.coverage->missing, 0u);
+    EXPECT_EQ(r.axes->missing, 0u);
 }
 
 TEST(CheckSurface, LeavesOutWhatIsNotAskedFor) {
     const SurfaceReport r = check_surface(cube(), nullptr, {.intersections = false});
-    EXPECT_FALSE(r.intersections || r.radius || r.coverage || r.volume);
+    EXPECT_FALSE(r.intersections || r.radius || r.axes || r.volume);
     EXPECT_TRUE(r.watertight() && r.holds_volume());
     const Skeleton s = pole();
-    EXPECT_TRUE(check_surface(cube(), &s, {.intersections = false}).coverage);
+    EXPECT_TRUE(check_surface(cube(), &s, {.intersections = false}).axes);
 }
 
 TEST(CheckSurface, UnsoundIsAResult) {
     EXPECT_FALSE(check_surface(tube(8, 2, 1, 1), nullptr).sound());
     EXPECT_FALSE(check_surface(PolygonMesh{}, nullptr).sound());
     const Skeleton s = pole();
-    EXPECT_EQ(check_surface(PolygonMesh{}, &s).coverage->missing, 1u);
+    EXPECT_EQ(check_surface(PolygonMesh{}, &s).axes->missing, 1u);
     EXPECT_EQ(check_surface(both(cube(), box({0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f})), nullptr)
                   .intersections->total,
               6u);
@@ -177,8 +177,8 @@ TEST(Figures, AreNamedOnce) {
                              "radius_regular.mean_abs\n",
                              "tip_reach.p99\n",
                              "segments_missing\n",
-                             "segments_pinched\n",
-                             "middle_to_surface.p50\n",
+                             "axes.severed\n",
+                             "tips_short\n",
                              "radius_areas.mean\n",
                              "volume.ratio\n",
                              "volume.missing_percent\n"}) {

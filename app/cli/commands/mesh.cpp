@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "command.h"
@@ -11,10 +12,6 @@
 #include "coppice/io/mesh/solid_writer.h"
 #include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/reader.h"
-#include "coppice/measure/cone_union.h"
-#include "coppice/measure/union_volume.h"
-#include "coppice/mesh/shape.h"
-#include "coppice/pipeline/end_shapes.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/pipeline/restore.h"
@@ -162,65 +159,6 @@ PointSet load_constraints(Run& run, const MeshFlags& flags) {
     return load_points(run, flags.constraints, flags.read.up);
 }
 
-/// Whether the volume of a surface says how much of its skeleton it has.
-bool has_volume_of_skeleton(const MeshFlags& flags, const MeshResult& result) {
-    return flags.mesh.method != MeshMethod::cylinders && flags.mesh.control.base != BaseShape::open &&
-           flags.original.empty() && !result.bent_apart;
-}
-
-/// The volume of a surface and of the union of its skeleton's rounded cones.
-struct Volumes {
-    double mesh, cones;  ///< [m^3]
-    double error;        ///< [m^3] of `cones`, two standard errors
-};
-
-Volumes measure_volumes(const MeshFlags& flags, const Skeleton& skeleton, const MeshResult& result,
-                        const Context& ctx) {
-    constexpr std::uint64_t kSamples = 1 << 15;
-    const ControlOptions& ends = flags.mesh.control;
-    const ConeUnion solid(skeleton, skeleton.origin(), base_end(ends), tip_end(ends), ctx);
-    const VolumeEstimate cones = estimate_union_volume(solid, kSamples, ctx);
-    const double surface = makes_quads(flags.mesh.method) ? signed_volume(result.quads().mesh, ctx)
-                                                          : signed_volume(to_polygons(result), ctx);
-    return {surface, cones.volume, cones.error};
-}
-
-/// What a surface has of the volume of its skeleton.
-struct VolumeVerdict {
-    bool is_off = false;  ///< over a tenth more or less, of which there was a warning
-    std::string said;     ///< for the summary
-};
-
-/// Compares the volume of the surface with that of the union of the skeleton's rounded cones, and warns where
-/// more than a tenth is missing or too much.
-VolumeVerdict tell_volume(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
-                          const MeshResult& result) {
-    constexpr double kMaxDeviation = 0.1;
-    if (!has_volume_of_skeleton(flags, result)) return {};
-    const Volumes found = result.fitted
-                              ? Volumes{result.fitted->after, result.fitted->cones, result.fitted->error}
-                              : run.stage("volume", [&](const Context& ctx) {
-                                    return measure_volumes(flags, skeleton, result, ctx);
-                                });
-    const double ratio = found.mesh / found.cones;
-    Figures volume;
-    volume["mesh"] = found.mesh;
-    volume["cones"] = found.cones;
-    volume["error"] = found.error;
-    volume["ratio"] = ratio;
-    run.counts()["volume"] = std::move(volume);
-    VolumeVerdict verdict;
-    if (!result.fitted) verdict.said = fmt::format("; volume {:.1f} % of the cones'", 100 * ratio);
-    verdict.is_off = std::abs(ratio - 1) > kMaxDeviation + found.error / found.cones;
-    if (verdict.is_off) {
-        run.warn(fmt::format(
-            "the surface has {:.1f} % of the volume of the skeleton's rounded cones; coppice check MESH "
-            "--skeleton '{}' says where they differ",
-            100 * ratio, flags.skeleton.string()));
-    }
-    return verdict;
-}
-
 /// A surface of about so many faces, and how that was planned.
 struct PlannedMesh {
     FaceBudget budget;
@@ -287,19 +225,26 @@ std::string tell_plan(Run& run, const MeshFlags& flags, const PlannedMesh& made)
                        100 * budget.dropped_silhouette);
 }
 
-/// Makes the surface; returns it, and what to say of a plan.
-std::pair<MeshResult, std::string> make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
-                                                const PointSet& constraints) {
+/// A surface, the branches that it was made of where these are not all, and what to say of that.
+struct MadeMesh {
+    MeshResult result;
+    std::optional<Skeleton> drawn;
+    std::string planned;
+};
+
+MadeMesh make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
+                      const PointSet& constraints) {
     if (flags.faces > 0) {
         PlannedMesh made = mesh_with_faces(run, flags, skeleton, constraints);
         std::string planned = tell_plan(run, flags, made);
-        return {std::move(made.result), std::move(planned)};
+        return {std::move(made.result), std::move(made.budget.skeleton), std::move(planned)};
     }
     return {run.stage("mesh",
                       [&](const Context& ctx) {
                           return flags.volume.empty() ? mesh_skeleton(skeleton, constraints, flags.mesh, ctx)
                                                       : mesh_solid(skeleton, constraints, flags.mesh, ctx);
                       }),
+            {},
             {}};
 }
 
@@ -310,9 +255,8 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
-    auto made = make_surface(run, flags, file.skeleton, constraints);
-    MeshResult& result = made.first;
-    const std::string& planned = made.second;
+    MadeMesh made = make_surface(run, flags, file.skeleton, constraints);
+    MeshResult& result = made.result;
     for (const auto& [name, seconds] : result.stages) run.add_stage("mesh: " + name, seconds);
     std::string restored;
     if (!flags.original.empty()) restored = restore(run, flags, original, file.skeleton, result.quads().mesh);
@@ -322,12 +266,14 @@ ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) report_weights(run.counts(), *result.weights);
-    const VolumeVerdict volume = tell_volume(run, flags, file.skeleton, result);
+    const Skeleton& drawn = made.drawn ? *made.drawn : file.skeleton;
+    const Verdict verdict =
+        flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
     const std::string figures = count_surface(run, result);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),
-                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, volume.said,
-                           planned, restored));
-    return flags.strict && volume.is_off ? kCheckFailed : kDone;
+                           grouped(file.skeleton.size()), grouped(file.report.total()), figures, verdict.said,
+                           made.planned, restored));
+    return flags.strict && !verdict.is_good ? kCheckFailed : kDone;
 }
 
 }  // namespace
@@ -370,7 +316,7 @@ Command mesh_command() {
                    "also write how far --restore moved each vertex along its normal, in metres, line by line",
                    {.common = false});
     options.flag("--strict", flags->strict,
-                 "exit with 1 where the surface has over 10 % more or less volume than the skeleton's cones",
+                 "exit with 1 where the surface lacks something of the skeleton: see coppice check",
                  {.common = false});
     options.value(
         {common_field("faces",

@@ -13,6 +13,8 @@ namespace {
 // A piece shorter than this many radii does not show.
 constexpr float kLeastShown = 1.0f;
 constexpr float kLeastTip = 0.5f;  // the same for one with a tip
+constexpr float kTipShown = 0.6f;  // the same for the ball of a tip alone,
+constexpr float kTipAxis = 0.65f;  // which gets so much of its axis
 // A piece that enters another branch ends so many of its radii ahead of the bark: its round end reaches it.
 constexpr float kEndAhead = 0.5f;
 // A branch that enters at a flatter angle, by its cosine, is taken to enter at this one.
@@ -158,6 +160,13 @@ std::uint32_t join_place(const Input& in, GraftPlan& plan, Chain chain, const En
     return place_near(in.axes, plan.visible[at.segment.index()], at, plan.cuts);
 }
 
+// [radii of the tip] How far the ball of the tip comes out of the branch that hides the end of its axis.
+float tip_shown(const Input& in, const GraftPlan& plan, Chain chain, const EnclosedInterval& last) {
+    const Segment own = in.skeleton().segment(chain.back());
+    const Part host = visible_part(in.skeleton(), plan, last.host);
+    return in.enclosure.clearance(host, own, 1).gap / own.radius_b + 1;
+}
+
 // The parts between the intervals that are long enough.
 std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
                                  std::span<const EnclosedInterval> enclosed) {
@@ -175,11 +184,18 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
         }
         const bool is_tip = next == last;
         const float r = radius_on(in, chain, is_tip ? end : next->from);
+        // Where only the ball of the tip comes out it gets a piece of axis.
+        const bool is_ball =
+            is_tip && left && end - from < kLeastTip * r && tip_shown(in, plan, chain, *left) >= kTipShown;
+        if (is_ball) {
+            from = std::max(end - kTipAxis * r, 0.5f * (left->from + end));
+            if (!pieces.empty()) pieces.back().resume = std::min(pieces.back().resume, from);
+        }
         from = snapped(in, chain, from);
         const float to = is_tip ? end : last_ring(in, chain, from, *next, r);
         const bool is_whole = is_tip && !left && !is_enclosed(plan, in.skeleton().parent(chain[0]));
         const float shown = in.end == PieceEnd::joined && !is_tip ? next->from - from : to - from;
-        if (is_whole || shown >= (is_tip ? kLeastTip : kLeastShown) * r) {
+        if (is_whole || is_ball || shown >= (is_tip ? kLeastTip : kLeastShown) * r) {
             const std::uint32_t attach = attachment(in, plan, chain, from, left);
             pieces.push_back({attach == kNoIndex ? 0 : from, to, attach});
             if (!is_tip) {

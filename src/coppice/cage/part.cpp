@@ -5,13 +5,16 @@
 #include <limits>
 #include <span>
 
-#include "coppice/base/kernel/fast_atan2.h"
 #include "coppice/base/kernel/segment_distance.h"
+#include "coppice/cage/crotch_internal.h"
 #include "coppice/cage/openings_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 
 namespace coppice {
 namespace {
+
+using cage_internal::Crotch;
+using cage_internal::crotch;
 
 // A crotch must lie within this share of a segment, so that the next ring comes after it.
 constexpr float kCrotchShare = 0.75f;
@@ -43,32 +46,6 @@ constexpr std::size_t kMostChildren = 64;
 // Two children are bundled when their stem would be this many radii long, and leave the other crotches
 // behind.
 constexpr float kBundleStem = 1.0f;
-
-// The point where two round cylinders that leave one point part: its distance, and its angle from each.
-struct Crotch {
-    float distance;
-    float angle_a, angle_b;
-};
-
-// The first is the thicker one.
-Crotch crotch_with_thinner(Vec3 a, float radius_a, Vec3 b, float radius_b) {
-    const float s = length(cross(a, b)), c = dot(a, b), along = radius_b / radius_a + c;
-    if (along <= 0) {
-        // The thinner one leaves backwards, through the ball that the thicker one begins with.
-        const float sine_b = radius_b / radius_a;
-        const float angle_b = fast_atan2(sine_b, std::sqrt(std::max(0.0f, 1 - sine_b * sine_b)));
-        return {radius_a, fast_atan2(s, c) - angle_b, angle_b};
-    }
-    const float sine_a = s / std::sqrt(s * s + along * along);
-    const float angle_a = fast_atan2(s, along);
-    return {radius_a / std::max(sine_a, 1e-3f), angle_a, fast_atan2(s, c) - angle_a};
-}
-
-Crotch crotch(Vec3 a, float radius_a, Vec3 b, float radius_b) {
-    if (radius_a >= radius_b) return crotch_with_thinner(a, radius_a, b, radius_b);
-    const Crotch k = crotch_with_thinner(b, radius_b, a, radius_a);
-    return {k.distance, k.angle_b, k.angle_a};
-}
 
 class Parting {
   public:
@@ -331,12 +308,33 @@ class Parting {
         return true;
     }
 
-    void move_on(NodeId n, NodeId c, NodeId lead) {
-        kids(n).erase(std::find(kids(n).begin(), kids(n).end(), c));
-        kids(lead).push_back(c);
-        adopt(lead, c);
-        ++report_.advanced;
+    // A branch that is moved on from n to its leader keeps to its axis, from where that comes out, by a ring
+    // there; none where the way from the leader runs near enough to it.
+    NodeId ring_on_axis(NodeId n, NodeId c, NodeId lead) {
+        const View b = view(n, c);
         const Vec3 axis = normalized(at(lead).position - at(n).position);
+        const float cosine = dot(axis, b.direction), r = b.radius;
+        const float abreast = distance(at(lead).position, at(n).position) / std::max(cosine, 0.1f);
+        const float way = std::max(root_distance(n, b) + 1.5f * r, abreast);
+        if (way + kRingAfterBend * r > b.length) return NodeId::none();
+        const Vec3 place = at(n).position + b.direction * way, from = at(lead).position,
+                   to = at(c).position - from;
+        const Vec3 off = place - from - to * closest_parameter(place, from, to, 1.0f);
+        if (length(off) < kBend * r) return NodeId::none();
+        const NodeId m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({place, r, at(c).source, lead, {c}, {}});
+        adopt(m, c);
+        return m;
+    }
+
+    void move_on(NodeId n, NodeId c, NodeId lead) {
+        const Vec3 axis = normalized(at(lead).position - at(n).position);
+        const NodeId on_axis = ring_on_axis(n, c, lead);
+        kids(n).erase(std::find(kids(n).begin(), kids(n).end(), c));
+        kids(lead).push_back(on_axis ? on_axis : c);
+        adopt(lead, kids(lead).back());
+        ++report_.advanced;
+        if (on_axis) return;
         const float ahead = dot(at(c).position - at(lead).position, axis);
         if (ahead < 0.5f * at(c).radius && !is_tip(c)) dissolve(lead, c);
     }

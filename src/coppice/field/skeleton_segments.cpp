@@ -5,10 +5,11 @@
 namespace coppice {
 namespace {
 
+// What is hidden in a thicker branch needs no end.
 RootEnd root_end(const Skeleton& s, NodeId n) {
     const NodeId p = s.parent(n);
-    if (!s.is_root(p) || s.leader(p) != n) return RootEnd::none;
-    return s.children(p).size() == 1 ? RootEnd::base : RootEnd::round;
+    if (s.is_root(p)) return s.children(p).size() == 1 ? RootEnd::base : RootEnd::round;
+    return s.leader(p) != n && s.radius(n) > s.radius(p) ? RootEnd::round : RootEnd::none;
 }
 
 }  // namespace

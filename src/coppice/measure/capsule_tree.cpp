@@ -136,6 +136,55 @@ CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
     return {best, std::sqrt(least)};
 }
 
+void CapsuleTree::nearest(std::span<const Vec3d> points, std::uint32_t hint, std::span<Nearest> out) const {
+    constexpr std::size_t kMostCandidates = 48;
+    out[0] = nearest(points[0], hint);
+    if (points.size() == 1 || out[0].capsule == kNone) {
+        for (std::size_t k = 1; k < points.size(); ++k) out[k] = nearest(points[k], hint);
+        return;
+    }
+    // Whatever is nearest to a point is no farther than what is nearest to the first one.
+    const RoundCone& first = cones_[out[0].capsule];
+    Box3 around;
+    double limit = 0;
+    for (const Vec3d p : points) {
+        extend_outward(around, p);
+        limit = std::max(limit, first.foot(p).relative_squared());
+    }
+    limit *= 1 + 1e-12;
+    std::array<std::uint32_t, kMostCandidates> candidate;
+    std::size_t count = 0;
+    bool fit = true;
+    boxes_.search(
+        [&](std::uint32_t l, std::uint32_t i) {
+            return distance_squared(boxes_.level(l)[i], around) * inverse_radius_squared_[l][i];
+        },
+        limit,
+        [&](std::uint32_t piece) {
+            fit = fit && count < kMostCandidates;
+            if (!fit) {
+                limit = -1;
+                return;
+            }
+            candidate[count++] = capsule_of(piece);
+        });
+    for (std::size_t k = 1; k < points.size(); ++k) {
+        if (!fit) {
+            out[k] = nearest(points[k], out[k - 1].capsule);
+            continue;
+        }
+        std::uint32_t best = kNone;
+        double least = kFarthest * kFarthest;
+        for (std::size_t c = 0; c < count; ++c) {
+            const double rho2 = cones_[candidate[c]].foot(points[k]).relative_squared();
+            if (rho2 > least || (rho2 == least && candidate[c] >= best)) continue;
+            least = rho2;
+            best = candidate[c];
+        }
+        out[k] = {best, std::sqrt(least)};
+    }
+}
+
 bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
     double limit = rho * rho;
     bool found = false;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "coppice/base/context.h"
@@ -41,6 +44,10 @@ class CapsuleTree {
     /// The capsule of least rho; of equal ones the first, as far as rounding tells. A good guess as `hint`
     /// saves time. O(log n).
     Nearest nearest(Vec3d p, std::uint32_t hint = kNone) const;
+
+    static constexpr std::size_t kBlock = 16;  ///< points at most that are asked about at once
+    /// The same for kBlock points or fewer, which costs least where they are near each other.
+    void nearest(std::span<const Vec3d> points, std::uint32_t hint, std::span<Nearest> out) const;
 
     /// Whether a capsule other than `except` has rho below `rho`.
     bool any_within(Vec3d p, double rho, std::uint32_t except) const;
@@ -90,18 +97,21 @@ class CapsuleTree {
 };
 
 /// Calls use(i, nearest) for every i < count with the capsule that is nearest to point(i), a Vec3d, in
-/// parallel. Quicker when points that follow each other are near each other: each has the capsule of the one
-/// before as a hint. Throws Cancelled.
+/// parallel. Much quicker where points that follow each other are near each other. Throws Cancelled.
 template <class Point, class Use>
 void for_each_nearest(const CapsuleTree& capsules, const Context& ctx, std::size_t count, const Point& point,
                       const Use& use) {
     constexpr std::size_t kGrain = 1024;
     parallel_for_ranges(ctx, count, kGrain, [&](IndexRange range) {
         std::uint32_t hint = CapsuleTree::kNone;
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            const CapsuleTree::Nearest nearest = capsules.nearest(point(i), hint);
-            hint = nearest.capsule;
-            use(i, nearest);
+        std::array<Vec3d, CapsuleTree::kBlock> points;
+        std::array<CapsuleTree::Nearest, CapsuleTree::kBlock> found;
+        for (std::size_t first = range.begin; first < range.end; first += points.size()) {
+            const std::size_t n = std::min(points.size(), range.end - first);
+            for (std::size_t k = 0; k < n; ++k) points[k] = point(first + k);
+            capsules.nearest(std::span(points).first(n), hint, std::span(found).first(n));
+            for (std::size_t k = 0; k < n; ++k) use(first + k, found[k]);
+            hint = found[n - 1].capsule;
         }
     });
 }

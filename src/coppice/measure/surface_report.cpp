@@ -1,12 +1,14 @@
 #include "coppice/measure/surface_report.h"
 
+#include <utility>
+
 #include "coppice/base/check_fields.h"
 #include "coppice/base/progress.h"
 
 namespace coppice {
 namespace {
 
-/// What the crossing test and the coverage look at; made only when one of them is wanted.
+/// What the crossing test, the axes and the volume look at; made only when one of them is wanted.
 void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const CapsuleTree* capsules,
                 const CheckOptions& options, const Context& ctx, SurfaceReport& report) {
     const SurfaceTree surface(mesh, ctx);
@@ -21,12 +23,13 @@ void check_tree(const PolygonMesh& mesh, const Skeleton* skeleton, const Capsule
     }
     ctx.report(0.7f);
     if (capsules == nullptr) return;
-    report.coverage = coverage(surface, *capsules, ctx);
+    const ConeUnion solid(*skeleton, mesh.origin, options.base, options.tips, ctx);
+    AxesFound axes = judge_axes(mesh, *skeleton, solid, options.tips, ctx);
+    report.axes = std::move(axes.report);
     ctx.throw_if_cancelled();
     ctx.report(0.75f);
-    const ConeUnion solid(*skeleton, mesh.origin, options.base, options.tips, ctx);
-    report.volume =
-        volume_report(surface, report.shape.signed_volume, *skeleton, solid, part_of(ctx, 0.75f, 0.9f));
+    report.volume = volume_report(surface, report.shape.signed_volume, *skeleton, solid, axes.is_deep,
+                                  part_of(ctx, 0.75f, 0.9f));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
+#include "coppice/measure/axes.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/smoothness.h"
@@ -47,7 +48,7 @@ struct SurfaceReport {
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
     std::optional<CrossingPlaces> crossing_places;    ///< where they are; none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
-    std::optional<CoverageReport> coverage;           ///< none without a skeleton
+    std::optional<AxesReport> axes;                   ///< none without a skeleton
     std::optional<TreePartsReport> parts;             ///< none without a skeleton
     std::optional<VolumeReport> volume;               ///< none without a skeleton
 
@@ -58,12 +59,22 @@ struct SurfaceReport {
     }
     /// Watertight, and no faces cross. Says nothing of crossings that were not looked for.
     bool sound() const { return watertight() && !crosses_itself(); }
-    /// Most free segments of the skeleton lie within the surface; true without a skeleton.
-    bool covers_skeleton() const { return !coverage || 2 * coverage->missing <= coverage->judged; }
+    /// Most segments of the skeleton lie within the surface; true without a skeleton.
+    bool covers_skeleton() const { return !axes || 2 * axes->missing <= axes->segments; }
     /// No part is torn off the surface of a tree; true without a skeleton.
     bool is_whole() const { return !parts || parts->whole(); }
-    /// Hardly any volume of the skeleton's rounded cones lies outside; true without a skeleton.
-    bool holds_volume() const { return !volume || volume->complete(); }
+    /// Hardly anything of the skeleton is cut off; true without a skeleton.
+    bool joins_branches() const { return !axes || axes->is_whole(); }
+    /// It reaches as far as nearly all tips of the skeleton; true without a skeleton.
+    bool reaches_tips() const { return !axes || axes->reaches_tips(); }
+    /// It has the volume of the skeleton's rounded cones, and hardly any of that lies outside; true without a
+    /// skeleton.
+    bool holds_volume() const { return !volume || (volume->complete() && volume->agrees()); }
+    /// All of the above.
+    bool passes() const {
+        return sound() && covers_skeleton() && is_whole() && joins_branches() && reaches_tips() &&
+               holds_volume();
+    }
     friend bool operator==(const SurfaceReport&, const SurfaceReport&) = default;  ///< member by member
 };
 
@@ -118,10 +129,14 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
         visit("radius_regular", r.radius->regular);
         visit("radius_areas", r.radius->areas);
     }
-    if (r.coverage) {
-        visit("middle_to_surface", r.coverage->middle_to_surface);
-        visit("segments_missing", r.coverage->missing);
-        visit("segments_pinched", r.coverage->pinched);
+    if (r.axes) {
+        visit("axes", *r.axes);
+        visit("segments_missing", r.axes->missing);
+        visit_numbered("severed_place_", r.axes->longest, visit);
+        visit("tips", r.axes->tips);
+        visit("tips_short", r.axes->short_tips);
+        visit("tip_reach", r.axes->tip_reach);
+        visit_numbered("short_tip_", r.axes->shortest, visit);
     }
     if (r.parts) {
         visit("trees", r.parts->trees);
@@ -132,10 +147,6 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
     if (r.volume) {
         visit("volume", *r.volume);
         visit_numbered("missing_lump_", r.volume->lumps, visit);
-    }
-    if (r.radius) {
-        visit("tips", r.radius->tips);
-        visit("tip_reach", r.radius->tip_reach);
     }
 }
 

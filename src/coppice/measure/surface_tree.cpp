@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "coppice/base/parallel.h"
+#include "coppice/measure/nearest_triangle_internal.h"
 #include "coppice/measure/predicates.h"
 #include "coppice/mesh/shape.h"
 
@@ -113,25 +114,17 @@ bool SurfaceTree::is_within(Vec3d p, double distance) const {
 }
 
 double SurfaceTree::signed_distance(Vec3d p) const {
-    // Faces around one edge come out equally far but for rounding.
-    constexpr double kMore = 1 + 1e-9, kLess = 1 - 1e-9;
-    double least = std::numeric_limits<double>::infinity(), limit = least, before = 0;
+    measure_internal::NearestTriangle nearest(p);
     const auto bound = [&](std::uint32_t l, std::uint32_t i) {
         return distance_squared(boxes_.level(l)[i], p);
     };
-    boxes_.search(bound, limit, [&](std::uint32_t item) {
+    boxes_.search(bound, nearest.limit_squared(), [&](std::uint32_t item) {
         for (const Triangle& t : triangles(pieces_[item])) {
             const TrianglePoints x = points_of(*mesh_, t);
-            const Vec3d a(x[0]), b(x[1]), c(x[2]);
-            const double d2 = distance_squared(p, a, b, c);
-            if (!(d2 <= limit)) continue;
-            const double to_plane = dot(p - a, normalized(cross(b - a, c - a)));
-            if (d2 < least * kLess || std::fabs(to_plane) > std::fabs(before)) before = to_plane;
-            least = std::min(least, d2);
-            limit = least * kMore;
+            nearest.add(Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2]));
         }
     });
-    return std::copysign(std::sqrt(least), before);
+    return nearest.signed_distance();
 }
 
 double distance_squared(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {

@@ -153,7 +153,7 @@ class Sampler {
             const PartMap::Point p = map(x[0], x[1], x[2]);
             if (!is_own(solid_, part, p.position)) continue;
             ++part.own;
-            if (mark_ && mark_(p.position, p.radius)) ++part.marked;
+            if (mark_ && mark_(part.capsule, p.position, p.radius)) ++part.marked;
         }
     }
 

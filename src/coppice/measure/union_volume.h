@@ -24,8 +24,8 @@ struct UnionVolume {
     std::uint64_t samples = 0;       ///< points looked at
 };
 
-/// Whether a point of the union is to be counted apart; `radius` is that of its segment there.
-using MarkPoint = std::function<bool(Vec3d p, double radius)>;
+/// Whether a point of a capsule is to be counted apart; `radius` is that of the capsule there.
+using MarkPoint = std::function<bool(std::uint32_t capsule, Vec3d p, double radius)>;
 
 /// Measures the volume of a union, and that of its points for which `mark` is true (it may be null, and has
 /// to be thread safe).

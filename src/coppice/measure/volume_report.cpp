@@ -50,9 +50,11 @@ std::vector<MissingLump> lumps_of(std::span<const double> missing, const Skeleto
 }  // namespace
 
 VolumeReport volume_report(const SurfaceTree& surface, double mesh_volume, const Skeleton& skeleton,
-                           const ConeUnion& solid, const Context& ctx) {
-    const auto outside = [&](Vec3d p, double radius) {
-        return !surface.is_within(p, VolumeReport::kMissingMargin * radius) && surface.signed_distance(p) > 0;
+                           const ConeUnion& solid, std::span<const std::uint8_t> is_deep,
+                           const Context& ctx) {
+    const auto outside = [&](std::uint32_t capsule, Vec3d p, double radius) {
+        return is_deep[capsule] == 0 && !surface.is_within(p, VolumeReport::kMissingMargin * radius) &&
+               surface.signed_distance(p) > 0;
     };
     const UnionVolume cones = union_volume(solid, {}, outside, ctx);
     VolumeReport report{.mesh = mesh_volume, .cones = cones.total, .error = cones.error};

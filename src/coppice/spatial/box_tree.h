@@ -173,6 +173,17 @@ inline double distance_squared(const Box3& box, Vec3d p) {
     return sum;
 }
 
+/// The squared distance between two boxes, 0 where they overlap.
+inline double distance_squared(const Box3& a, const Box3& b) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double d =
+            std::max({double{a.low[axis]} - b.high[axis], 0.0, double{b.low[axis]} - a.high[axis]});
+        sum += d * d;
+    }
+    return sum;
+}
+
 /// The least box in single precision that holds a point in double precision, extended to.
 void extend_outward(Box3& box, Vec3d p);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
 #include "coppice/pipeline/field_regions_internal.h"
@@ -194,6 +196,36 @@ void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels,
 // Whether a tube is only the branch node at a root.
 bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
 
+// [m] The radius of a frustum that begins with the radius of a tube, ends one radius beyond its tip, and has
+// the volume of the tube and the half ball that is meant.
+float end_radius(const Segment& tube) {
+    const float a = tube.radius_a, b = tube.radius_b, l = distance(tube.a, tube.b);
+    const float mean_square = (l * (a * a + a * b + b * b) + 2 * b * b * b) / (l + b);  // times 3
+    return 0.5f * (std::sqrt(std::max(0.0f, 4 * mean_square - 3 * a * a)) - a);
+}
+
+// The cage alone has no vertices that could round a tip, so that its tubes end in planes there.
+void shape_tips(QuadSurface& out, const Skeleton& tubes) {
+    constexpr float kMiddle =
+        0.1f;  // what lies nearer to the axis, in its distance from the tip, is the middle of the end
+    std::vector<bool> is_done(out.mesh.positions.size());
+    for (std::size_t q = 0; q < out.mesh.quads.size(); ++q) {
+        const NodeId tip(out.cage.region[q]);
+        if (out.cage.part[q] != TubePart::end || tubes.is_root(tip)) continue;
+        const Segment s = tubes.segment(tip);
+        const float scale = end_radius(s) / s.radius_b;
+        const Vec3 axis = normalized(s.b - s.a), end = s.b + axis * s.radius_b;
+        for (const std::uint32_t v : out.mesh.quads[q]) {
+            if (is_done[v]) continue;
+            is_done[v] = true;
+            Vec3& p = out.mesh.positions[v];
+            const Vec3 from_tip = p - s.b, across = from_tip - axis * dot(from_tip, axis);
+            const float radius = length(from_tip), off = length(across);
+            p = off > kMiddle * radius ? end + across * (scale * radius / off) : end;
+        }
+    }
+}
+
 QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& constraints,
                       const MeshOptions& options, const QuadExtras& extras, const Context& ctx,
                       Stages& stages) {
@@ -208,6 +240,10 @@ QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& co
     });
     if (options.field.kernel == Kernel::balls) out.balls = balls_of(field);
     Refined refined = CageRefiner(out, options.levels, field, wrapped, options, ctx, stages).run();
+    // What is moved along with its skeleton is projected again in each pose.
+    if (options.levels == 0 && options.control.tips == TipShape::round && extras.origin == nullptr &&
+        options.project.method != ProjectionMethod::none)
+        shape_tips(out, wrapped.tubes());
     if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
     if (extras.origin != nullptr) {
         *extras.origin = {{out.mesh, wrapped.tubes(), options.levels},

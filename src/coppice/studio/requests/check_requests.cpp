@@ -30,7 +30,9 @@ std::string verdict_of(const SurfaceReport& report) {
     if (!report.sound()) return "It is not closed, or its faces do not fit together.";
     if (!report.covers_skeleton()) return "Branches of its skeleton are missing.";
     if (!report.is_whole()) return "It is in more parts than there are trees.";
-    if (!report.holds_volume()) return "It lacks volume that its skeleton has.";
+    if (!report.joins_branches()) return "Branches of its skeleton are severed.";
+    if (!report.reaches_tips()) return "It ends before tips of its skeleton.";
+    if (!report.holds_volume()) return "It has not the volume of its skeleton.";
     return "It is closed, does not cross itself, and has all branches.";
 }
 
@@ -55,10 +57,10 @@ Json check(Studio& studio, const Request& request) {
         for (const CrossingPlace& p : report.crossing_places->largest)
             places.push_back({p.place.x, p.place.y, p.place.z});
     }
-    const bool good =
-        report.sound() && report.covers_skeleton() && report.is_whole() && report.holds_volume();
-    return {
-        {"figures", json_of(report)}, {"good", good}, {"verdict", verdict_of(report)}, {"crossings", places}};
+    return {{"figures", json_of(report)},
+            {"good", report.passes()},
+            {"verdict", verdict_of(report)},
+            {"crossings", places}};
 }
 
 }  // namespace

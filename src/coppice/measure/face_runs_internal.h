@@ -1,0 +1,91 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "coppice/base/context.h"
+#include "coppice/base/parallel.h"
+#include "coppice/measure/nearest_triangle_internal.h"
+#include "coppice/mesh/face_view.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/spatial/box_tree.h"
+
+namespace coppice::measure_internal {
+
+/// The faces of a mesh, found by place: a hierarchy of the boxes of runs of faces that follow each other. It
+/// is made much faster than a SurfaceTree where these are neighbours, as in surfaces of subdivided quads, and
+/// finds less quickly; where they are not, each face has a box of its own.
+class FaceRuns {
+  public:
+    /// The mesh must be valid and outlive it. O(n).
+    FaceRuns(const FaceView& mesh, const Context& ctx);
+
+    /// Adds to `nearest` the triangles that may be the nearest one. O(log n) near the surface.
+    void find_nearest(Vec3d p, NearestTriangle& nearest) const {
+        const auto bound = [&](std::uint32_t l, std::uint32_t i) {
+            return distance_squared(boxes_.level(l)[i], p);
+        };
+        boxes_.search(bound, nearest.limit_squared(), [&](std::uint32_t run) {
+            const IndexRange faces = faces_of(run);
+            for (std::size_t f = faces.begin; f < faces.end; ++f) {
+                if (distance_squared(box(f), p) > nearest.limit_squared()) continue;
+                for_each_triangle_of(f, [&](Vec3d a, Vec3d b, Vec3d c) { nearest.add(a, b, c); });
+            }
+        });
+    }
+
+    /// Faces between two parallel planes.
+    struct Run {
+        IndexRange faces;
+        Vec3d normal;  ///< of the planes, outward for most of the faces; 0 where these have none in common
+        double low, high;  ///< [m] of the planes along the normal
+        double longest;    ///< [m] of the diagonals of the faces' boxes
+    };
+    /// Calls visit(run) for runs of faces, among them all whose boxes meet a box, until it returns false;
+    /// returns false then.
+    template <class Visit>
+    bool visit_runs(const Box3& box, const Visit& visit) const {
+        bool goes_on = true;
+        boxes_.visit_overlapping(box, [&](std::uint32_t i) {
+            const Slab& s = slab_[i];
+            goes_on = visit(Run{faces_of(i), Vec3d(s.normal), s.low, s.high, s.longest});
+            return goes_on;
+        });
+        return goes_on;
+    }
+
+    /// Calls visit(a, b, c) with the corners of the triangles of a face.
+    template <class Visit>
+    void for_each_triangle_of(std::size_t face, const Visit& visit) const {
+        for_each_triangle(corners(face), mesh_.positions(),
+                          [&](const Triangle& t) { visit(at(t[0]), at(t[1]), at(t[2])); });
+    }
+
+    /// Corner vertices of a face, in order.
+    std::span<const std::uint32_t> corners(std::size_t face) const {
+        return mesh_.face(static_cast<std::uint32_t>(face));
+    }
+    Box3 box(std::size_t face) const { return box_of(corners(face), mesh_.positions()); }  ///< of a face
+    Vec3d at(std::uint32_t vertex) const { return Vec3d(mesh_.positions()[vertex]); }      ///< [m]
+
+  private:
+    struct Slab {
+        Vec3 normal;
+        float low, high, longest;
+    };
+    struct Runs;
+    FaceRuns(const FaceView& mesh, Runs&& runs, const Context& ctx);
+
+    IndexRange faces_of(std::uint32_t run) const {
+        const std::size_t first = std::size_t{run_length_} * run;
+        return {first, std::min<std::size_t>(first + run_length_, mesh_.size())};
+    }
+
+    FaceView mesh_;
+    std::uint32_t run_length_;
+    std::vector<Slab> slab_;  // per run
+    BoxTree boxes_;
+};
+
+}  // namespace coppice::measure_internal

@@ -1,0 +1,52 @@
+#include "coppice/pipeline/surface_verdict.h"
+
+#include <algorithm>
+
+#include "coppice/measure/cone_union.h"
+#include "coppice/measure/union_volume.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/pipeline/end_shapes.h"
+
+namespace coppice {
+namespace {
+
+VolumeReport volume_of(const FaceView& mesh, const Skeleton& skeleton, const ConeUnion& solid,
+                       const Context& ctx) {
+    const std::uint64_t samples =
+        std::clamp<std::uint64_t>(32 * std::uint64_t{skeleton.size()}, 1 << 13, 1 << 15);
+    const VolumeEstimate cones = estimate_union_volume(solid, samples, ctx);
+    return {.mesh = signed_volume(mesh, ctx), .cones = cones.volume, .error = cones.error};
+}
+
+SurfaceVerdict judge(const FaceView& mesh, Vec3d origin, const MeshResult& result, const Skeleton& skeleton,
+                     const ControlOptions& ends, const Context& ctx) {
+    const ConeUnion solid(skeleton, origin, base_end(ends), tip_end(ends), ctx);
+    SurfaceVerdict out;
+    if (result.fitted) {
+        out.volume = {
+            .mesh = result.fitted->after, .cones = result.fitted->cones, .error = result.fitted->error};
+    } else if (ends.base != BaseShape::open) {
+        out.volume = volume_of(mesh, skeleton, solid, ctx);
+    }
+    out.axes = judge_axes(mesh, skeleton, solid, tip_end(ends), ctx).report;
+    return out;
+}
+
+}  // namespace
+
+std::optional<SurfaceVerdict> judge_surface(const MeshResult& result, const Skeleton& skeleton,
+                                            const ControlOptions& ends, const Context& ctx) {
+    if (result.bent_apart) return {};
+    if (const auto* quads = std::get_if<QuadSurface>(&result.surface)) {
+        SurfaceVerdict out = judge(quads->mesh, quads->mesh.origin, result, skeleton, ends, ctx);
+        out.crossings = quads->knots.pairs_after;
+        return out;
+    }
+    if (std::holds_alternative<TetraSurface>(result.surface)) {
+        const PolygonMesh mesh = to_polygons(result);
+        return judge(mesh, mesh.origin, result, skeleton, ends, ctx);
+    }
+    return {};
+}
+
+}  // namespace coppice
