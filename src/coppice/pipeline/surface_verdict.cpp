@@ -1,7 +1,5 @@
 #include "coppice/pipeline/surface_verdict.h"
 
-#include <algorithm>
-
 #include "coppice/measure/cone_union.h"
 #include "coppice/measure/union_volume.h"
 #include "coppice/mesh/shape.h"
@@ -10,11 +8,9 @@
 namespace coppice {
 namespace {
 
-VolumeReport volume_of(const FaceView& mesh, const Skeleton& skeleton, const ConeUnion& solid,
-                       const Context& ctx) {
-    const std::uint64_t samples =
-        std::clamp<std::uint64_t>(32 * std::uint64_t{skeleton.size()}, 1 << 13, 1 << 15);
-    const VolumeEstimate cones = estimate_union_volume(solid, samples, ctx);
+VolumeReport volume_of(const FaceView& mesh, const ConeUnion& solid, const Context& ctx) {
+    constexpr std::uint64_t kSamples = 1 << 15;
+    const VolumeEstimate cones = estimate_union_volume(solid, kSamples, ctx);
     return {.mesh = signed_volume(mesh, ctx), .cones = cones.volume, .error = cones.error};
 }
 
@@ -26,7 +22,7 @@ SurfaceVerdict judge(const FaceView& mesh, Vec3d origin, const MeshResult& resul
         out.volume = {
             .mesh = result.fitted->after, .cones = result.fitted->cones, .error = result.fitted->error};
     } else if (ends.base != BaseShape::open) {
-        out.volume = volume_of(mesh, skeleton, solid, ctx);
+        out.volume = volume_of(mesh, solid, ctx);
     }
     out.axes = judge_axes(mesh, skeleton, solid, tip_end(ends), ctx).report;
     return out;
