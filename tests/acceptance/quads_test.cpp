@@ -87,6 +87,7 @@ void expect_faithful(const Skeleton& skeleton) {
     EXPECT_LE(std::abs(r.radius->regular.mean), 0.004);
     EXPECT_GE(r.radius->regular.p1, -0.05);
     EXPECT_LE(r.radius->regular.p99, 0.05);
+    EXPECT_EQ(r.axes->missing, 0u);
     EXPECT_LE(r.axes->severed, 1 + skeleton.size() / 1000);  // branches that press on others
     EXPECT_GE(r.axes->tip_reach.p1, 0.7);
     EXPECT_LE(r.axes->tip_reach.p99, 1.2);

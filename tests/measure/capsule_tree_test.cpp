@@ -130,5 +130,32 @@ TEST(Gap, OfSegments) {
     EXPECT_DOUBLE_EQ(gap(axis({2, 0, 5}, {2, 0, 5}), x).distance, 5);
 }
 
+TEST(CapsuleTree, FindsTheSameForManyPointsAsForEach) {
+    // Points near each other, points far apart, and a crowd of axes about them that no list of candidates
+    // holds.
+    for (const std::uint32_t laterals : {3u, 200u}) {
+        std::vector<NodeId> parent{kRoot};
+        std::vector<Vec3> position{{0, 0, 0}};
+        for (std::uint32_t k = 0; k < laterals; ++k) {
+            const float turn = 0.37f * static_cast<float>(k);
+            parent.push_back(NodeId(0));
+            position.push_back({std::cos(turn), std::sin(turn), 0.01f * static_cast<float>(k)});
+        }
+        const Skeleton s(parent, position, std::vector<float>(position.size(), 0.05f));
+        const CapsuleTree tree(s, {});
+        for (const double spacing : {0.001, 0.5}) {
+            const auto point = [&](std::size_t i) {
+                const auto x = static_cast<double>(i);
+                return Vec3d{0.3 + spacing * x, 0.2 - 0.3 * spacing * x, 0.1};
+            };
+            for_each_nearest(tree, {}, 40, point, [&](std::size_t i, CapsuleTree::Nearest found) {
+                const CapsuleTree::Nearest alone = tree.nearest(point(i));
+                EXPECT_EQ(found.capsule, alone.capsule);
+                EXPECT_EQ(found.rho, alone.rho);
+            });
+        }
+    }
+}
+
 }  // namespace
 }  // namespace coppice

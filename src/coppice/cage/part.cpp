@@ -113,30 +113,19 @@ class Parting {
         const bool is_direct = at(node).parent == from || at(from).parent == node ||
                                std::ranges::any_of(kids(from), also_ends_there);
         if (from == node || !is_direct) return;
-        const NodeId m(static_cast<std::uint32_t>(node_.size()));
-        node_.push_back({lerp(at(from).position, at(node).position, 0.5f),
-                         at(end).radius,
-                         at(end).source,
-                         from,
-                         {end},
-                         {}});
+        const Vec3 middle = lerp(at(from).position, at(node).position, 0.5f);
+        const NodeId m = insert_ring(from, end, middle, at(end).radius);
         std::ranges::replace(kids(from), end, m);
-        adopt(m, end);
     }
 
     // The only segment of a tree gets a node in its middle: each end is a tube of its own, and may be cut by
     // its own plane.
     void halve_lone_segment(NodeId n) {
         if (!s_.is_root(n) || s_.children(n).size() != 1 || !s_.is_tip(s_.children(n)[0])) return;
-        const NodeId tip = s_.children(n)[0], m(static_cast<std::uint32_t>(node_.size()));
-        node_.push_back({lerp(s_.position(n), s_.position(tip), 0.5f),
-                         0.5f * (s_.radius(n) + s_.radius(tip)),
-                         tip,
-                         n,
-                         {tip},
-                         {}});
+        const NodeId tip = s_.children(n)[0];
+        const NodeId m = insert_ring(n, tip, lerp(s_.position(n), s_.position(tip), 0.5f),
+                                     0.5f * (s_.radius(n) + s_.radius(tip)));
         std::ranges::replace(kids(n), tip, m);
-        adopt(m, tip);
     }
 
     Node& at(NodeId n) { return node_[n.index()]; }
@@ -171,6 +160,14 @@ class Parting {
 
     void adopt(NodeId n, NodeId c) { at(c).parent = n; }
 
+    // A node between p and its child c, of which p does not know yet.
+    NodeId insert_ring(NodeId p, NodeId c, Vec3 position, float radius) {
+        const NodeId m(static_cast<std::uint32_t>(node_.size()));
+        node_.push_back({position, radius, at(c).source, p, {c}, {}});
+        adopt(m, c);
+        return m;
+    }
+
     // Replaces child c of n by the children of c.
     void dissolve(NodeId n, NodeId c) {
         std::vector<NodeId> grandchildren = std::move(kids(c));
@@ -184,11 +181,15 @@ class Parting {
         list.insert(place, grandchildren.begin(), grandchildren.end());
     }
 
+    // [m] How far a point is from the way between two nodes.
+    float distance_from_way(Vec3 p, NodeId n, NodeId g) const {
+        const Vec3 from = at(n).position, axis = at(g).position - from;
+        return length(p - from - axis * closest_parameter(p, from, axis, 1.0f));
+    }
+
     // Whether a tube from n to g would leave out what bends at c.
     bool bends(NodeId n, NodeId c, NodeId g) const {
-        const Vec3 from = at(n).position, axis = at(g).position - from;
-        const Vec3 off = at(c).position - from - axis * closest_parameter(at(c).position, from, axis, 1.0f);
-        return length(off) > kBend * at(g).radius;
+        return distance_from_way(at(c).position, n, g) > kBend * at(g).radius;
     }
 
     // Where the way from n to g bends at c, which goes, a long segment gets a ring: the first node of it.
@@ -197,10 +198,7 @@ class Parting {
         const float r = at(g).radius, way = length(rest);
         if (c.index() >= s_.size() || at(g).joined || way < 2 * kRingAfterBend * r || !bends(n, c, g))
             return g;
-        const NodeId m(static_cast<std::uint32_t>(node_.size()));
-        node_.push_back({at(c).position + rest * (kRingAfterBend * r / way), r, at(g).source, n, {g}, {}});
-        adopt(m, g);
-        return m;
+        return insert_ring(n, g, at(c).position + rest * (kRingAfterBend * r / way), r);
     }
 
     // A child inside the union about n joins n.
@@ -311,20 +309,13 @@ class Parting {
     // A branch that is moved on from n to its leader keeps to its axis, from where that comes out, by a ring
     // there; none where the way from the leader runs near enough to it.
     NodeId ring_on_axis(NodeId n, NodeId c, NodeId lead) {
-        const View b = view(n, c);
-        const Vec3 axis = normalized(at(lead).position - at(n).position);
-        const float cosine = dot(axis, b.direction), r = b.radius;
-        const float abreast = distance(at(lead).position, at(n).position) / std::max(cosine, 0.1f);
+        const View a = view(n, lead), b = view(n, c);
+        const float r = b.radius, abreast = a.length / std::max(dot(a.direction, b.direction), 0.1f);
         const float way = std::max(root_distance(n, b) + 1.5f * r, abreast);
         if (way + kRingAfterBend * r > b.length) return NodeId::none();
-        const Vec3 place = at(n).position + b.direction * way, from = at(lead).position,
-                   to = at(c).position - from;
-        const Vec3 off = place - from - to * closest_parameter(place, from, to, 1.0f);
-        if (length(off) < kBend * r) return NodeId::none();
-        const NodeId m(static_cast<std::uint32_t>(node_.size()));
-        node_.push_back({place, r, at(c).source, lead, {c}, {}});
-        adopt(m, c);
-        return m;
+        const Vec3 place = at(n).position + b.direction * way;
+        if (distance_from_way(place, lead, c) < kBend * r) return NodeId::none();
+        return insert_ring(lead, c, place, r);
     }
 
     void move_on(NodeId n, NodeId c, NodeId lead) {

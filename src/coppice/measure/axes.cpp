@@ -14,11 +14,11 @@ using measure_internal::FaceRuns;
 using measure_internal::NearestTriangle;
 
 constexpr std::size_t kAxesGrain = 64;
-constexpr double kDeep = 0.5;        // [radii] see AxesFound
-constexpr double kSpacing = 0.5;     // [radii] of points on an axis
-constexpr double kEndZone = 1.2;     // [radii] that are not judged
-constexpr double kLeastPlace = 0.2;  // [radii] what is shorter is not severed
-constexpr double kFreeTip = 1.05;    // [radii] a tip that reaches farther may lie in another branch
+constexpr double kDeep = 0.5;      // [radii] see AxesFound
+constexpr double kSpacing = 0.5;   // [radii] of points on an axis
+constexpr double kEndZone = 1.2;   // [radii] that are not judged
+constexpr double kMinPlace = 0.2;  // [radii] what is shorter is not severed
+constexpr double kFreeTip = 1.05;  // [radii] a tip that reaches farther may lie in another branch
 constexpr double kMaxPoints = 256;
 
 enum class Depth : std::uint8_t { inside, thin, outside };
@@ -140,9 +140,9 @@ class AxesJudge {
 
     // Whether the axis comes nearer to the surface than kDeep.
     bool is_near(const RoundCone& c) const {
-        constexpr double kLongest = 6, kMostPieces = 64;  // [radii]
+        constexpr double kLongest = 6, kMaxPieces = 64;  // [radii]
         const double r = std::max(c.radius_a, c.radius_b()), limit = kDeep * r;
-        const double pieces = std::clamp(std::ceil(length(c.axis) / (kLongest * r)), 1.0, kMostPieces);
+        const double pieces = std::clamp(std::ceil(length(c.axis) / (kLongest * r)), 1.0, kMaxPieces);
         for (int k = 0; k < static_cast<int>(pieces); ++k) {
             Box3 box;
             extend_outward(box, c.point(k / pieces));
@@ -262,7 +262,7 @@ class AxesJudge {
     void name_places(AxesReport& out) {
         std::vector<std::uint8_t> is_cut(skeleton_.size(), 0);
         for (const Place& p : places_) {
-            if (!(p.severed.length > kLeastPlace * p.radius)) continue;
+            if (!(p.severed.length > kMinPlace * p.radius)) continue;
             out.longest.push_back(p.severed);
             if (p.is_outside) is_cut[p.severed.node.index()] = 1;
         }

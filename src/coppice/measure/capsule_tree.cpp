@@ -90,6 +90,27 @@ std::vector<double> crowd_pieces(std::size_t capsules) {
     return {1};
 }
 
+/// The capsule of least rho among those that are offered; of equal ones the first.
+class Closest {
+  public:
+    Closest(std::span<const RoundCone> cones, Vec3d p) : cones_(cones), p_(p) {}
+
+    void offer(std::uint32_t i) {
+        const double rho_squared = cones_[i].foot(p_).relative_squared();
+        if (rho_squared > least_ || (rho_squared == least_ && i >= best_)) return;
+        least_ = rho_squared;
+        best_ = i;
+    }
+    const double& rho_squared() const { return least_; }
+    CapsuleTree::Nearest found() const { return {best_, std::sqrt(least_)}; }
+
+  private:
+    std::span<const RoundCone> cones_;
+    Vec3d p_;
+    std::uint32_t best_ = CapsuleTree::kNone;
+    double least_ = CapsuleTree::kFarthest * CapsuleTree::kFarthest;
+};
+
 }  // namespace
 
 CapsuleTree::CapsuleTree(const Skeleton& skeleton, Vec3d origin, const Context& ctx)
@@ -122,66 +143,48 @@ CapsuleTree::CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones
 }
 
 CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
-    std::uint32_t best = kNone;
-    double least = kFarthest * kFarthest;
-    const auto visit = [&](std::uint32_t i) {
-        const double rho2 = cones_[i].foot(p).relative_squared();
-        if (rho2 > least || (rho2 == least && i >= best)) return;
-        least = rho2;
-        best = i;
-    };
-    if (hint != kNone) visit(hint);
-    boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, least,
-                  [&](std::uint32_t piece) { visit(capsule_of(piece)); });
-    return {best, std::sqrt(least)};
+    Closest closest(cones_, p);
+    if (hint != kNone) closest.offer(hint);
+    boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, closest.rho_squared(),
+                  [&](std::uint32_t piece) { closest.offer(capsule_of(piece)); });
+    return closest.found();
 }
 
 void CapsuleTree::nearest(std::span<const Vec3d> points, std::uint32_t hint, std::span<Nearest> out) const {
-    constexpr std::size_t kMostCandidates = 48;
+    constexpr std::size_t kMaxCandidates = 48;
     out[0] = nearest(points[0], hint);
-    if (points.size() == 1 || out[0].capsule == kNone) {
-        for (std::size_t k = 1; k < points.size(); ++k) out[k] = nearest(points[k], hint);
-        return;
-    }
-    // Whatever is nearest to a point is no farther than what is nearest to the first one.
-    const RoundCone& first = cones_[out[0].capsule];
-    Box3 around;
-    double limit = 0;
-    for (const Vec3d p : points) {
-        extend_outward(around, p);
-        limit = std::max(limit, first.foot(p).relative_squared());
-    }
-    limit *= 1 + 1e-12;
-    std::array<std::uint32_t, kMostCandidates> candidate;
+    std::array<std::uint32_t, kMaxCandidates> candidate;
     std::size_t count = 0;
-    bool fit = true;
-    boxes_.search(
-        [&](std::uint32_t l, std::uint32_t i) {
+    bool fit = out[0].capsule != kNone && points.size() > 1;
+    if (fit) {
+        // No point is farther from its nearest capsule than from that of the first one.
+        Box3 around;
+        double limit = 0;
+        for (const Vec3d p : points) {
+            extend_outward(around, p);
+            limit = std::max(limit, cones_[out[0].capsule].foot(p).relative_squared());
+        }
+        limit *= 1 + 1e-12;
+        const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
             return distance_squared(boxes_.level(l)[i], around) * inverse_radius_squared_[l][i];
-        },
-        limit,
-        [&](std::uint32_t piece) {
-            fit = fit && count < kMostCandidates;
-            if (!fit) {
+        };
+        boxes_.search(to_box, limit, [&](std::uint32_t piece) {
+            fit = fit && count < kMaxCandidates;
+            if (fit) {
+                candidate[count++] = capsule_of(piece);
+            } else {
                 limit = -1;
-                return;
             }
-            candidate[count++] = capsule_of(piece);
         });
+    }
     for (std::size_t k = 1; k < points.size(); ++k) {
         if (!fit) {
             out[k] = nearest(points[k], out[k - 1].capsule);
             continue;
         }
-        std::uint32_t best = kNone;
-        double least = kFarthest * kFarthest;
-        for (std::size_t c = 0; c < count; ++c) {
-            const double rho2 = cones_[candidate[c]].foot(points[k]).relative_squared();
-            if (rho2 > least || (rho2 == least && candidate[c] >= best)) continue;
-            least = rho2;
-            best = candidate[c];
-        }
-        out[k] = {best, std::sqrt(least)};
+        Closest closest(cones_, points[k]);
+        for (std::size_t c = 0; c < count; ++c) closest.offer(candidate[c]);
+        out[k] = closest.found();
     }
 }
 
