@@ -17,7 +17,8 @@ using namespace shapes;
 Skeleton pole() { return Skeleton({kRoot, NodeId(0)}, {{0, 0, 0}, {0, 0, 10}}, {0.5f, 0.5f}); }
 
 RadiusReport radius(const PolygonMesh& m, const Skeleton& s) {
-    return radius_deviation(m, s, CapsuleTree(s, m.origin));
+    const CapsuleTree capsules(s, m.origin);
+    return radius_deviation(m, capsules, vertex_places(m, s, capsules));
 }
 TEST(RadiusDeviation, OfATrueCapsuleIsNone) {
     const PolygonMesh m = capsule(64, 16, 0.5f, 0, 10);

@@ -1,13 +1,11 @@
 #include "coppice/measure/smoothness.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "coppice/base/parallel.h"
-#include "coppice/base/sort.h"
 #include "coppice/measure/forks_internal.h"
 #include "coppice/mesh/shape.h"
 
@@ -20,11 +18,6 @@ constexpr std::size_t kSmoothnessGrain = 1 << 13;
 constexpr double kForkReach = 2;  // [radii]
 constexpr double kNoAngle = -1;
 
-// A side of a face, by its lower vertex.
-struct Side {
-    std::uint32_t low, high, face;
-};
-
 Vec3d at(const PolygonMesh& mesh, std::uint32_t v) { return Vec3d(mesh.positions[v]); }
 
 // Twice the area, along the normal.
@@ -35,21 +28,6 @@ Vec3d area_vector(const PolygonMesh& mesh, std::uint32_t f) {
         sum += cross(at(mesh, t[1]) - a, at(mesh, t[2]) - a);
     });
     return sum;
-}
-
-Buffer<Side> sides_by_vertex(const PolygonMesh& mesh, const Context& ctx) {
-    Buffer<Side> sides(mesh.corners.size());
-    parallel_for(ctx, mesh.face_count(), kSmoothnessGrain, [&](std::size_t f) {
-        const auto id = static_cast<std::uint32_t>(f);
-        const auto face = mesh.face(id);
-        for (std::size_t k = 0; k < face.size(); ++k) {
-            const std::uint32_t a = face[k], b = face[(k + 1) % face.size()];
-            sides[mesh.first[f] + k] = {std::min(a, b), std::max(a, b), id};
-        }
-    });
-    radix_sort(ctx, sides, std::bit_width(mesh.positions.size()), [](const Side& s) { return s.high; });
-    radix_sort(ctx, sides, std::bit_width(mesh.positions.size()), [](const Side& s) { return s.low; });
-    return sides;
 }
 
 std::vector<Vec3d> vertex_normals(const PolygonMesh& mesh, const std::vector<Vec3d>& areas) {
@@ -114,11 +92,8 @@ Sum bending(const PolygonMesh& mesh, const std::vector<Vec3d>& normals, const st
 std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec3d>& areas,
                                 const Context& ctx) {
     std::vector<double> angles(sides.size(), kNoAngle);
-    const auto same = [&](std::size_t i, std::size_t j) {
-        return j < sides.size() && sides[i].low == sides[j].low && sides[i].high == sides[j].high;
-    };
     parallel_for(ctx, sides.size(), kSmoothnessGrain, [&](std::size_t i) {
-        if ((i > 0 && same(i - 1, i)) || !same(i, i + 1) || same(i, i + 2)) return;
+        if (!are_edge_of_two(sides, i)) return;
         const Vec3d a = areas[sides[i].face], b = areas[sides[i + 1].face];
         if (!(length(a) > 0) || !(length(b) > 0)) return;
         angles[i] = std::atan2(length(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
@@ -126,12 +101,12 @@ std::vector<double> face_angles(const Buffer<Side>& sides, const std::vector<Vec
     return angles;
 }
 
-// Of the edges between two faces at forks.
-Statistics angles_at_forks(const Buffer<Side>& sides, std::vector<double> angles,
-                           const std::vector<char>& at_fork) {
+// Of the edges whose two faces both lie at forks, or both elsewhere.
+Statistics angles_where(const Buffer<Side>& sides, std::vector<double> angles,
+                        const std::vector<char>& at_fork, bool forks) {
+    const auto belongs = [&](std::size_t i) { return (at_fork[sides[i].face] != 0) == forks; };
     for (std::size_t i = 0; i < angles.size(); ++i) {
-        if (angles[i] != kNoAngle && (at_fork[sides[i].face] == 0 || at_fork[sides[i + 1].face] == 0))
-            angles[i] = kNoAngle;
+        if (angles[i] != kNoAngle && !(belongs(i) && belongs(i + 1))) angles[i] = kNoAngle;
     }
     std::erase(angles, kNoAngle);
     return statistics(std::move(angles));
@@ -139,7 +114,8 @@ Statistics angles_at_forks(const Buffer<Side>& sides, std::vector<double> angles
 
 }  // namespace
 
-SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, const Context& ctx) {
+SmoothnessReport smoothness(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton* skeleton,
+                            const Context& ctx) {
     std::vector<char> at_fork;
     if (skeleton != nullptr)
         at_fork = faces_at_forks(mesh, Forks(*skeleton, mesh.origin, kForkReach, ctx), ctx);
@@ -149,12 +125,18 @@ SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, c
     SmoothnessReport report;
     const Sum sum = bending(mesh, vertex_normals(mesh, areas), at_fork, ctx);
     ctx.throw_if_cancelled();
-    const Buffer<Side> sides = sides_by_vertex(mesh, ctx);
     std::vector<double> angles = face_angles(sides, areas, ctx);
-    if (skeleton != nullptr) report.forks = Smoothness{sum.forks, angles_at_forks(sides, angles, at_fork)};
+    if (skeleton != nullptr) {
+        report.forks = Smoothness{sum.forks, angles_where(sides, angles, at_fork, true)};
+        report.chains = Smoothness{sum.all - sum.forks, angles_where(sides, angles, at_fork, false)};
+    }
     std::erase(angles, kNoAngle);
     report.whole = {sum.all, statistics(std::move(angles))};
     return report;
+}
+
+SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, const Context& ctx) {
+    return smoothness(mesh, sorted_sides(mesh, ctx), skeleton, ctx);
 }
 
 }  // namespace coppice

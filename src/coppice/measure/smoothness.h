@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "coppice/base/context.h"
+#include "coppice/measure/sides.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/statistics.h"
 #include "coppice/skeleton/skeleton.h"
@@ -27,6 +28,7 @@ struct SmoothnessReport {
     Smoothness whole;                 ///< of all faces
     std::optional<Smoothness> forks;  ///< of faces whose middles lie within two radii of the nodes with three
                                       ///< neighbours; none without a skeleton
+    std::optional<Smoothness> chains;  ///< of the others; none without a skeleton
     friend bool operator==(const SmoothnessReport&, const SmoothnessReport&) = default;  ///< member by member
 };
 
@@ -34,5 +36,8 @@ struct SmoothnessReport {
 /// Faces without area, and edges of other than two faces, are left out. O(n log m) [n faces, m forks]; the
 /// same bits for any number of threads.
 SmoothnessReport smoothness(const PolygonMesh& mesh, const Skeleton* skeleton, const Context& ctx = {});
+/// The same where the sides of the mesh have been sorted.
+SmoothnessReport smoothness(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton* skeleton,
+                            const Context& ctx = {});
 
 }  // namespace coppice

@@ -43,7 +43,8 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     ctx.throw_if_cancelled();
     report.shape = shape(mesh, ctx);
     ctx.throw_if_cancelled();
-    report.smoothness = smoothness(mesh, skeleton, ctx);
+    const Buffer<Side> sides = sorted_sides(mesh, ctx);
+    report.smoothness = smoothness(mesh, sides, skeleton, ctx);
     ctx.throw_if_cancelled();
     ctx.report(0.2f);
     std::optional<CapsuleTree> capsules;
@@ -54,7 +55,12 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     ctx.report(0.9f);
     if (skeleton != nullptr) report.parts = tree_parts(mesh, *skeleton, ctx);
     ctx.throw_if_cancelled();
-    if (tree != nullptr) report.radius = radius_deviation(mesh, *skeleton, *tree, ctx);
+    if (tree != nullptr) {
+        const VertexPlaces places = vertex_places(mesh, *skeleton, *tree, ctx);
+        report.radius = radius_deviation(mesh, *tree, places, ctx);
+        ctx.throw_if_cancelled();
+        report.edge_flow = edge_flow(mesh, sides, *skeleton, *tree, places, ctx);
+    }
     ctx.report(1);
     return report;
 }

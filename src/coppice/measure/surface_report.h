@@ -6,6 +6,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/measure/axes.h"
+#include "coppice/measure/edge_flow.h"
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/smoothness.h"
@@ -48,6 +49,7 @@ struct SurfaceReport {
     std::optional<IntersectionReport> intersections;  ///< none when not asked for
     std::optional<CrossingPlaces> crossing_places;    ///< where they are; none when not asked for
     std::optional<RadiusReport> radius;               ///< none without a skeleton
+    std::optional<EdgeFlowReport> edge_flow;          ///< none without a skeleton
     std::optional<AxesReport> axes;                   ///< none without a skeleton
     std::optional<TreePartsReport> parts;             ///< none without a skeleton
     std::optional<VolumeReport> volume;               ///< none without a skeleton
@@ -119,6 +121,7 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
         visit("fork_bending", r.smoothness.forks->bending);
         visit("fork_face_angle_degrees", r.smoothness.forks->face_angle);
     }
+    if (r.smoothness.chains) visit("chain_face_angle_degrees", r.smoothness.chains->face_angle);
     if (r.intersections) visit("intersections", *r.intersections);
     if (r.crossing_places) {
         visit("crossing_places", *r.crossing_places);
@@ -128,6 +131,10 @@ void visit_figures(const SurfaceReport& r, Visitor&& visit) {
         visit("radius_all", r.radius->all);
         visit("radius_regular", r.radius->regular);
         visit("radius_areas", r.radius->areas);
+    }
+    if (r.edge_flow) {
+        visit("edge_flow", *r.edge_flow);
+        visit_numbered("density_", r.edge_flow->classes, visit);
     }
     if (r.axes) {
         visit("axes", *r.axes);

@@ -1,0 +1,178 @@
+#include "coppice/measure/edge_flow.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "coppice/base/parallel.h"
+#include "coppice/measure/forks_internal.h"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kEdgeFlowGrain = 1 << 13;
+constexpr std::uint32_t kNoSide = std::numeric_limits<std::uint32_t>::max();
+
+/// The sides of a mesh, and how loops of edges go on from one to the next.
+class EdgeLoops {
+  public:
+    EdgeLoops(const PolygonMesh& mesh, const Buffer<Side>& sides, const Context& ctx)
+        : mesh_(mesh),
+          next_(mesh.corners.size()),
+          opposite_(mesh.corners.size(), kNoSide),
+          faces_(mesh.positions.size()) {
+        parallel_for(ctx, mesh.face_count(), kEdgeFlowGrain, [&](std::size_t f) {
+            const std::uint32_t begin = mesh.first[f], end = mesh.first[f + 1];
+            for (std::uint32_t s = begin; s < end; ++s) next_[s] = s + 1 < end ? s + 1 : begin;
+        });
+        parallel_for(ctx, sides.size(), kEdgeFlowGrain, [&](std::size_t i) {
+            if (!are_edge_of_two(sides, i)) return;
+            const std::uint32_t a = sides[i].number, b = sides[i + 1].number;
+            if (start(a) == start(b)) return;  // not oriented alike
+            opposite_[a] = b;
+            opposite_[b] = a;
+        });
+        for (const std::uint32_t v : mesh.corners) ++faces_[v];
+    }
+
+    /// Calls visit(vertices) for each closed loop, once.
+    template <class Visit>
+    void for_each_closed(const Visit& visit) const {
+        std::vector<char> seen(next_.size());
+        std::vector<std::uint32_t> loop;
+        for (std::uint32_t first = 0; first < seen.size(); ++first) {
+            if (seen[first] != 0 || opposite_[first] == kNoSide) continue;
+            loop.clear();
+            std::uint32_t s = first;
+            do {
+                seen[s] = seen[opposite_[s]] = 1;
+                loop.push_back(start(s));
+                s = straight_on(s);
+            } while (s != kNoSide && s != first && seen[s] == 0);
+            if (s == first) visit(loop);
+        }
+    }
+
+  private:
+    std::uint32_t start(std::uint32_t side) const { return mesh_.corners[side]; }
+    // The side after one: across its end, where four faces meet; none elsewhere and at borders.
+    std::uint32_t straight_on(std::uint32_t side) const {
+        const std::uint32_t turn = next_[side];
+        if (faces_[start(turn)] != 4 || opposite_[turn] == kNoSide) return kNoSide;
+        const std::uint32_t on = next_[opposite_[turn]];
+        return opposite_[on] == kNoSide ? kNoSide : on;
+    }
+
+    const PolygonMesh& mesh_;
+    std::vector<std::uint32_t> next_, opposite_;  // by side
+    std::vector<std::uint32_t> faces_;            // how many, by vertex
+};
+
+// Whether a closed polygon runs once round the axis of a cone, in either sense.
+bool runs_round(const PolygonMesh& mesh, std::span<const std::uint32_t> loop, const RoundCone& cone) {
+    const double size = length(cone.axis);
+    if (!(size > 0)) return false;
+    const Vec3d along = cone.axis / size;
+    const auto across = [&](std::uint32_t v) {
+        const Vec3d offset = Vec3d(mesh.positions[v]) - cone.a;
+        return offset - along * dot(offset, along);
+    };
+    double angle = 0;
+    Vec3d last = across(loop.back());
+    for (const std::uint32_t v : loop) {
+        const Vec3d now = across(v);
+        angle += std::atan2(dot(cross(last, now), along), dot(last, now));
+        last = now;
+    }
+    return std::abs(std::abs(angle) - 2 * std::numbers::pi) < 1;
+}
+
+std::vector<char> vertices_on_rings(const PolygonMesh& mesh, const EdgeLoops& loops,
+                                    const CapsuleTree& capsules, const VertexPlaces& places) {
+    std::vector<char> on_ring(mesh.positions.size());
+    loops.for_each_closed([&](std::span<const std::uint32_t> loop) {
+        const auto regular = std::find_if(loop.begin(), loop.end(),
+                                          [&](std::uint32_t v) { return places.is_regular[v] != 0; });
+        if (regular == loop.end()) return;
+        if (!runs_round(mesh, loop, capsules.cone(places.nearest[*regular].capsule))) return;
+        for (const std::uint32_t v : loop) on_ring[v] = 1;
+    });
+    return on_ring;
+}
+
+/// Classes of radius, each half of the one before.
+class RadiusClasses {
+  public:
+    explicit RadiusClasses(const CapsuleTree& capsules) {
+        for (std::uint32_t c = 0; c < capsules.size(); ++c)
+            greatest_ = std::max({greatest_, capsules.cone(c).radius_a, capsules.cone(c).radius_b()});
+    }
+    /// The class of a radius; the last one has all that are thinner.
+    std::size_t of(double radius) const {
+        if (!(radius > 0)) return kClasses - 1;
+        return std::min(kClasses - 1, static_cast<std::size_t>(std::max(0.0, std::log2(greatest_ / radius))));
+    }
+    double greatest(std::size_t i) const { return std::ldexp(greatest_, -static_cast<int>(i)); }
+
+    static constexpr std::size_t kClasses = 24;
+
+  private:
+    double greatest_ = 0;
+};
+
+std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& capsules,
+                                  const VertexPlaces& places) {
+    constexpr int kPieces = 8;  // that a segment is cut into, each of one radius
+    const RadiusClasses classes(capsules);
+    std::vector<DensityClass> out(RadiusClasses::kClasses);
+    for (std::uint32_t c = 0; c < capsules.size(); ++c) {
+        const RoundCone& cone = capsules.cone(c);
+        for (int k = 0; k < kPieces; ++k) {
+            const double radius = cone.radius((k + 0.5) / kPieces);
+            if (radius > 0) out[classes.of(radius)].length += length(cone.axis) / kPieces / radius;
+        }
+    }
+    std::uint64_t all = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        const std::uint32_t c = places.nearest[v].capsule;
+        if (c == CapsuleTree::kNone) continue;
+        ++all;
+        ++out[classes.of(capsules.cone(c).foot(Vec3d(mesh.positions[v])).radius)].vertices;
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        out[i].radius = classes.greatest(i);
+        out[i].percent =
+            all > 0 ? 100.0 * static_cast<double>(out[i].vertices) / static_cast<double>(all) : 0;
+    }
+    std::erase_if(out, [](const DensityClass& c) { return c.length == 0 && c.vertices == 0; });
+    return out;
+}
+
+}  // namespace
+
+EdgeFlowReport edge_flow(const PolygonMesh& mesh, const Buffer<Side>& sides, const Skeleton& skeleton,
+                         const CapsuleTree& capsules, const VertexPlaces& places, const Context& ctx) {
+    constexpr double kForkReach = 2;  // [radii]
+    const std::vector<char> on_ring = vertices_on_rings(mesh, EdgeLoops(mesh, sides, ctx), capsules, places);
+    ctx.throw_if_cancelled();
+    const measure_internal::Forks forks(skeleton, mesh.origin, kForkReach, ctx);
+    using Count = std::array<std::uint64_t, 2>;
+    const auto count = [&](IndexRange range) {
+        Count n{};
+        for (std::size_t v = range.begin; v < range.end; ++v) {
+            if (places.is_regular[v] == 0 || forks.contain(Vec3d(mesh.positions[v]))) continue;
+            ++n[0];
+            n[1] += on_ring[v] != 0 ? 1 : 0;
+        }
+        return n;
+    };
+    const Count n =
+        parallel_reduce(ctx, on_ring.size(), kEdgeFlowGrain, Count{}, count, [](Count a, Count b) {
+            return Count{a[0] + b[0], a[1] + b[1]};
+        });
+    return {n[0], n[1], density(mesh, capsules, places)};
+}
+
+}  // namespace coppice
