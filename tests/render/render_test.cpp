@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "coppice/render/trace/scale_bar_internal.h"
+#include "mesh/shapes.h"
 
 namespace coppice {
 namespace {
@@ -162,6 +163,27 @@ TEST(Render, MarkedTrianglesAndLargerFacesStandOutWhole) {
     };
     EXPECT_NEAR(pixels_of(0), pixels_of(1), 60);
     EXPECT_NEAR(pixels_of(2), 2.1 * pixels_of(0), 120);  // areas 1 and 2.1
+}
+
+TEST(Render, CoarseFacesAreLitAsTheSmoothSurfaceTheyStandFor) {
+    // Where light grazes a face, it must not be black as a whole up to its edge.
+    RenderOptions o = small();
+    o.samples = 64;
+    const PolygonMesh coarse = shapes::tube(12, 1, 1, 8), fine = shapes::tube(192, 1, 1, 8);
+    for (const float azimuth : {0.0f, 1.0f, 2.0f, 3.5f}) {
+        o.azimuth = azimuth;
+        const Image a = render({.mesh = &coarse}, o), b = render({.mesh = &fine}, o);
+        int greatest = 0;
+        for (int x = 22; x < 42; ++x) {
+            int sum_a = 0, sum_b = 0;
+            for (int y = 20; y < 44; ++y) {
+                sum_a += a.at(x, y)[1];
+                sum_b += b.at(x, y)[1];
+            }
+            greatest = std::max(greatest, std::abs(sum_a - sum_b) / 24);
+        }
+        EXPECT_LT(greatest, 20) << azimuth;
+    }
 }
 
 TEST(Render, RingsAreDrawnAroundMarks) {

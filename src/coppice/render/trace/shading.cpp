@@ -164,17 +164,14 @@ Vec3 Shading::albedo(const Hit& hit) const {
 }
 
 Light Shading::solid(const Hit& hit, float x, float y, const Draws& draws) const {
-    const Vec3 from = hit.position + hit.geometric_normal * (kOffset * (4 + hit.distance));
+    const Vec3 from = hit.lifted + hit.geometric_normal * (kOffset * (4 + hit.distance));
     Vec3 light = kBounce;
     const Vec3 to_sun = sun_direction(draws);
     const float facing = dot(hit.normal, to_sun);
-    if (facing > 0 && dot(hit.geometric_normal, to_sun) > 0 &&
-        !scene_.occluded(from, to_sun, std::numeric_limits<float>::infinity())) {
+    if (facing > 0 && !scene_.occluded(from, to_sun, std::numeric_limits<float>::infinity()))
         light += kSunLight * facing;
-    }
     const Vec3 to_sky = cosine_direction(hit.normal, draws.sky);
-    if (dot(hit.geometric_normal, to_sky) > 0 && !scene_.occluded(from, to_sky, kAmbientReach))
-        light += sky(to_sky);
+    if (!scene_.occluded(from, to_sky, kAmbientReach)) light += sky(to_sky);
     Vec3 color = multiply(albedo(hit), light);
     if (options_.wireframe && hit.on_mesh) color = lerp(color, kWire, kWireCover * wire(hit, x, y));
     return {color, 1};

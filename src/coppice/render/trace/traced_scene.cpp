@@ -1,6 +1,7 @@
 #include "coppice/render/trace/traced_scene_internal.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "coppice/base/error.h"
@@ -237,13 +238,34 @@ EmbreeScene TracedScene::build_tubes(const Skeleton& s, float width, const Conte
     return scene;
 }
 
-/// Bilinear faces are two triangles with the diagonal from corner 1 to corner 3.
+/// Of the three corners about a hit their weights, which sum to 1. Bilinear faces are two triangles with the
+/// diagonal from corner 1 to corner 3.
+struct Weights3 {
+    std::array<std::uint32_t, 3> vertex;
+    std::array<float, 3> weight;
+};
+
+Weights3 weights_at(const Quad& q, float u, float v) {
+    if (u + v <= 1) return {{q[0], q[1], q[3]}, {1 - u - v, u, v}};
+    return {{q[2], q[3], q[1]}, {u + v - 1, 1 - u, 1 - v}};
+}
+
 template <class T>
 T TracedScene::blend(const Hit& hit, std::span<const T> of) const {
-    const Quad& q = quads_[hit.face];
-    const float u = hit.u, v = hit.v;
-    if (u + v <= 1) return of[q[0]] * (1 - u - v) + of[q[1]] * u + of[q[3]] * v;
-    return of[q[2]] * (u + v - 1) + of[q[3]] * (1 - u) + of[q[1]] * (1 - v);
+    const auto [vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
+    return of[vertex[0]] * weight[0] + of[vertex[1]] * weight[1] + of[vertex[2]] * weight[2];
+}
+
+/// The mean of the nearest points of the planes across the normals of the corners, where these lie above the
+/// face [Hanika2021]. `side` is -1 where the mesh is seen from inside.
+Vec3 TracedScene::lifted(const Hit& hit, float side) const {
+    const auto [vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
+    Vec3 p = hit.position;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 normal = normals_[vertex[k]] * side;
+        p += normal * (weight[k] * std::max(0.0f, dot(positions_[vertex[k]] - hit.position, normal)));
+    }
+    return p;
 }
 
 std::optional<Hit> TracedScene::trace(Vec3 origin, Vec3 direction) const {
@@ -275,10 +297,13 @@ std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 directio
     hit.u = r.hit.u, hit.v = r.hit.v;
     if (dot(hit.geometric_normal, direction) > 0) hit.geometric_normal = -hit.geometric_normal;
     hit.normal = hit.geometric_normal;
+    hit.lifted = hit.position;
     if (hit.on_mesh && !normals_.empty()) {
         const Vec3 n = blend(hit, std::span<const Vec3>(normals_));
         const Vec3 smooth = normalized(n, hit.geometric_normal);
-        hit.normal = dot(smooth, hit.geometric_normal) < 0 ? -smooth : smooth;
+        const float side = dot(smooth, hit.geometric_normal) < 0 ? -1.0f : 1.0f;
+        hit.normal = smooth * side;
+        hit.lifted = lifted(hit, side);
     }
     return hit;
 }

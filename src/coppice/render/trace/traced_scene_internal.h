@@ -18,6 +18,9 @@ struct Hit {
     Vec3 position;
     Vec3 normal;            ///< unit, smoothed, on the side of the ray's origin
     Vec3 geometric_normal;  ///< unit, of the face, on the same side
+    /// Where rays of light towards the position end: on a mesh that is smoothed above the face, about where
+    /// the smooth surface is. From the face itself, faces that the light grazes would be black as a whole.
+    Vec3 lifted;
     float distance = 0;
     std::optional<std::uint32_t> point;  ///< of those drawn, if on one
     std::optional<std::uint32_t> node;   ///< of the skeleton, if on its segment or ball
@@ -73,6 +76,7 @@ class TracedScene {
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
     template <class T>
     T blend(const Hit& hit, std::span<const T> of_vertices) const;
+    Vec3 lifted(const Hit& hit, float side) const;
     Vec3 local(Vec3 p, Vec3d origin) const { return Vec3((Vec3d(p) + (origin - center_)) * scale_); }
 
     Vec3d center_;
