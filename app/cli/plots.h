@@ -16,7 +16,7 @@ struct PlotFiles {
     std::filesystem::path tree_points;  ///< all points, in the colours of their trees; or none
     std::filesystem::path leaf_points;  ///< of all trees; or none
     WriteSkeletonOptions write;
-    MeshOptions surface;
+    MeshOptions surface = options_of_written_surface();
 };
 
 /// Whether -o names a folder: by a slash at its end, because it is one, or for want of an ending where no

@@ -245,7 +245,8 @@ std::string count_surface(Run& run, const MeshResult& result) {
     if (!result.fitted) return said;
     const FitVolumeReport& fitted = *result.fitted;
     run.counts()["fitted"] = figures_of(fitted);
-    return fmt::format("{}; volume {:.2f} % of the cones'{}", said, 100 * fitted.after / fitted.cones,
+    return fmt::format("{}; volume {:.2f} % of the cones', {:.2f} % before fitting{}", said,
+                       100 * fitted.after / fitted.cones, 100 * fitted.before / fitted.cones,
                        fitted.closed ? "" : " (parts of it are lost: see coppice check)");
 }
 

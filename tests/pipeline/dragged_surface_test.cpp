@@ -49,7 +49,7 @@ TEST(QuadModel, RefusesWhatHasNoSuchQuads) {
     EXPECT_EQ(refused({.method = MeshMethod::tetrahedra}),
               "mesh: method must be quads or bmesh for a surface whose branches are dragged");
     EXPECT_EQ(refused({.fit = Fit::volume}),
-              "mesh: fit must be surface for a surface whose branches are dragged");
+              "mesh: fit must not be volume for a surface whose branches are dragged");
     EXPECT_EQ(refused({.field = {.weights = Weights::global}}),
               "mesh: weights must be local for a surface whose branches are dragged");
 }

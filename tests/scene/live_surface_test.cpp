@@ -213,7 +213,7 @@ TEST(LiveSurface, RefusesWhatDependsOnAllOfTheTree) {
     EXPECT_EQ(error([](MeshOptions& o) { o.field.weights = Weights::global; }),
               "mesh: weights must be local for a surface that follows edits");
     EXPECT_EQ(error([](MeshOptions& o) { o.fit = Fit::volume; }),
-              "mesh: fit must be surface for a surface that follows edits");
+              "mesh: fit must not be volume for a surface that follows edits");
 }
 
 }  // namespace

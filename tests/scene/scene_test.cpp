@@ -122,6 +122,22 @@ TEST(Scene, DeletingComesBackByUndo) {
     EXPECT_TRUE(scene.state().objects.empty());
 }
 
+TEST(Scene, AMeshHasAboutSoManyFaces) {
+    Scene scene;
+    scene.run_text("limb t 0,0,0 0,0,4 0.5,0,8 radius=0.3\nmesh t small faces=300\nmesh t large faces=5000",
+                   "x");
+    const auto faces = [&](const std::string& name) {
+        return static_cast<double>(
+            face_count(std::get<Surface>(scene.state().objects.at({ObjectKind::mesh, name})->value)));
+    };
+    EXPECT_NEAR(faces("small"), 300, 15);
+    EXPECT_NEAR(faces("large"), 5000, 250);
+    EXPECT_NE(
+        refusal(scene, "mesh t faces=300 levels=1").find("faces= chooses the levels; leave levels= out"),
+        std::string::npos);
+    EXPECT_NE(refusal(scene, "mesh t faces=50").find("faces must be from 100 to"), std::string::npos);
+}
+
 TEST(Scene, WhatNeedsTooMuchMemoryIsRefusedBeforeItStarts) {
     Scene scene({.max_memory = 20});
     scene.run_text("sphere s\npointset gen s count=1000\ngrow t s root=0,0,-1 kill_radius=0.05 step=0.03",

@@ -32,7 +32,7 @@ struct ComposeFlags {
     LibraryFilter which;
     ReadSkeletonOptions read;
     WriteSkeletonOptions write;
-    MeshOptions mesh;
+    MeshOptions mesh = options_of_written_surface();
 };
 
 void check_flags(const ComposeFlags& flags) {

@@ -21,7 +21,7 @@ struct EditFlags {
     std::filesystem::path save_edits, mesh_output;
     bool reference = false;
     ReadSkeletonOptions read;
-    MeshOptions mesh;
+    MeshOptions mesh = options_of_written_surface();
 };
 
 void check_outputs(const EditFlags& flags) {

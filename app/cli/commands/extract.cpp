@@ -37,7 +37,7 @@ struct ExtractFlags {
     PlotOptions from_plot;
     FileUp up = FileUp::z;
     WriteSkeletonOptions write;
-    MeshOptions mesh;
+    MeshOptions mesh = options_of_written_surface();
 };
 
 void check_flags(ExtractFlags& flags) {

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -26,11 +24,11 @@ namespace {
 struct MeshFlags {
     std::filesystem::path skeleton, cage, volume, constraints, original, offsets;
     std::vector<std::filesystem::path> outputs;
-    MeshOptions mesh;
+    MeshOptions mesh = options_of_written_surface();
     RestoreOptions restore;
     ReadSkeletonOptions read;
     MeshWriteOptions write;
-    int faces = 0;
+    FaceNumber number;
     bool constraint_edges = false;
     bool strict = false;
 };
@@ -41,7 +39,7 @@ bool makes_quads(MeshMethod method) {
 
 void check_volume(const MeshFlags& flags) {
     if (flags.mesh.method != MeshMethod::tetrahedra) throw UsageError("--volume needs --method tetrahedra");
-    if (flags.mesh.fit != Fit::surface) throw UsageError("--volume needs --fit surface");
+    if (flags.mesh.fit == Fit::volume) throw UsageError("--volume needs --fit surface");
     if (!solid_format_of_name(flags.volume)) {
         throw UsageError(fmt::format("--volume writes VTU and Gmsh; end the name '{}' in .vtu or .msh",
                                      flags.volume.string()));
@@ -159,70 +157,19 @@ PointSet load_constraints(Run& run, const MeshFlags& flags) {
     return load_points(run, flags.constraints, flags.read.up);
 }
 
-/// A surface of about so many faces, and how that was planned.
-struct PlannedMesh {
-    FaceBudget budget;
-    MeshResult result;
-};
-
-PlannedMesh mesh_with_faces(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
-                            const PointSet& constraints) {
-    const auto make = [&](std::uint64_t faces) {
-        FaceBudget budget = run.stage(
-            "plan", [&](const Context& ctx) { return plan_faces(skeleton, flags.mesh, faces, ctx); });
-        MeshResult result = run.stage("mesh", [&](const Context& ctx) {
-            return mesh_skeleton(budget.skeleton, constraints, budget.options, ctx);
-        });
-        return PlannedMesh{std::move(budget), std::move(result)};
-    };
-    // Where quads are remeshed, their number changes, by more the nearer rings stand; further plans allow for
-    // it.
-    constexpr double kFar = 0.03;
-    constexpr int kPlans = 6;
-    const double wanted = flags.faces;
-    const auto faces_of = [](const PlannedMesh& m) {
-        return static_cast<double>(m.result.quads().mesh.quads.size());
-    };
-    const auto off = [&](const PlannedMesh& m) { return std::abs(faces_of(m) / wanted - 1); };
-    std::array<double, 2> low{1, 1}, high{0, 0};  // planned and made, below and above what is wanted
-    PlannedMesh best = make(static_cast<std::uint64_t>(flags.faces));
-    double goal = wanted, made = faces_of(best);
-    const bool is_remeshed = std::abs(made / static_cast<double>(best.budget.faces) - 1) > kFar;
-    for (int plan = 1; is_remeshed && plan < kPlans && off(best) > kFar; ++plan) {
-        (made < wanted ? low : high) = {goal, made};
-        // By a power of what is planned.
-        goal =
-            high[0] > 0 && low[0] > 1
-                ? low[0] * std::pow(high[0] / low[0], std::log(wanted / low[1]) / std::log(high[1] / low[1]))
-                : goal * wanted / made;
-        PlannedMesh next = make(std::max(kMinFaces, static_cast<std::uint64_t>(goal)));
-        made = faces_of(next);
-        if (off(next) < off(best)) best = std::move(next);
-    }
-    return best;
-}
-
 /// Counts what was planned, and returns what to say of it.
-std::string tell_plan(Run& run, const MeshFlags& flags, const PlannedMesh& made) {
+std::string tell_plan(Run& run, const MeshFlags& flags, const BudgetedMesh& made) {
     const FaceBudget& budget = made.budget;
     Figures figures;
-    figures["wanted"] = flags.faces;
+    figures["wanted"] = flags.number.faces;
     figures["levels"] = budget.options.levels;
     figures["axes"] = budget.axes;
     figures["dropped_axes"] = budget.dropped;
     figures["dropped_silhouette"] = budget.dropped_silhouette;
     run.counts()["faces"] = std::move(figures);
-    constexpr double kFar = 0.05;
-    const std::size_t faces = made.result.quads().mesh.quads.size();
-    if (std::abs(static_cast<double>(faces) / flags.faces - 1) > kFar) {
-        run.warn(
-            fmt::format("the surface has {} faces instead of {}: no choice of levels, rings and "
-                        "branches comes nearer",
-                        grouped(faces), grouped(flags.faces)));
-    }
-    return fmt::format("; level {}, {} of {} axes, without {:.1f} % of the silhouette", budget.options.levels,
-                       grouped(budget.axes - budget.dropped), grouped(budget.axes),
-                       100 * budget.dropped_silhouette);
+    const std::string missed = text_of_missed_faces(made, static_cast<std::uint64_t>(flags.number.faces));
+    if (!missed.empty()) run.warn(missed);
+    return "; " + text_of(budget);
 }
 
 /// A surface, the branches that it was made of where these are not all, and what to say of that.
@@ -234,8 +181,11 @@ struct MadeMesh {
 
 MadeMesh make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton,
                       const PointSet& constraints) {
-    if (flags.faces > 0) {
-        PlannedMesh made = mesh_with_faces(run, flags, skeleton, constraints);
+    if (flags.number.faces > 0) {
+        const auto faces = static_cast<std::uint64_t>(flags.number.faces);
+        BudgetedMesh made = run.stage("mesh", [&](const Context& ctx) {
+            return mesh_with_faces(skeleton, constraints, flags.mesh, faces, ctx);
+        });
         std::string planned = tell_plan(run, flags, made);
         return {std::move(made.result), std::move(made.budget.skeleton), std::move(planned)};
     }
@@ -250,7 +200,7 @@ MadeMesh make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton
 
 ExitCode mesh(Run& run, const GivenOptions& given, const MeshFlags& flags) {
     check_flags(flags);
-    check_given(given, flags.mesh, flags.faces);
+    check_given(given, flags.mesh, flags.number.faces);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
@@ -318,13 +268,7 @@ Command mesh_command() {
     options.flag("--strict", flags->strict,
                  "exit with 1 where the surface lacks something of the skeleton: see coppice check",
                  {.common = false});
-    options.value(
-        {common_field("faces",
-                      "Number of faces of the surface, within 5 %: chooses the levels, how far rings "
-                      "are apart, and which branches are drawn; 0 = whatever it has",
-                      Unit::none, 0, kMaxFaces),
-         &flags->faces},
-        "Surface");
+    options.fields(flags->number, "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->restore, "Back to the original", {.names = {{"reach", "--restore-reach"}}});
     options.fields(flags->read, "Reading the skeleton");

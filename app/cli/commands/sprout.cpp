@@ -27,7 +27,7 @@ struct SproutFlags {
     SproutOptions sprout;
     RadiiOptions radii;
     GuardOptions guarded;
-    MeshOptions mesh;
+    MeshOptions mesh = options_of_written_surface();
 };
 
 void check_flags(const SproutFlags& flags, const GivenOptions& given) {

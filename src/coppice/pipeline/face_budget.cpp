@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <utility>
 
+#include "coppice/base/progress.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
+#include "coppice/pipeline/quantity.h"
+#include "coppice/pipeline/stages_internal.h"
 #include "coppice/skeleton/chains_internal.h"
 
 namespace coppice {
@@ -206,6 +211,65 @@ FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& given, std::u
     if (given.method != MeshMethod::quads && given.method != MeshMethod::bmesh)
         throw InvalidInput("mesh: method must be quads or bmesh for a number of faces");
     return Planner(skeleton, given, faces, ctx).plan();
+}
+
+BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constraints,
+                             const MeshOptions& options, std::uint64_t faces, const Context& ctx) {
+    constexpr double kFar = 0.03;
+    constexpr int kPlans = 6;
+    std::vector<std::pair<std::string, double>> planned, tried;
+    const auto make = [&](std::uint64_t goal) {
+        FaceBudget budget = Stages(ctx, planned).run("plan", 0, [&] {
+            return plan_faces(skeleton, options, goal, part_of(ctx, 0, 0));
+        });
+        MeshResult result = Stages(ctx, tried).run("try", 0, [&] {
+            return mesh_skeleton(budget.skeleton, constraints, budget.options, ctx);
+        });
+        return BudgetedMesh{std::move(budget), std::move(result)};
+    };
+    const double wanted = static_cast<double>(faces);
+    const auto faces_of = [](const BudgetedMesh& m) {
+        return static_cast<double>(m.result.quads().mesh.quads.size());
+    };
+    const auto off = [&](const BudgetedMesh& m) { return std::abs(faces_of(m) / wanted - 1); };
+    std::array<double, 2> low{1, 1}, high{0, 0};  // planned and made, below and above what is wanted
+    BudgetedMesh best = make(faces);
+    double goal = wanted, made = faces_of(best);
+    const bool is_remeshed = std::abs(made / static_cast<double>(best.budget.faces) - 1) > kFar;
+    for (int plan = 1; is_remeshed && plan < kPlans && off(best) > kFar; ++plan) {
+        (made < wanted ? low : high) = {goal, made};
+        // By a power of what is planned.
+        goal =
+            high[0] > 0 && low[0] > 1
+                ? low[0] * std::pow(high[0] / low[0], std::log(wanted / low[1]) / std::log(high[1] / low[1]))
+                : goal * wanted / made;
+        BudgetedMesh next = make(std::max(kMinFaces, static_cast<std::uint64_t>(goal)));
+        made = faces_of(next);
+        if (off(next) < off(best)) best = std::move(next);
+    }
+    const auto total = [](const auto& stages) {
+        return std::accumulate(stages.begin(), stages.end(), 0.0,
+                               [](double sum, const auto& stage) { return sum + stage.second; });
+    };
+    auto& stages = best.result.stages;
+    const double others = total(tried) - total(stages);
+    stages.insert(stages.begin(), {"plan", total(planned)});
+    if (tried.size() > 1) stages.insert(stages.begin() + 1, {"other plans", others});
+    return best;
+}
+
+std::string text_of(const FaceBudget& budget) {
+    return fmt::format("level {}, {} of {} axes, without {:.1f} % of the silhouette", budget.options.levels,
+                       grouped(budget.axes - budget.dropped), grouped(budget.axes),
+                       100 * budget.dropped_silhouette);
+}
+
+std::string text_of_missed_faces(const BudgetedMesh& made, std::uint64_t faces) {
+    const std::size_t has = made.result.quads().mesh.quads.size();
+    if (std::abs(static_cast<double>(has) / static_cast<double>(faces) - 1) <= kFar) return {};
+    return fmt::format(
+        "the surface has {} faces instead of {}: no choice of levels, rings and branches comes nearer",
+        grouped(has), grouped(faces));
 }
 
 }  // namespace coppice

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "coppice/pipeline/mesh_skeleton.h"
 
@@ -11,6 +12,21 @@ inline constexpr std::uint64_t kMinFaces = 100;
 
 /// Largest number of faces that may be asked for.
 inline constexpr std::uint64_t kMaxFaces = 100'000'000;
+
+/// How many faces a surface is to have.
+struct FaceNumber {
+    int faces = 0;  ///< kMinFaces or more; 0 = whatever it has
+};
+
+template <class Self, class Visitor>
+requires SameOptions<Self, FaceNumber>
+constexpr void visit_fields(Self& o, Visitor&& visit) {
+    visit(common_field("faces",
+                       "Number of faces of the surface, within 5 %: chooses the levels, how far rings are "
+                       "apart, and which branches are drawn; 0 = whatever it has",
+                       Unit::none, 0, kMaxFaces),
+          o.faces);
+}
 
 /// A skeleton and options of which a surface has about as many faces as are wanted.
 struct FaceBudget {
@@ -37,5 +53,22 @@ struct FaceBudget {
 /// some twenty cages: about as long as the surface takes at two levels.
 FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& options, std::uint64_t faces,
                       const Context& ctx = {});
+/// A surface of about so many faces, and how that was planned.
+struct BudgetedMesh {
+    FaceBudget budget;  ///< the plan that came nearest
+    MeshResult result;  ///< its surface; the stages have the time of all plans, and of the other tries
+};
+
+/// Makes the surface of plan_faces(). Where that remeshes quads, their number changes; then it plans again,
+/// up to six times in all, and keeps what comes nearest to `faces`. Throws as plan_faces() and
+/// mesh_skeleton().
+BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constraints,
+                             const MeshOptions& options, std::uint64_t faces, const Context& ctx = {});
+
+/// What was chosen: "level 1, 20 of 31 axes, without 0.4 % of the silhouette".
+std::string text_of(const FaceBudget& budget);
+
+/// A sentence where a surface has over 5 % more or fewer faces than wanted; else nothing.
+std::string text_of_missed_faces(const BudgetedMesh& made, std::uint64_t faces);
 
 }  // namespace coppice

@@ -32,8 +32,8 @@ struct FitVolumeReport {
 /// radius of the surface around it, in proportion to the local radius: every such piece of bark then lies as
 /// much inside the cones as outside. What is left of the whole, a few parts in a thousand, is closed by one
 /// factor for all, from the volume of the union (see union_volume). Vertices of flat ends stay in their
-/// plane. Faces that would fold, and pairs that would cross and did not before, are taken back: the surface
-/// has no more folds and crossings than before. Only positions change.
+/// plane, and tips reach as far as before. Faces that would fold, and pairs that would cross and did not
+/// before, are taken back: the surface has no more folds and crossings than before. Only positions change.
 ///
 /// The surface must have been made of the skeleton with such ends; an open base counts as closed by its disc.
 /// O(n log n), about 300 bytes per face meanwhile. The same bits for any number of threads.

@@ -27,8 +27,8 @@ MeshOptions checked(const MeshOptions& options) {
         throw InvalidInput("mesh: method must be quads or bmesh for a surface that follows edits");
     if (options.field.weights != Weights::local)
         throw InvalidInput("mesh: weights must be local for a surface that follows edits");
-    if (options.fit != Fit::surface)
-        throw InvalidInput("mesh: fit must be surface for a surface that follows edits");
+    if (options.fit == Fit::volume)
+        throw InvalidInput("mesh: fit must not be volume for a surface that follows edits");
     if (options.overlaps == Overlaps::apart)
         throw InvalidInput(
             "mesh: overlaps must not be apart for a surface that follows edits; bend trees "

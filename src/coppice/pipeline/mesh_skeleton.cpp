@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "coppice/base/check_fields.h"
 #include "coppice/base/progress.h"
 #include "coppice/field/list_kernel.h"
 #include "coppice/pipeline/end_shapes.h"
 #include "coppice/pipeline/fit/fit_volume_internal.h"
 #include "coppice/pipeline/fit/kept_quads_internal.h"
+#include "coppice/pipeline/fit/measured_volume_internal.h"
 #include "coppice/pipeline/quads/quad_origin_internal.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
@@ -53,14 +56,49 @@ struct Fitting {
     }
 };
 
+// Whether the volume decides if a surface is fitted.
+bool fits_where_off(const MeshOptions& options) {
+    const FieldOptions& field = options.field;
+    const bool makes_quads =
+        options.method == MeshMethod::quads || options.method == MeshMethod::ramifications;
+    return options.fit == Fit::automatic && makes_quads && options.control.base != BaseShape::open &&
+           field.kernel != Kernel::balls && field.weights == Weights::local && field.radius_scale == 0;
+}
+
+VolumeReport measured_volume(const QuadMesh& mesh, const Skeleton& skeleton, const ControlOptions& ends,
+                             const Context& ctx) {
+    const ConeUnion solid(skeleton, mesh.origin, base_end(ends), tip_end(ends), ctx);
+    return pipeline_internal::measured_volume(mesh, solid, ctx);
+}
+
+// The volume is known to half a percent or better.
+bool is_off(const VolumeReport& volume) {
+    constexpr double kMostOff = 0.005;
+    return std::abs(volume.mesh - volume.cones) > kMostOff * volume.cones + volume.error;
+}
+
+// Fits a surface, or leaves it where that makes its volume no better.
+std::optional<FitVolumeReport> fit_where_better(QuadSurface& surface, const Fitting& fitting) {
+    Buffer<Vec3> before = surface.mesh.positions;
+    const FitVolumeReport report = fitting(surface);
+    if (std::abs(report.after - report.cones) < std::abs(report.before - report.cones)) return report;
+    surface.mesh.positions = std::move(before);
+    return {};
+}
+
 MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
                      bool with_solid, QuadOrigin* origin, const Context& ctx) {
     check_fields(given, "mesh");
     const bool may_use_device = given.method != MeshMethod::cylinders && !with_solid;
     if (may_use_device && given.device == Device::cuda) require_device();  // before any work
-    const MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
-    MeshResult out;
+    MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
+    bool may_fit = fits_where_off(options) && origin == nullptr;
+    if (may_fit && options.levels == 0) {
+        options.fit = Fit::volume;  // so few sides have the right volume on straight branches alone
+        may_fit = false;
+    }
     const bool fits = options.fit == Fit::volume;
+    MeshResult out;
     const Context meshing = fits ? part_of(ctx, 0, 0.5f) : ctx;
     Stages stages(meshing, out.stages);
     std::optional<Skeleton> bent;
@@ -78,10 +116,10 @@ MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints
     if (options.method != MeshMethod::cylinders) check_branches(prepared.skeleton);
     std::optional<QuadRows> rows;
     if (options.method == MeshMethod::quads) {
-        const QuadExtras extras{out.weights, fits ? &rows : nullptr, origin};
+        const QuadExtras extras{out.weights, fits || may_fit ? &rows : nullptr, origin};
         out.surface = mesh_by_quads(prepared.skeleton, constraints, options, extras, meshing, stages);
     } else if (options.method == MeshMethod::ramifications) {
-        const QuadExtras extras{out.weights, fits ? &rows : nullptr};
+        const QuadExtras extras{out.weights, fits || may_fit ? &rows : nullptr};
         out.surface = mesh_by_ramifications(prepared.skeleton, constraints, options, extras, meshing, stages);
     } else if (options.method == MeshMethod::cylinders) {
         out.surface = mesh_by_cylinders(prepared.skeleton, options, meshing, stages);
@@ -89,10 +127,16 @@ MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints
         const auto make = with_solid ? solid_by_tetrahedra : mesh_by_tetrahedra;
         out.surface = make(prepared.skeleton, constraints, options, out.weights, meshing, stages);
     }
-    if (fits) {
-        const Context fitting = part_of(ctx, 0.5f, 1);
-        out.fitted = Stages(fitting, out.stages).run("fit", 1.0f, [&] {
-            return std::visit(Fitting{skeleton, options.control, rows, fitting}, out.surface);
+    if (may_fit) {
+        out.measured = stages.run("volume", 1.0f, [&] {
+            return measured_volume(out.quads().mesh, skeleton, options.control, meshing);
+        });
+    }
+    if (fits || (out.measured && is_off(*out.measured))) {
+        const Context fitting_ctx = part_of(ctx, fits ? 0.5f : 1, 1);
+        const Fitting fitting{skeleton, options.control, rows, fitting_ctx};
+        out.fitted = Stages(fitting_ctx, out.stages).run("fit", 1.0f, [&] {
+            return fits ? std::visit(fitting, out.surface) : fit_where_better(out.quads(), fitting);
         });
     }
     return out;
@@ -123,8 +167,9 @@ MeshResult mesh_solid(const Skeleton& skeleton, const PointSet& constraints, con
                       const Context& ctx) {
     if (options.method != MeshMethod::tetrahedra)
         throw InvalidInput("mesh: method must be tetrahedra for the tetrahedra inside");
-    if (options.fit != Fit::surface)
-        throw InvalidInput("mesh: fit must be surface for the tetrahedra inside, which would not move along");
+    if (options.fit == Fit::volume)
+        throw InvalidInput(
+            "mesh: fit must not be volume for the tetrahedra inside, which would not move along");
     return make_mesh(skeleton, constraints, options, true, nullptr, ctx);
 }
 

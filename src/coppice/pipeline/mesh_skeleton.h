@@ -16,6 +16,7 @@
 #include "coppice/field/field_options.h"
 #include "coppice/field/kernel/ball_chain.h"
 #include "coppice/field/weights/global_weights.h"
+#include "coppice/measure/volume_report.h"
 #include "coppice/mesh/control_mesh.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/pipeline/fit_volume.h"
@@ -49,13 +50,14 @@ struct EnumNames<MeshMethod> {
 
 /// What of its skeleton a surface keeps.
 enum class Fit {
-    surface,  ///< its vertices lie on the field, of radii at which rings have the area of the circles meant
-    volume    ///< it encloses the volume of the skeleton's rounded cones, part by part
+    surface,   ///< its vertices lie on the field, of radii at which rings have the area of the circles meant
+    volume,    ///< it encloses the volume of the skeleton's rounded cones, part by part
+    automatic  ///< as `surface`, but quads as `volume` where that would leave the volume off
 };
 
 template <>
 struct EnumNames<Fit> {
-    static constexpr std::array<std::string_view, 2> names{"surface", "volume"};
+    static constexpr std::array<std::string_view, 3> names{"surface", "volume", "automatic"};
 };
 
 /// What becomes of branches that run through each other.
@@ -143,8 +145,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
                        Unit::none, 0, 6),
           o.levels);
     visit(common_field("fit",
-                       "What the surface preserves: the areas of sections of branches, or the volume of the "
-                       "rounded cones of the skeleton"),
+                       "What the surface preserves: the areas of sections of branches, the volume of the "
+                       "rounded cones of the skeleton, or automatically that of quads where it would be off"),
           o.fit);
     visit(
         common_field("overlaps",
@@ -177,6 +179,13 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
             "where the surface is computed: on a graphics card where there is one and the surface is large, "
             "on the CPU, or on a card with CUDA"},
         o.device);
+}
+
+/// Returns the options of a surface that is written to a file: the volume is looked at, and mended.
+inline MeshOptions options_of_written_surface() {
+    MeshOptions options;
+    options.fit = Fit::automatic;
+    return options;
 }
 
 /// What remeshing did at knots, where tubes cross each other or themselves.
@@ -233,8 +242,11 @@ struct MeshResult {
     std::variant<QuadSurface, TetraSurface, CylinderMesh> surface;  ///< of its method
     PrepareReport prepared;                                         ///< changes to the skeleton
     std::optional<BendApartReport> bent_apart;                      ///< where options.overlaps asked for it
-    std::optional<GlobalWeights> weights;                ///< where options.field.weights asked for it
-    std::optional<FitVolumeReport> fitted;               ///< where options.fit asked for the volume
+    std::optional<GlobalWeights> weights;  ///< where options.field.weights asked for it
+    /// Of the surface before fitting and of the cones, measured by some 2^15 points where options.fit is
+    /// automatic and has to know.
+    std::optional<VolumeReport> measured;
+    std::optional<FitVolumeReport> fitted;  ///< where the surface was moved to enclose the volume
     std::vector<std::pair<std::string, double>> stages;  ///< name, seconds
 
     /// The surface of quads; std::bad_variant_access when the method was another.
@@ -280,7 +292,10 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// times two for each level, and two to the power of levels rows along each segment.
 ///
 /// With `fit` volume, either of the closed surfaces is moved at the end so that it encloses the volume of the
-/// skeleton's rounded cones (see fit_volume).
+/// skeleton's rounded cones (see fit_volume). With `automatic` its volume is measured (some 20 ms), and it is
+/// moved where that is off by over half a percent beyond the error and moving makes it better; quads without
+/// levels are always moved. Triangles, cylinders, and quads on metaballs, with an open base, global weights
+/// or a radius_scale of their own stay as they are.
 ///
 /// Throws InvalidInput naming an option out of range, a node at which more than 256 branches begin (but for
 /// cylinders), or `levels` when the mesh would be too large to index, and when tetrahedra find no surface

@@ -1,18 +1,11 @@
 #include "coppice/pipeline/surface_verdict.h"
 
 #include "coppice/measure/cone_union.h"
-#include "coppice/measure/union_volume.h"
-#include "coppice/mesh/shape.h"
 #include "coppice/pipeline/end_shapes.h"
+#include "coppice/pipeline/fit/measured_volume_internal.h"
 
 namespace coppice {
 namespace {
-
-VolumeReport volume_of(const FaceView& mesh, const ConeUnion& solid, const Context& ctx) {
-    constexpr std::uint64_t kSamples = 1 << 15;
-    const VolumeEstimate cones = estimate_union_volume(solid, kSamples, ctx);
-    return {.mesh = signed_volume(mesh, ctx), .cones = cones.volume, .error = cones.error};
-}
 
 SurfaceVerdict judge(const FaceView& mesh, Vec3d origin, const MeshResult& result, const Skeleton& skeleton,
                      const ControlOptions& ends, const Context& ctx) {
@@ -21,8 +14,10 @@ SurfaceVerdict judge(const FaceView& mesh, Vec3d origin, const MeshResult& resul
     if (result.fitted) {
         out.volume = {
             .mesh = result.fitted->after, .cones = result.fitted->cones, .error = result.fitted->error};
+    } else if (result.measured) {
+        out.volume = result.measured;
     } else if (ends.base != BaseShape::open) {
-        out.volume = volume_of(mesh, solid, ctx);
+        out.volume = pipeline_internal::measured_volume(mesh, solid, ctx);
     }
     out.axes = judge_axes(mesh, skeleton, solid, tip_end(ends), ctx).report;
     return out;

@@ -5,11 +5,12 @@
 namespace coppice {
 namespace {
 
-double memory_of_quads(const Skeleton& skeleton, int levels) {
-    constexpr double kCageQuads = 5, kBytesOfQuad = 120;  // for each segment; for each quad
+double memory_of_quads(const Skeleton& skeleton, int levels, Fit fit) {
+    constexpr double kCageQuads = 5;                         // for each segment
+    constexpr double kBytesOfQuad = 120, kBytesOfFit = 150;  // for each quad
     double quads = kCageQuads * skeleton.size();
     for (int i = 0; i < levels; ++i) quads *= 4;
-    return quads * kBytesOfQuad;
+    return quads * (kBytesOfQuad + (fit == Fit::surface ? 0 : kBytesOfFit));
 }
 
 /// [radii] The length of all axes, in radii of the wood there, and a ball at both ends of each tree.
@@ -53,7 +54,7 @@ double memory_of_surface(const Skeleton& skeleton, const MeshOptions& options) {
         return options.tetra.base == TetraBase::polyhedron ? memory_of_polyhedron(skeleton, options.tetra)
                                                            : memory_of_lattice(skeleton, options.tetra);
     }
-    const double quads = memory_of_quads(skeleton, options.levels);
+    const double quads = memory_of_quads(skeleton, options.levels, options.fit);
     if (options.method == MeshMethod::cylinders) return quads * options.control.sides / 4;
     return options.method == MeshMethod::ramifications ? 2 * quads : quads;
 }

@@ -214,7 +214,7 @@ void CarriedMesh::Body::find_pieces() {
 // Vertices that the projection leaves in place go onto the field in all poses: at rest, and however the whole
 // tree is turned, which gives the regions other boxes.
 void CarriedMesh::Body::find_free(const Context& ctx) {
-    if (options_.project.method == ProjectionMethod::none || options_.fit != Fit::surface) {
+    if (options_.project.method == ProjectionMethod::none || options_.fit == Fit::volume) {
         free_ = group_by({}, free_.size());
         return;
     }

@@ -16,8 +16,8 @@ MeshOptions plain_quads(const MeshOptions& given) {
         throw InvalidInput("mesh: method must be quads or bmesh for a surface whose branches are dragged");
     if (given.field.weights != Weights::local)
         throw InvalidInput("mesh: weights must be local for a surface whose branches are dragged");
-    if (given.fit != Fit::surface)
-        throw InvalidInput("mesh: fit must be surface for a surface whose branches are dragged");
+    if (given.fit == Fit::volume)
+        throw InvalidInput("mesh: fit must not be volume for a surface whose branches are dragged");
     MeshOptions options = given;
     // What is merged moves apart while it is dragged.
     if (options.overlaps == Overlaps::merge) options.overlaps = Overlaps::graft;

@@ -56,7 +56,7 @@ struct Fit {
     std::vector<std::uint32_t> cut;      // per vertex: the flat end in whose plane it lies, or kNoRow
     std::vector<std::uint8_t> flat;      // per face: within a flat end
     std::vector<OpenEdge> open;
-    std::vector<Vec3> direction;     // per vertex
+    std::vector<Vec3> direction;     // per vertex, unit or shorter
     std::vector<float> radius;       // per vertex
     std::vector<float> offset;       // [m] per vertex, along its direction
     std::vector<std::uint8_t> held;  // per vertex: was pulled back, moves no more
@@ -80,6 +80,27 @@ void find_capsules(Fit& fit) {
             fit.radius[v] = static_cast<float>(fit.solid.capsules().cone(hint).foot(p).radius);
         }
     });
+}
+
+/// Lets radii grow by no more than the distance along the surface, some faces far: vertices where a thin
+/// branch leaves a thick one, which lie on the thick one, would move the thin one by a part of the other's
+/// radius.
+void limit_radii(Fit& fit) {
+    constexpr int kFaces = 4;
+    for (int pass = 0; pass < kFaces; ++pass) {
+        std::vector<float> limited(fit.vertex_count());
+        parallel_for(fit.ctx, limited.size(), kFitVolumeGrain, [&](std::size_t v) {
+            limited[v] = fit.radius[v];
+            for (const std::uint32_t f : fit.faces_of[v]) {
+                for (const std::uint32_t w : fit.start.face(f)) {
+                    if (fit.capsule[w] == CapsuleTree::kNone) continue;
+                    limited[v] = std::min(
+                        limited[v], fit.radius[w] + distance(fit.start.positions[v], fit.start.positions[w]));
+                }
+            }
+        });
+        fit.radius = std::move(limited);
+    }
 }
 
 /// The flat end in whose plane a point lies, as far as rounding tells.
@@ -123,22 +144,34 @@ void find_flat_ends(Fit& fit) {
     for (const auto& [a, b, k] : unpaired) fit.open.push_back({a, b, fit.solid.cuts()[k].center});
 }
 
-/// Sum of the area vectors of a vertex's faces; within its plane where it lies in a flat end.
+/// The unit vector along which a vertex may not move: out of the plane of a flat end, and beyond a tip along
+/// its branch, so that tips reach as far as before; 0 elsewhere.
+Vec3d held_direction(const Fit& fit, std::size_t v) {
+    if (fit.cut[v] != kNoRow) return fit.solid.cuts()[fit.cut[v]].outward;
+    const CapsuleTree& capsules = fit.solid.capsules();
+    if (fit.capsule[v] == CapsuleTree::kNone || !fit.skeleton.is_tip(capsules.node(fit.capsule[v])))
+        return {};
+    const RoundCone& cone = capsules.cone(fit.capsule[v]);
+    if (cone.line_parameter(Vec3d(fit.start.positions[v])) <= 1) return {};
+    return normalized(cone.axis, {0, 0, 0});
+}
+
+/// Sum of the area vectors of a vertex's faces that are not flat ends.
 Vec3d area_about(const Fit& fit, std::size_t v) {
     Vec3d sum;
     for (const std::uint32_t f : fit.faces_of[v]) {
         if (!fit.flat[f]) sum += area_vector(fit.start.face(f), fit.positions);
     }
-    if (fit.cut[v] == kNoRow) return sum;
-    const Vec3d outward = fit.solid.cuts()[fit.cut[v]].outward;
-    return sum - outward * dot(sum, outward);
+    return sum;
 }
 
+/// Every vertex moves along its normal but for what is held, so that one at the very end of a tip stays.
 void find_directions(Fit& fit) {
     fit.direction.resize(fit.vertex_count());
     parallel_for(fit.ctx, fit.vertex_count(), kFitVolumeGrain, [&](std::size_t v) {
         if (fit.capsule[v] == CapsuleTree::kNone) return;
-        fit.direction[v] = Vec3(normalized(area_about(fit, v), {0, 0, 0}));
+        const Vec3d normal = normalized(area_about(fit, v), {0, 0, 0}), held = held_direction(fit, v);
+        fit.direction[v] = Vec3(normal - held * dot(normal, held));
     });
 }
 
@@ -221,7 +254,7 @@ std::vector<double> gaps_of_vertices(const Fit& fit) {
     parallel_for(fit.ctx, gap.size(), kFitVolumeGrain, [&](std::size_t v) {
         if (fit.capsule[v] == CapsuleTree::kNone) return;
         const RoundCone& cone = fit.solid.capsules().cone(fit.capsule[v]);
-        gap[v] = gap_to(cone, Vec3d(fit.positions[v]), Vec3d(fit.direction[v]));
+        gap[v] = gap_to(cone, Vec3d(fit.positions[v]), normalized(Vec3d(fit.direction[v]), {0, 0, 0}));
     });
     return gap;
 }
@@ -399,6 +432,7 @@ FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const S
     fit.offset.assign(fit.vertex_count(), 0);
     fit.held.assign(fit.vertex_count(), 0);
     find_capsules(fit);
+    limit_radii(fit);
     find_flat_ends(fit);
     find_directions(fit);
     ctx.report(0.5f);

@@ -28,7 +28,7 @@ FacePairs all_crossings(const PolygonMesh& moved, std::uint32_t limit, const Con
 struct MovingSurface {
     const PolygonMesh& start;                       ///< before
     const CompressedRows<std::uint32_t>& faces_of;  ///< of start
-    std::span<const Vec3> direction;                ///< per vertex, unit or 0
+    std::span<const Vec3> direction;                ///< per vertex, unit or shorter
     CrossingSearch search = all_crossings;          ///< for who knows where to look
 };
 

@@ -11,6 +11,7 @@
 #include "coppice/implicit/shape/curve.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/io/skeleton/reader.h"
+#include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/mesh_memory.h"
@@ -255,22 +256,47 @@ SceneCommand loadtree_command() {
     return c;
 }
 
+MeshResult mesh_within_memory(const SceneCall& call, const Skeleton& skeleton, const MeshOptions& options) {
+    call.reserve(memory_of_mesh(skeleton, options));
+    return mesh_skeleton(skeleton, options, call.context());
+}
+
+/// Says in `planned` what was chosen.
+MeshResult mesh_with_faces(const SceneCall& call, const Skeleton& skeleton, const MeshOptions& options,
+                           int faces, std::string& planned) {
+    constexpr double kBytesOfFace = 270;
+    if (options.levels != MeshOptions{}.levels)
+        throw InvalidInput("faces= chooses the levels; leave levels= out");
+    call.reserve(kBytesOfFace * faces);
+    const auto wanted = static_cast<std::uint64_t>(faces);
+    BudgetedMesh made = mesh_with_faces(skeleton, {}, options, wanted, call.context());
+    planned = text_of(made.budget) + '\n';
+    if (const std::string missed = text_of_missed_faces(made, wanted); !missed.empty())
+        planned += missed + '\n';
+    return std::move(made.result);
+}
+
 SceneCommand mesh_command() {
     SceneCommand c = in_group("mesh", "wraps a tree in one closed surface", "mesh tree levels=1");
     c.makes = ObjectKind::mesh;
     c.arguments = {tree("what is wrapped"),
                    positional(new_name("name", "name of the new mesh", "@tree"), false)};
-    add_options(c.arguments, MeshOptions{}, "mesh", {},
+    add_options(c.arguments, FaceNumber{}, "number");
+    add_options(c.arguments, options_of_written_surface(), "mesh", {},
                 {{"mesh.project.method", "project_method"}, {"mesh.project.tolerance", "project_tolerance"}});
     c.run = [](const SceneCall& call) {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
-        const auto options = call.options<MeshOptions>("mesh");
-        call.reserve(memory_of_mesh(skeleton, options));
-        MeshResult result = mesh_skeleton(skeleton, options, call.context());
+        const auto options = call.options("mesh", options_of_written_surface());
+        const int faces = call.options<FaceNumber>("number").faces;
+        std::string planned;
+        MeshResult result = faces > 0 ? mesh_with_faces(call, skeleton, options, faces, planned)
+                                      : mesh_within_memory(call, skeleton, options);
         Surface surface;
         std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
         const std::uint64_t bytes = memory_of(surface);
-        return makes(call.text("name"), std::move(surface), bytes);
+        SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
+        out.text = std::move(planned);
+        return out;
     };
     return c;
 }

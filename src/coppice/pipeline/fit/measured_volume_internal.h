@@ -1,0 +1,14 @@
+#pragma once
+
+#include "coppice/base/context.h"
+#include "coppice/measure/cone_union.h"
+#include "coppice/measure/volume_report.h"
+#include "coppice/mesh/face_view.h"
+
+namespace coppice::pipeline_internal {
+
+/// Returns the volume of a closed surface and that of the union of its skeleton's rounded cones, by some 2^15
+/// points, without looking for what is missing. `solid` has to be in the mesh's frame.
+VolumeReport measured_volume(const FaceView& mesh, const ConeUnion& solid, const Context& ctx);
+
+}  // namespace coppice::pipeline_internal
