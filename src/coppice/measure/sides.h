@@ -12,9 +12,10 @@ namespace coppice {
 /// A side of a face. Sides are numbered as corners are: side s runs from corner s to the next one of its
 /// face.
 struct Side {
-    std::uint32_t low, high;  ///< its vertices
-    std::uint32_t face;       ///< whose side it is
-    std::uint32_t number;     ///< its own
+    std::uint32_t low;     ///< its vertex of lower number
+    std::uint32_t high;    ///< its other vertex
+    std::uint32_t face;    ///< whose side it is
+    std::uint32_t number;  ///< its own
 };
 
 /// The sides of a valid mesh by their vertices, so that those of one edge follow each other. O(n).
