@@ -107,19 +107,19 @@ class RadiusClasses {
   public:
     explicit RadiusClasses(const CapsuleTree& capsules) {
         for (std::uint32_t c = 0; c < capsules.size(); ++c)
-            greatest_ = std::max({greatest_, capsules.cone(c).radius_a, capsules.cone(c).radius_b()});
+            maximum_ = std::max({maximum_, capsules.cone(c).radius_a, capsules.cone(c).radius_b()});
     }
     /// The class of a radius; the last one has all that are thinner.
     std::size_t of(double radius) const {
         if (!(radius > 0)) return kClasses - 1;
-        return std::min(kClasses - 1, static_cast<std::size_t>(std::max(0.0, std::log2(greatest_ / radius))));
+        return std::min(kClasses - 1, static_cast<std::size_t>(std::max(0.0, std::log2(maximum_ / radius))));
     }
-    double greatest(std::size_t i) const { return std::ldexp(greatest_, -static_cast<int>(i)); }
+    double maximum(std::size_t i) const { return std::ldexp(maximum_, -static_cast<int>(i)); }
 
     static constexpr std::size_t kClasses = 24;
 
   private:
-    double greatest_ = 0;
+    double maximum_ = 0;
 };
 
 std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& capsules,
@@ -142,7 +142,7 @@ std::vector<DensityClass> density(const PolygonMesh& mesh, const CapsuleTree& ca
         ++out[classes.of(capsules.cone(c).foot(Vec3d(mesh.positions[v])).radius)].vertices;
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
-        out[i].radius = classes.greatest(i);
+        out[i].radius = classes.maximum(i);
         out[i].percent =
             all > 0 ? 100.0 * static_cast<double>(out[i].vertices) / static_cast<double>(all) : 0;
     }

@@ -14,9 +14,9 @@ namespace coppice {
 
 /// How densely a surface covers branches of like thickness.
 struct DensityClass {
-    double radius = 0;           ///< [units] the greatest of the class, whose least is half of it
+    double radius = 0;           ///< [units] maximum of the class; its minimum is half of that
     double length = 0;           ///< [radii] of the axes in it
-    std::uint64_t vertices = 0;  ///< whose nearest point of an axis is in it
+    std::uint64_t vertices = 0;  ///< closest to an axis in it
     double percent = 0;          ///< of all vertices
 
     /// Vertices for each radius of length; 0 for none.
@@ -31,7 +31,7 @@ struct EdgeFlowReport {
     /// Of those: on a closed loop of edges that runs once round the axis, straight on through vertices of
     /// four faces.
     std::uint64_t on_rings = 0;
-    std::vector<DensityClass> classes;  ///< by radius, the greatest first, without those of no length
+    std::vector<DensityClass> classes;  ///< by radius, largest first, without empty ones
 
     /// 100 for no vertices.
     double on_rings_percent() const {

@@ -14,7 +14,7 @@ namespace coppice {
 struct Side {
     std::uint32_t low;     ///< its vertex of lower number
     std::uint32_t high;    ///< its other vertex
-    std::uint32_t face;    ///< whose side it is
+    std::uint32_t face;    ///< to which it belongs
     std::uint32_t number;  ///< its own
 };
 

@@ -12,8 +12,8 @@ namespace coppice {
 /// Where the vertices of a surface lie along a skeleton.
 struct VertexPlaces {
     std::vector<CapsuleTree::Nearest> nearest;  ///< none for a vertex of no face
-    /// Whether a vertex lies beside its segment, farther than two radii from its ends where it ends in a
-    /// branch node, root or tip.
+    /// Whether a vertex projects to the inside of its segment, farther than two radii from its ends where it
+    /// ends in a branch node, root or tip.
     std::vector<char> is_regular;
 };
 

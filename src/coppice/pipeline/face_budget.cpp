@@ -215,7 +215,7 @@ FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& given, std::u
 
 BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constraints,
                              const MeshOptions& options, std::uint64_t faces, const Context& ctx) {
-    constexpr double kFar = 0.03;
+    constexpr double kClose = 0.03;  // of the number: no further plan
     constexpr int kPlans = 6;
     std::vector<std::pair<std::string, double>> planned, tried;
     const auto make = [&](std::uint64_t goal) {
@@ -235,8 +235,8 @@ BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constrain
     std::array<double, 2> low{1, 1}, high{0, 0};  // planned and made, below and above what is wanted
     BudgetedMesh best = make(faces);
     double goal = wanted, made = faces_of(best);
-    const bool is_remeshed = std::abs(made / static_cast<double>(best.budget.faces) - 1) > kFar;
-    for (int plan = 1; is_remeshed && plan < kPlans && off(best) > kFar; ++plan) {
+    const bool is_remeshed = std::abs(made / static_cast<double>(best.budget.faces) - 1) > kClose;
+    for (int plan = 1; is_remeshed && plan < kPlans && off(best) > kClose; ++plan) {
         (made < wanted ? low : high) = {goal, made};
         // By a power of what is planned.
         goal =

@@ -73,8 +73,8 @@ VolumeReport measured_volume(const QuadMesh& mesh, const Skeleton& skeleton, con
 
 // The volume is known to half a percent or better.
 bool is_off(const VolumeReport& volume) {
-    constexpr double kMostOff = 0.005;
-    return std::abs(volume.mesh - volume.cones) > kMostOff * volume.cones + volume.error;
+    constexpr double kMaxDeviation = 0.005;
+    return std::abs(volume.mesh - volume.cones) > kMaxDeviation * volume.cones + volume.error;
 }
 
 // Fits a surface, or leaves it where that makes its volume no better.

@@ -6,11 +6,10 @@ namespace coppice {
 namespace {
 
 double memory_of_quads(const Skeleton& skeleton, int levels, Fit fit) {
-    constexpr double kCageQuads = 5;                         // for each segment
-    constexpr double kBytesOfQuad = 120, kBytesOfFit = 150;  // for each quad
+    constexpr double kCageQuads = 5;  // for each segment
     double quads = kCageQuads * skeleton.size();
     for (int i = 0; i < levels; ++i) quads *= 4;
-    return quads * (kBytesOfQuad + (fit == Fit::surface ? 0 : kBytesOfFit));
+    return memory_of_faces(quads, fit);
 }
 
 /// [radii] The length of all axes, in radii of the wood there, and a ball at both ends of each tree.
@@ -60,6 +59,11 @@ double memory_of_surface(const Skeleton& skeleton, const MeshOptions& options) {
 }
 
 }  // namespace
+
+double memory_of_faces(double quads, Fit fit) {
+    constexpr double kBytesOfQuad = 120, kBytesOfFit = 150;
+    return quads * (kBytesOfQuad + (fit == Fit::surface ? 0 : kBytesOfFit));
+}
 
 double memory_of_mesh(const Skeleton& skeleton, const MeshOptions& options) {
     constexpr double kBytesOfNode = 1600;  // of what is prepared, and of the field

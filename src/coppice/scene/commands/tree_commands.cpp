@@ -256,24 +256,25 @@ SceneCommand loadtree_command() {
     return c;
 }
 
-MeshResult mesh_within_memory(const SceneCall& call, const Skeleton& skeleton, const MeshOptions& options) {
-    call.reserve(memory_of_mesh(skeleton, options));
-    return mesh_skeleton(skeleton, options, call.context());
+/// The outcome of a mesh command; `said` is its text.
+SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string said) {
+    Surface surface;
+    std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
+    const std::uint64_t bytes = memory_of(surface);
+    SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
+    out.text = std::move(said);
+    return out;
 }
 
-/// Says in `planned` what was chosen.
-MeshResult mesh_with_faces(const SceneCall& call, const Skeleton& skeleton, const MeshOptions& options,
-                           int faces, std::string& planned) {
-    constexpr double kBytesOfFace = 270;
+SceneOutcome makes_surface_of_faces(const SceneCall& call, const Skeleton& skeleton,
+                                    const MeshOptions& options, std::uint64_t faces) {
     if (options.levels != MeshOptions{}.levels)
         throw InvalidInput("faces= chooses the levels; leave levels= out");
-    call.reserve(kBytesOfFace * faces);
-    const auto wanted = static_cast<std::uint64_t>(faces);
-    BudgetedMesh made = mesh_with_faces(skeleton, {}, options, wanted, call.context());
-    planned = text_of(made.budget) + '\n';
-    if (const std::string missed = text_of_missed_faces(made, wanted); !missed.empty())
-        planned += missed + '\n';
-    return std::move(made.result);
+    call.reserve(memory_of_faces(static_cast<double>(faces), options.fit));
+    BudgetedMesh made = mesh_with_faces(skeleton, {}, options, faces, call.context());
+    const std::string missed = text_of_missed_faces(made, faces);
+    return makes_surface(call, std::move(made.result),
+                         text_of(made.budget) + '\n' + (missed.empty() ? missed : missed + '\n'));
 }
 
 SceneCommand mesh_command() {
@@ -288,15 +289,10 @@ SceneCommand mesh_command() {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         const auto options = call.options("mesh", options_of_written_surface());
         const int faces = call.options<FaceNumber>("number").faces;
-        std::string planned;
-        MeshResult result = faces > 0 ? mesh_with_faces(call, skeleton, options, faces, planned)
-                                      : mesh_within_memory(call, skeleton, options);
-        Surface surface;
-        std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
-        const std::uint64_t bytes = memory_of(surface);
-        SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
-        out.text = std::move(planned);
-        return out;
+        if (faces > 0)
+            return makes_surface_of_faces(call, skeleton, options, static_cast<std::uint64_t>(faces));
+        call.reserve(memory_of_mesh(skeleton, options));
+        return makes_surface(call, mesh_skeleton(skeleton, options, call.context()), {});
     };
     return c;
 }
