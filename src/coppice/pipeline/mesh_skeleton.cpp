@@ -71,9 +71,10 @@ VolumeReport measured_volume(const QuadMesh& mesh, const Skeleton& skeleton, con
     return pipeline_internal::measured_volume(mesh, solid, ctx);
 }
 
-// The volume is known to half a percent or better.
+// Of the volume, which is known to half a percent or better.
+constexpr double kMaxDeviation = 0.005;
+
 bool is_off(const VolumeReport& volume) {
-    constexpr double kMaxDeviation = 0.005;
     return std::abs(volume.mesh - volume.cones) > kMaxDeviation * volume.cones + volume.error;
 }
 
@@ -86,17 +87,12 @@ std::optional<FitVolumeReport> fit_where_better(QuadSurface& surface, const Fitt
     return {};
 }
 
-MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
-                     bool with_solid, QuadOrigin* origin, const Context& ctx) {
-    check_fields(given, "mesh");
+MeshResult make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
+                        bool with_solid, QuadOrigin* origin, const Context& ctx) {
     const bool may_use_device = given.method != MeshMethod::cylinders && !with_solid;
     if (may_use_device && given.device == Device::cuda) require_device();  // before any work
     MeshOptions options = given.method == MeshMethod::bmesh ? on_metaballs(given) : given;
-    bool may_fit = fits_where_off(options) && origin == nullptr;
-    if (may_fit && options.levels == 0) {
-        options.fit = Fit::volume;  // so few sides have the right volume on straight branches alone
-        may_fit = false;
-    }
+    const bool may_fit = fits_where_off(options) && origin == nullptr;
     const bool fits = options.fit == Fit::volume;
     MeshResult out;
     const Context meshing = fits ? part_of(ctx, 0, 0.5f) : ctx;
@@ -140,6 +136,32 @@ MeshResult make_mesh(const Skeleton& given_skeleton, const PointSet& constraints
         });
     }
     return out;
+}
+
+// [share of the cones' volume] How far a surface is off, where that was measured.
+double deviation(const MeshResult& made) {
+    const double cones = made.fitted ? made.fitted->cones : made.measured->cones;
+    return std::abs((made.fitted ? made.fitted->after : made.measured->mesh) / cones - 1);
+}
+
+// A surface without levels, of the right volume where that can be had: its few sides have that of straight
+// branches alone, so that it is always fitted; but where much is cut off, that ends far from it.
+MeshResult make_coarsest(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                         const Context& ctx) {
+    MeshOptions fitting = options;
+    fitting.fit = Fit::volume;
+    MeshResult fitted = make_surface(skeleton, constraints, fitting, false, nullptr, part_of(ctx, 0, 0.5f));
+    if (deviation(fitted) <= kMaxDeviation) return fitted;
+    MeshResult other = make_surface(skeleton, constraints, options, false, nullptr, part_of(ctx, 0.5f, 1));
+    return deviation(other) < deviation(fitted) ? std::move(other) : std::move(fitted);
+}
+
+MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                     bool with_solid, QuadOrigin* origin, const Context& ctx) {
+    check_fields(options, "mesh");
+    if (options.levels == 0 && origin == nullptr && fits_where_off(options))
+        return make_coarsest(skeleton, constraints, options, ctx);
+    return make_surface(skeleton, constraints, options, with_solid, origin, ctx);
 }
 
 PolygonMesh polygons_of(const PolygonMesh& mesh) { return mesh; }
