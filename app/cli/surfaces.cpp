@@ -45,6 +45,13 @@ Figures counts_of(const KnotReport& r) {
     return out;
 }
 
+Figures counts_of(const CoarsenReport& r) {
+    Figures out;
+    out["quads_before"] = r.faces_before;
+    out["nodes_refined"] = r.raised;
+    return out;
+}
+
 Figures counts_of(const BendApartReport& r) {
     Figures out;
     out["overlaps_before"] = r.before;
@@ -130,12 +137,16 @@ std::string count(Figures& counts, const QuadSurface& surface) {
     counts["branches_parted"] = counts_of(surface.parted);
     if (surface.balls) counts["metaballs"] = counts_of(*surface.balls);
     if (had_knots(surface.knots)) counts["crossings_remeshed"] = counts_of(surface.knots);
+    if (surface.coarsened) counts["sides_by_radius"] = counts_of(*surface.coarsened);
     if (surface.ramified) counts["ramifications"] = counts_of(*surface.ramified);
     const std::string how =
         surface.ramified ? told(*surface.ramified)
                          : fmt::format("{} merged, {} grafted, {} cut", grouped(surface.grafted.merged),
                                        grouped(surface.grafted.grafted), grouped(surface.grafted.cut));
-    return fmt::format("{}; {} quads{}", how, grouped(surface.mesh.quads.size()), told(surface.knots));
+    const std::string before =
+        surface.coarsened ? fmt::format(" of {}", grouped(surface.coarsened->faces_before)) : "";
+    return fmt::format("{}; {}{} quads{}", how, grouped(surface.mesh.quads.size()), before,
+                       told(surface.knots));
 }
 
 Figures counts_of(const PolyhedronReport& r) {

@@ -51,6 +51,10 @@ add("crossed.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n3 1 -1 0.02 1 0.04 -1\n" 
 # A trunk with two laterals, of which one forks: six branches that begin at branch nodes.
 add("twigs.swc", "1 1 0 0 0 0.2 -1\n2 1 0 0 1 0.18 1\n3 1 0 0 2 0.15 2\n4 1 0 0 3 0.1 3\n5 1 1 0 1.5 0.1 2\n"
     "6 1 1.6 0 2 0.07 5\n7 1 1.2 0.6 2 0.05 5\n8 1 -0.9 0 2.6 0.08 3\n")
+# A stem that tapers to a fiftieth, with a lateral at every third node.
+add("thinning.swc", "1 1 0 0 0 0.3 -1\n" + "".join("%d 1 0 0 %g %g %d\n" % (i + 1, 0.5 * i, 0.3 * 0.8 ** i, i) for i in range(1, 18)) +
+    "".join("%d 1 %g %g %g %g %d\n" % (19 + k, math.cos(2 * k), math.sin(2 * k), 1.5 * k + 2.2, 0.1 * 0.8 ** (3 * k + 3), 3 * k + 4)
+            for k in range(4)))
 add("presumed.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0, 1], "position": [[0, 0, 0], [0, 0, 1], [0, 0, 2]],
                                  "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
 add("sprout.coppice", "sprout tree root=0,0,0 root=2,0,0 seasons=7 seed=2\nradii tree\n")

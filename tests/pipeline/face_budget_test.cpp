@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "coppice/mesh/topology.h"
+#include "coppice/pipeline/surface_verdict.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
@@ -15,9 +18,11 @@ std::uint64_t faces_of(const FaceBudget& budget) {
 
 TEST(PlanFaces, MeetsTheNumberThatIsWanted) {
     const Skeleton tree = random_tree(2000, 3);
+    MeshOptions equal;
+    equal.tube_sides = TubeSides::equal;
     for (const std::uint64_t wanted : {500u, 2000u, 7000u, 20'000u, 50'000u, 200'000u}) {
         SCOPED_TRACE(wanted);
-        const FaceBudget budget = plan_faces(tree, {}, wanted);
+        const FaceBudget budget = plan_faces(tree, equal, wanted);
         EXPECT_NEAR(static_cast<double>(budget.faces), static_cast<double>(wanted), 0.02 * wanted);
         const QuadMesh mesh = mesh_skeleton(budget.skeleton, budget.options).quads().mesh;
         EXPECT_TRUE(topology(mesh).watertight());
@@ -25,6 +30,66 @@ TEST(PlanFaces, MeetsTheNumberThatIsWanted) {
         EXPECT_GE(mesh.quads.size(), budget.faces);
         EXPECT_LE(mesh.quads.size(),
                   (budget.options.prepare.resample.max_length < 5 ? 3 : 1.1) * budget.faces);
+    }
+}
+
+TEST(MeshWithFaces, ComesNearWithSidesByRadiusOrWithout) {
+    const Skeleton tree = random_tree(300, 1);
+    MeshOptions equal;
+    equal.tube_sides = TubeSides::equal;
+    for (const std::uint64_t wanted : {500u, 4000u, 9000u, 20'000u}) {
+        SCOPED_TRACE(wanted);
+        const BudgetedMesh made = mesh_with_faces(tree, {}, {}, wanted);
+        const QuadMesh& mesh = made.result.quads().mesh;
+        EXPECT_NEAR(static_cast<double>(mesh.quads.size()), static_cast<double>(wanted), 0.05 * wanted);
+        EXPECT_TRUE(topology(mesh).watertight());
+        EXPECT_EQ(made.result.quads().coarsened.has_value(),
+                  made.budget.options.tube_sides == TubeSides::by_radius);
+        EXPECT_FALSE(mesh_with_faces(tree, {}, equal, wanted).result.quads().coarsened);
+    }
+    EXPECT_EQ(mesh_with_faces(tree, {}, {}, 20'000).budget.options.tube_sides, TubeSides::by_radius);
+}
+
+// A trunk whose laterals wind by a fifth of their radius, by many nodes.
+Skeleton winding_laterals() {
+    std::vector<NodeId> parent{NodeId::none()};
+    std::vector<Vec3> position{{0, 0, 0}};
+    std::vector<float> radius{0.1f};
+    const auto add = [&](std::uint32_t p, Vec3 at, float r) {
+        parent.emplace_back(p);
+        position.push_back(at);
+        radius.push_back(r);
+        return static_cast<std::uint32_t>(parent.size()) - 1;
+    };
+    std::uint32_t stem = 0;
+    for (int i = 1; i <= 8; ++i) {
+        const auto z = 0.5f * static_cast<float>(i);
+        stem = add(stem, {0, 0, z}, 0.1f - 0.008f * static_cast<float>(i));
+        std::uint32_t last = stem;
+        for (int k = 1; k <= 60; ++k) {
+            const auto t = static_cast<float>(k);
+            const float turn = 2.4f * static_cast<float>(i) + 0.02f * std::sin(0.9f * t);
+            last = add(last, {0.05f * t * std::cos(turn), 0.05f * t * std::sin(turn), z + 0.01f * t}, 0.02f);
+        }
+    }
+    return {parent, position, radius};
+}
+
+// Where rings are so far apart that chords cut corners, moving the surface outward does not end at the volume
+// that is meant.
+TEST(MeshWithFaces, KeepsTheVolumeWithFewFaces) {
+    const Skeleton tree = winding_laterals();
+    for (const std::uint64_t faces : {200u, 400u, 800u}) {
+        SCOPED_TRACE(faces);
+        const auto share = [&](Fit fit) {
+            MeshOptions options;
+            options.fit = fit;
+            const BudgetedMesh made = mesh_with_faces(tree, {}, options, faces);
+            const auto volume = judge_surface(made.result, made.budget.skeleton, {})->volume;
+            return volume->mesh / volume->cones;
+        };
+        EXPECT_NEAR(share(Fit::automatic), 1, 0.02);
+        EXPECT_LT(share(Fit::volume), 0.9);
     }
 }
 

@@ -89,6 +89,8 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) 
     if (has("--device") && mesh.method == MeshMethod::cylinders)
         throw UsageError("--device is for surfaces of a field; leave it out with --method cylinders");
     if (faces > 0 && has("--levels")) throw UsageError("--faces chooses the levels; leave --levels out");
+    if (faces > 0 && has("--chord-error"))
+        throw UsageError("--faces chooses the chord error; leave --chord-error out");
     if (has("--tetra-levels") && mesh.tetra.base == TetraBase::polyhedron)
         throw UsageError(
             "--tetra-levels is for an octree; with --tetra-base polyhedron --edge says how often it is cut");
@@ -163,6 +165,7 @@ std::string tell_plan(Run& run, const MeshFlags& flags, const BudgetedMesh& made
     Figures figures;
     figures["wanted"] = flags.number.faces;
     figures["levels"] = budget.options.levels;
+    figures["chord_error"] = budget.options.chord_error;
     figures["axes"] = budget.axes;
     figures["dropped_axes"] = budget.dropped;
     figures["dropped_silhouette"] = budget.dropped_silhouette;

@@ -56,7 +56,7 @@ class AxesJudge {
             capsule_of_[capsules_.node(i).index()] = i;
             finish(i, out);
         }
-        name_places(out.report);
+        name_places(out);
         return out;
     }
 
@@ -259,7 +259,8 @@ class AxesJudge {
         if (run.end == a.points) place_of_[n.index()] = number;
     }
 
-    void name_places(AxesReport& out) {
+    void name_places(AxesFound& found) {
+        AxesReport& out = found.report;
         std::vector<std::uint8_t> is_cut(skeleton_.size(), 0);
         for (const Place& p : places_) {
             if (!(p.severed.length > kMinPlace * p.radius)) continue;
@@ -274,6 +275,7 @@ class AxesJudge {
             if (cut != 0 && i != kNoRow) out.beyond += length(capsules_.cone(i).axis);
         }
         out.severed = out.longest.size();
+        for (const SeveredPlace& p : out.longest) found.faulty.push_back(p.node);
         std::ranges::stable_sort(out.longest, std::ranges::greater(), &SeveredPlace::length);
         out.longest.resize(std::min(out.longest.size(), AxesReport::kNamed));
     }
@@ -294,7 +296,8 @@ class AxesJudge {
 };
 
 void judge_tips(const AxesJudge& judge, const Skeleton& skeleton, EndShape tips, const Context& ctx,
-                AxesReport& out) {
+                AxesFound& found) {
+    AxesReport& out = found.report;
     const double meant = tips == EndShape::round ? 1 : 0;
     std::vector<std::uint32_t> tip;
     for (std::uint32_t i = 0; i < judge.capsules().size(); ++i) {
@@ -320,6 +323,7 @@ void judge_tips(const AxesJudge& judge, const Skeleton& skeleton, EndShape tips,
     }
     out.tip_reach = statistics(std::move(free_reach));
     out.short_tips = out.shortest.size();
+    for (const ShortTip& t : out.shortest) found.faulty.push_back(t.node);
     std::ranges::stable_sort(out.shortest, std::ranges::greater(), &ShortTip::missing);
     out.shortest.resize(std::min(out.shortest.size(), AxesReport::kNamed));
 }
@@ -331,7 +335,7 @@ AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeU
     const FaceRuns faces(mesh, ctx);
     AxesJudge judge(faces, skeleton, solid);
     AxesFound out = judge.judge(ctx);
-    judge_tips(judge, skeleton, tips, ctx, out.report);
+    judge_tips(judge, skeleton, tips, ctx, out);
     return out;
 }
 

@@ -71,6 +71,8 @@ struct AxesFound {
     /// Per capsule of the union: whether every point of its axis lies inside of the surface, by half the
     /// radius there or more. Then no point of it lies outside by more than that.
     std::vector<std::uint8_t> is_deep;
+    /// Those that name the segments on which severed places begin, and short tips; in no order.
+    std::vector<NodeId> faulty;
 };
 
 /// Judges a valid, closed surface of faces that run counter-clockwise seen from outside by the axes of a

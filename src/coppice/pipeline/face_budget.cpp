@@ -8,9 +8,11 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
-#include "coppice/base/progress.h"
+#include "coppice/pipeline/coarsen/node_levels_internal.h"
+#include "coppice/pipeline/coarsen/selection_internal.h"
 #include "coppice/pipeline/quads/quad_surface_internal.h"
 #include "coppice/pipeline/quantity.h"
 #include "coppice/pipeline/stages_internal.h"
@@ -97,6 +99,14 @@ MeshOptions with_density(MeshOptions options, double density) {
     return options;
 }
 
+TubeCage cage_with(const Skeleton& skeleton, const MeshOptions& options, Context ctx) {
+    ctx.throw_if_cancelled();
+    ctx.progress = {};  // that of one cage is none of the plan
+    const PrepareResult prepared = prepare(skeleton, options.prepare);
+    check_branches(prepared.skeleton);
+    return cage_of(prepared.skeleton, options, ctx);
+}
+
 // The faces of the cage of a skeleton by how near rings stand, each counted once.
 class CageFaces {
   public:
@@ -112,10 +122,7 @@ class CageFaces {
 
   private:
     double count(const MeshOptions& options) const {
-        ctx_->throw_if_cancelled();
-        const PrepareResult prepared = prepare(skeleton_, options.prepare);
-        check_branches(prepared.skeleton);
-        return static_cast<double>(cage_of(prepared.skeleton, options, *ctx_).cage.quads.size());
+        return static_cast<double>(cage_with(skeleton_, options, *ctx_).control.cage.quads.size());
     }
 
     Skeleton skeleton_;
@@ -124,12 +131,93 @@ class CageFaces {
     std::map<double, double> counts_;
 };
 
-class Planner {
+// Plans with sides by radius, all branches and the rings of the given options.
+class RadiusPlanner {
   public:
-    Planner(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces, const Context& ctx)
-        : skeleton_(skeleton), given_(given), goal_(static_cast<double>(faces)), ctx_(ctx), axes_(skeleton) {
-        ctx_.progress = {};  // that of one cage is none of the plan
+    RadiusPlanner(const Skeleton& skeleton, const MeshOptions& given, const Context& ctx)
+        : skeleton_(skeleton),
+          given_(given),
+          cage_(cage_with(skeleton, given, ctx)),
+          thickest_(pipeline_internal::thickest_radius(cage_.tubes)) {}
+
+    // [m] With that the thickest axis has as many sides as so many levels give.
+    float chord_error_at(int levels) const {
+        return pipeline_internal::chord_error_at(thickest_, sides(), levels);
     }
+
+    // With more the surface, before quads are taken out, would take much memory.
+    int most_levels(double goal) const {
+        const auto cage_faces = static_cast<double>(cage_.control.cage.quads.size());
+        const auto most = static_cast<int>(std::log2(kMaxRefinedFaces * goal / cage_faces) / 2);
+        return std::clamp(most, 1, kMaxLevels);
+    }
+
+    FaceBudget with(int levels, float chord_error) const {
+        FaceBudget out{skeleton_, given_, faces_with(levels, chord_error)};
+        out.options.chord_error = chord_error;
+        out.options.levels = levels;
+        out.axes = AxesBySilhouette(skeleton_).count();
+        return out;
+    }
+
+    // None where there are more faces than wanted even with eight sides at most.
+    std::optional<FaceBudget> plan(double goal) const {
+        int levels = most_levels(goal);
+        while (levels > 1 && !fits(levels, goal)) --levels;
+        if (!fits(levels, goal)) return {};
+        float low = chord_error_at(kMaxLevels + 1), high = chord_error_at(levels);
+        while (high > 1.001f * low) {
+            const float middle = std::sqrt(low * high);
+            (static_cast<double>(faces_with(levels, middle)) > goal ? low : high) = middle;
+        }
+        return with(levels, high);
+    }
+
+  private:
+    std::uint32_t sides() const { return static_cast<std::uint32_t>(given_.control.sides); }
+    bool fits(int levels, double goal) const {
+        return static_cast<double>(faces_with(levels, chord_error_at(levels))) <= goal;
+    }
+    std::uint64_t faces_with(int levels, float chord_error) const {
+        return pipeline_internal::faces_by_radius(cage_.control, cage_.tubes, levels, chord_error);
+    }
+
+    const Skeleton& skeleton_;
+    const MeshOptions& given_;
+    TubeCage cage_;
+    float thickest_;
+};
+
+// Levels, how near rings stand, and how many faces the cage then has.
+struct Rings {
+    int levels = 0;
+    double density = 1, faces = 0;
+};
+
+// How near rings have to stand for a cage to have about so many faces.
+Rings density_for(double wanted, CageFaces& cage) {
+    Rings best;
+    const auto off = [&](const Rings& r) { return std::abs(r.faces / wanted - 1); };
+    const auto has_more = [&](double density) {
+        const Rings r{0, density, cage.at(density)};
+        if (best.faces == 0 || off(r) < off(best)) best = r;
+        return r.faces >= wanted;
+    };
+    double low = kMinDensity, high = kMaxDensity;
+    (has_more(1) ? high : low) = 1;
+    if (high == 1 && has_more(low)) return best;
+    for (int step = 0; step < kSteps && off(best) > kNear; ++step) {
+        const double middle = std::sqrt(low * high);
+        (has_more(middle) ? high : low) = middle;
+    }
+    return best;
+}
+
+// Plans with as many sides everywhere.
+class RingPlanner {
+  public:
+    RingPlanner(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces, const Context& ctx)
+        : skeleton_(skeleton), given_(given), goal_(static_cast<double>(faces)), ctx_(ctx), axes_(skeleton) {}
 
     FaceBudget plan() {
         CageFaces drawn(skeleton_, given_, ctx_);
@@ -151,17 +239,12 @@ class Planner {
         FaceBudget out{drawn.skeleton(), with_density(given_, best.density), 0,
                        axes_.count(),    axes_.lateral_count() - laterals,   axes_.share_without(laterals)};
         out.options.levels = best.levels;
+        out.options.tube_sides = TubeSides::equal;
         out.faces = static_cast<std::uint64_t>(best.faces) << (2 * best.levels);
         return out;
     }
 
   private:
-    // Levels, how near rings stand, and how many faces the cage then has.
-    struct Rings {
-        int levels = 0;
-        double density = 1, faces = 0;
-    };
-
     // Faces of the cage.
     double wanted(int levels) const { return std::ldexp(goal_, -2 * levels); }
     double off(const Rings& r) const { return std::abs(r.faces / wanted(r.levels) - 1); }
@@ -178,90 +261,196 @@ class Planner {
     }
 
     Rings rings_at(int levels, CageFaces& drawn) const {
-        Rings best{levels};
-        const auto has_more = [&](double density) {
-            const Rings r{levels, density, drawn.at(density)};
-            if (best.faces == 0 || off(r) < off(best)) best = r;
-            return r.faces >= wanted(levels);
-        };
-        double low = kMinDensity, high = kMaxDensity;
-        (has_more(1) ? high : low) = 1;
-        if (high == 1 && has_more(low)) return best;
-        for (int step = 0; step < kSteps && off(best) > kNear; ++step) {
-            const double middle = std::sqrt(low * high);
-            (has_more(middle) ? high : low) = middle;
-        }
-        return best;
+        Rings out = density_for(wanted(levels), drawn);
+        out.levels = levels;
+        return out;
     }
 
     const Skeleton& skeleton_;
     const MeshOptions& given_;
     double goal_;
-    Context ctx_;
+    const Context& ctx_;
     AxesBySilhouette axes_;
+};
+
+void check_budget(const MeshOptions& given, std::uint64_t faces) {
+    if (faces < kMinFaces || faces > kMaxFaces)
+        throw InvalidInput(
+            fmt::format("mesh: faces must be from {} to {}, but is {}", kMinFaces, kMaxFaces, faces));
+    if (given.method != MeshMethod::quads && given.method != MeshMethod::bmesh)
+        throw InvalidInput("mesh: method must be quads or bmesh for a number of faces");
+    if (given.chord_error != 0)
+        throw InvalidInput("mesh: a number of faces chooses chord_error; leave it out");
+}
+
+// The options with which a number of faces is planned.
+MeshOptions options_of_plan(MeshOptions given) {
+    if (given.tube_sides == TubeSides::automatic) given.tube_sides = TubeSides::by_radius;
+    return given;
+}
+
+// Makes surfaces until one has about as many faces as are wanted.
+class BudgetSearch {
+  public:
+    BudgetSearch(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                 std::uint64_t faces, const Context& ctx)
+        : skeleton_(skeleton),
+          constraints_(constraints),
+          options_(options_of_plan(options)),
+          faces_(faces),
+          ctx_(ctx) {}
+
+    BudgetedMesh run() {
+        if (options_.tube_sides == TubeSides::by_radius) search_sides();
+        // Many branches may be of one radius, so that no number of sides gives what is wanted.
+        if (best_ && off(*best_) > kFar) search_rings_of(FaceBudget(best_->budget));
+        if (!best_ || off(*best_) > kFar) search_rings();
+        name_stages();
+        return std::move(*best_);
+    }
+
+  private:
+    // What is near the number, or numbers on both sides of it; or on one side alone.
+    enum class Found { all, too_few, too_many };
+
+    static double count(const BudgetedMesh& m) {
+        return static_cast<double>(m.result.quads().mesh.quads.size());
+    }
+    double wanted() const { return static_cast<double>(faces_); }
+    double off(const BudgetedMesh& m) const { return std::abs(count(m) / wanted() - 1); }
+
+    template <class Plan>
+    auto planned(const Plan& plan) {
+        return Stages(ctx_, planned_).run("plan", 0, plan);
+    }
+
+    // Makes a surface, and keeps it where it is the best; returns its number of faces.
+    double make(FaceBudget budget) {
+        MeshResult result = Stages(ctx_, tried_).run("try", 0, [&] {
+            return mesh_skeleton(budget.skeleton, constraints_, budget.options, ctx_);
+        });
+        BudgetedMesh made{std::move(budget), std::move(result)};
+        const double faces = count(made);
+        if (!best_ || off(made) < off(*best_)) best_ = std::move(made);
+        return faces;
+    }
+
+    void search_sides() {
+        constexpr double kMadeOfPlanned = 2;  // about: bends and branch nodes have more than planned
+        std::optional<RadiusPlanner> planner;
+        const std::optional<FaceBudget> first = planned([&] {
+            planner.emplace(skeleton_, options_, ctx_);
+            std::optional<FaceBudget> plan = planner->plan(wanted() / kMadeOfPlanned);
+            return plan ? plan : planner->plan(wanted());
+        });
+        if (!first) return;
+        // The number of sides is about as the root.
+        const auto density = [](float chord_error) { return 1 / std::sqrt(double{chord_error}); };
+        const auto search_with = [&](int levels, double at) {
+            const double least = density(planner->chord_error_at(levels));
+            return search(std::max(at, least), least,
+                          [&](double d) { return planner->with(levels, static_cast<float>(1 / (d * d))); });
+        };
+        int levels = first->options.levels;
+        double at = density(first->options.chord_error);
+        const int most = planner->most_levels(wanted());
+        Found found = search_with(levels, at);
+        while (found == Found::too_few && levels < most) found = search_with(++levels, at);
+        while (found == Found::too_many && levels > 1) {
+            at = density(planner->chord_error_at(levels));
+            found = search_with(--levels, at);
+        }
+    }
+
+    // With the sides of a plan, and rings nearer to each other or farther apart.
+    void search_rings_of(const FaceBudget& sides) {
+        CageFaces cage(skeleton_, sides.options, ctx_);
+        search(wanted() / count(*best_), 0, [&](double share) {
+            FaceBudget out = sides;
+            out.options = with_density(sides.options, density_for(share * cage.at(1), cage).density);
+            out.faces = faces_;
+            return out;
+        });
+    }
+
+    void search_rings() {
+        search(wanted(), double{kMinFaces}, [&](double goal) {
+            return RingPlanner(skeleton_, options_, static_cast<std::uint64_t>(goal), ctx_).plan();
+        });
+    }
+
+    // Tries numbers, about as the power of which there are faces, not below the least one.
+    template <class Plan>
+    Found search(double first, double least, const Plan& plan) {
+        constexpr double kClose = 0.03;  // of the number: no further try
+        constexpr int kTries = 6;
+        std::array<double, 2> low{0, 0}, high{0, 0};  // tried and made, below and above what is wanted
+        double at = first, before = 0;
+        for (int i = 0; i < kTries; ++i) {
+            const double made = make(planned([&] { return plan(at); }));
+            if (std::abs(made / wanted() - 1) < kClose) return Found::all;
+            (made < wanted() ? low : high) = {at, made};
+            if (made == before || (made > wanted() && at <= least)) break;
+            before = made;
+            at = std::max(least, next_try(at, made, low, high));
+        }
+        if (low[0] > 0 && high[0] > 0) return Found::all;
+        return low[0] > 0 ? Found::too_few : Found::too_many;
+    }
+
+    double next_try(double at, double made, const std::array<double, 2>& low,
+                    const std::array<double, 2>& high) const {
+        if (low[0] == 0 || high[0] == 0) return at * wanted() / made;
+        const double power = std::log(wanted() / low[1]) / std::log(high[1] / low[1]);
+        return low[0] * std::pow(high[0] / low[0], power);
+    }
+
+    void name_stages() {
+        const auto total = [](const auto& stages) {
+            return std::accumulate(stages.begin(), stages.end(), 0.0,
+                                   [](double sum, const auto& stage) { return sum + stage.second; });
+        };
+        auto& stages = best_->result.stages;
+        const double others = total(tried_) - total(stages);
+        stages.insert(stages.begin(), {"plan", total(planned_)});
+        if (tried_.size() > 1) stages.insert(stages.begin() + 1, {"other plans", others});
+    }
+
+    const Skeleton& skeleton_;
+    const PointSet& constraints_;
+    MeshOptions options_;
+    std::uint64_t faces_;
+    const Context& ctx_;
+    std::vector<std::pair<std::string, double>> planned_, tried_;
+    std::optional<BudgetedMesh> best_;
 };
 
 }  // namespace
 
 FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces,
                       const Context& ctx) {
-    if (faces < kMinFaces || faces > kMaxFaces)
-        throw InvalidInput(
-            fmt::format("mesh: faces must be from {} to {}, but is {}", kMinFaces, kMaxFaces, faces));
-    if (given.method != MeshMethod::quads && given.method != MeshMethod::bmesh)
-        throw InvalidInput("mesh: method must be quads or bmesh for a number of faces");
-    return Planner(skeleton, given, faces, ctx).plan();
+    check_budget(given, faces);
+    const MeshOptions options = options_of_plan(given);
+    const auto goal = static_cast<double>(faces);
+    const auto off = [&](const FaceBudget& b) { return std::abs(static_cast<double>(b.faces) / goal - 1); };
+    std::optional<FaceBudget> sides;
+    if (options.tube_sides == TubeSides::by_radius) sides = RadiusPlanner(skeleton, options, ctx).plan(goal);
+    if (sides && off(*sides) <= kFar) return std::move(*sides);
+    FaceBudget rings = RingPlanner(skeleton, options, faces, ctx).plan();
+    return sides && off(*sides) < off(rings) ? std::move(*sides) : std::move(rings);
 }
 
 BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constraints,
                              const MeshOptions& options, std::uint64_t faces, const Context& ctx) {
-    constexpr double kClose = 0.03;  // of the number: no further plan
-    constexpr int kPlans = 6;
-    std::vector<std::pair<std::string, double>> planned, tried;
-    const auto make = [&](std::uint64_t goal) {
-        FaceBudget budget = Stages(ctx, planned).run("plan", 0, [&] {
-            return plan_faces(skeleton, options, goal, part_of(ctx, 0, 0));
-        });
-        MeshResult result = Stages(ctx, tried).run("try", 0, [&] {
-            return mesh_skeleton(budget.skeleton, constraints, budget.options, ctx);
-        });
-        return BudgetedMesh{std::move(budget), std::move(result)};
-    };
-    const double wanted = static_cast<double>(faces);
-    const auto faces_of = [](const BudgetedMesh& m) {
-        return static_cast<double>(m.result.quads().mesh.quads.size());
-    };
-    const auto off = [&](const BudgetedMesh& m) { return std::abs(faces_of(m) / wanted - 1); };
-    std::array<double, 2> low{1, 1}, high{0, 0};  // planned and made, below and above what is wanted
-    BudgetedMesh best = make(faces);
-    double goal = wanted, made = faces_of(best);
-    const bool is_remeshed = std::abs(made / static_cast<double>(best.budget.faces) - 1) > kClose;
-    for (int plan = 1; is_remeshed && plan < kPlans && off(best) > kClose; ++plan) {
-        (made < wanted ? low : high) = {goal, made};
-        // By a power of what is planned.
-        goal =
-            high[0] > 0 && low[0] > 1
-                ? low[0] * std::pow(high[0] / low[0], std::log(wanted / low[1]) / std::log(high[1] / low[1]))
-                : goal * wanted / made;
-        BudgetedMesh next = make(std::max(kMinFaces, static_cast<std::uint64_t>(goal)));
-        made = faces_of(next);
-        if (off(next) < off(best)) best = std::move(next);
-    }
-    const auto total = [](const auto& stages) {
-        return std::accumulate(stages.begin(), stages.end(), 0.0,
-                               [](double sum, const auto& stage) { return sum + stage.second; });
-    };
-    auto& stages = best.result.stages;
-    const double others = total(tried) - total(stages);
-    stages.insert(stages.begin(), {"plan", total(planned)});
-    if (tried.size() > 1) stages.insert(stages.begin() + 1, {"other plans", others});
-    return best;
+    check_budget(options, faces);
+    return BudgetSearch(skeleton, constraints, options, faces, ctx).run();
 }
 
 std::string text_of(const FaceBudget& budget) {
-    return fmt::format("level {}, {} of {} axes, without {:.1f} % of the silhouette", budget.options.levels,
-                       grouped(budget.axes - budget.dropped), grouped(budget.axes),
-                       100 * budget.dropped_silhouette);
+    const bool by_radius = budget.options.tube_sides == TubeSides::by_radius;
+    return fmt::format("level {}{}, {} of {} axes, without {:.1f} % of the silhouette", budget.options.levels,
+                       by_radius ? ", sides by radius" : "", grouped(budget.axes - budget.dropped),
+                       grouped(budget.axes), 100 * budget.dropped_silhouette);
 }
 
 std::string text_of_missed_faces(const BudgetedMesh& made, std::uint64_t faces) {

@@ -36,8 +36,8 @@ struct SurfaceChange {
 /// Patches of the surface keep their vertices and quads in fixed ranges while others change, so that little
 /// has to be sent to where it is drawn. Ranges that are free hold quads of four equal corners.
 ///
-/// The methods are quads and bmesh, with local weights, fitted to the surface: what `fit` volume and global
-/// weights do to one place depends on all others.
+/// The methods are quads and bmesh, with local weights and as many quads around all branches, fitted to the
+/// surface: what `fit` volume and global weights do to one place depends on all others.
 class LiveSurface {
   public:
     /// Makes the whole surface. Throws what mesh_skeleton() throws, and InvalidInput naming `method`,

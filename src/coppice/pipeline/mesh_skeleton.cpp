@@ -87,6 +87,14 @@ std::optional<FitVolumeReport> fit_where_better(QuadSurface& surface, const Fitt
     return {};
 }
 
+void check_sides(const MeshOptions& options) {
+    if (options.tube_sides == TubeSides::by_radius && options.method == MeshMethod::tetrahedra)
+        throw InvalidInput("mesh: tube_sides must not be by_radius for tetrahedra, which have no tubes");
+    if (options.chord_error == 0) return;
+    if (options.tube_sides != TubeSides::by_radius || options.method == MeshMethod::cylinders)
+        throw InvalidInput("mesh: chord_error needs quads with tube_sides by_radius");
+}
+
 MeshResult make_surface(const Skeleton& given_skeleton, const PointSet& constraints, const MeshOptions& given,
                         bool with_solid, QuadOrigin* origin, const Context& ctx) {
     const bool may_use_device = given.method != MeshMethod::cylinders && !with_solid;
@@ -159,6 +167,7 @@ MeshResult make_coarsest(const Skeleton& skeleton, const PointSet& constraints, 
 MeshResult make_mesh(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
                      bool with_solid, QuadOrigin* origin, const Context& ctx) {
     check_fields(options, "mesh");
+    check_sides(options);
     if (options.levels == 0 && origin == nullptr && fits_where_off(options))
         return make_coarsest(skeleton, constraints, options, ctx);
     return make_surface(skeleton, constraints, options, with_solid, origin, ctx);

@@ -114,7 +114,8 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
 }
 
 /// Everything that decides what surface a skeleton gets. Tetrahedra are only concerned with prepare, field,
-/// tetra, and the ends of control; cylinders only with levels, prepare, control and tube_sides.
+/// tetra, and the ends of control; cylinders only with levels, prepare, control and tube_sides. Surfaces that
+/// are moved along with their skeleton have as many quads around all branches.
 struct MeshOptions {
     MeshMethod method = MeshMethod::quads;  ///< quads, triangles, or tubes
     int levels =
@@ -129,9 +130,12 @@ struct MeshOptions {
     UntangleOptions untangle;  ///< how folds are taken out
     int remesh_rounds = 12;    ///< times that quads which cross are looked for and remeshed; 0 = never
     TetraOptions tetra;        ///< for tetrahedra only
-    RamificationOptions ramification;         ///< for ramifications only
-    TubeSides tube_sides = TubeSides::equal;  ///< for cylinders only: faces around thin axes
-    Device device = Device::automatic;        ///< where quads are subdivided and tetrahedra sampled
+    RamificationOptions ramification;             ///< for ramifications only
+    TubeSides tube_sides = TubeSides::automatic;  ///< faces around thin axes; not for tetrahedra
+    /// [m] With sides by radius: how far the sides of sections may be from their circles; 0 = as far as those
+    /// of the thickest axis, which has as many as the levels say. Quads only.
+    float chord_error = 0;
+    Device device = Device::automatic;  ///< where quads are subdivided and tetrahedra sampled
 };
 
 template <class Self, class Visitor>
@@ -169,10 +173,15 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"tetra", "Tetrahedra"}, o.tetra);
     visit(Field{"ramification", "Ramifications"}, o.ramification);
     visit(
-        Field{
-            "tube_sides",
-            "faces around thin cylinders: as many as around thick ones, or fewer, by the root of the radius"},
+        Field{"tube_sides",
+              "faces around thin branches: as many as around thick ones, fewer by the root of the radius (4 "
+              "at least), or automatically fewer where a number of faces is given"},
         o.tube_sides);
+    visit(Field{"chord_error",
+                "distance of sides of sections from their circles with tube_sides by_radius; 0 = that around "
+                "the thickest axis, which has as many sides as the levels say",
+                Unit::metre, 0, 1e6},
+          o.chord_error);
     visit(
         Field{
             "device",
@@ -187,6 +196,12 @@ inline MeshOptions options_of_written_surface() {
     options.fit = Fit::automatic;
     return options;
 }
+
+/// What became of a surface that got fewer quads around thin branches.
+struct CoarsenReport {
+    std::uint64_t faces_before = 0;  ///< with as many around all
+    std::uint32_t raised = 0;  ///< times that a node got more sides, since quads crossed or were inverted
+};
 
 /// What remeshing did at knots, where tubes cross each other or themselves.
 struct KnotReport {
@@ -221,6 +236,7 @@ struct QuadSurface {
     ProjectReport projected;   ///< how near the field's level the vertices are
     UntangleReport untangled;  ///< folds found and taken out
     KnotReport knots;          ///< crossings found and remeshed
+    std::optional<CoarsenReport> coarsened;      ///< where options.tube_sides was by_radius
     std::optional<RamificationReport> ramified;  ///< how ramifications were joined
     std::optional<BallReport> balls;             ///< where the kernel was balls
     DeviceUse device;                            ///< what refined and projected it
@@ -293,9 +309,9 @@ PolygonMesh to_polygons(const MeshResult& result);
 ///
 /// With `fit` volume, either of the closed surfaces is moved at the end so that it encloses the volume of the
 /// skeleton's rounded cones (see fit_volume). With `automatic` its volume is measured (some 20 ms), and it is
-/// moved where that is off by over half a percent beyond the error and moving makes it better; quads without
-/// levels are always moved. Triangles, cylinders, and quads on metaballs, with an open base, global weights
-/// or a radius_scale of their own stay as they are.
+/// moved where that is off by over half a percent beyond the error and moving makes it better; without levels
+/// always, unless that ends farther off. Triangles, cylinders, and quads on metaballs, with an open base,
+/// global weights or a radius_scale of their own stay as they are.
 ///
 /// Throws InvalidInput naming an option out of range, a node at which more than 256 branches begin (but for
 /// cylinders), or `levels` when the mesh would be too large to index, and when tetrahedra find no surface

@@ -81,7 +81,7 @@ Axes axes_of(const Skeleton& s, const CylinderOptions& options) {
 /// Chords of n sides lie r (1 - cos(pi / n)) within their circle, about r (pi / n)^2 / 2: equally far where n
 /// goes with the root of r. Even where the thickest has an even number, for then all caps are quads.
 std::uint32_t sides_of(double radius, double greatest, const CylinderOptions& options) {
-    if (options.thin == TubeSides::equal) return static_cast<std::uint32_t>(options.sides);
+    if (options.thin != TubeSides::by_radius) return static_cast<std::uint32_t>(options.sides);
     const bool even = options.sides % 2 == 0;
     const double wanted = options.sides * std::sqrt(radius / greatest);
     const double step = even ? 2 : 1;

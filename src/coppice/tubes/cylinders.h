@@ -17,18 +17,19 @@ namespace coppice {
 enum class TubeSides {
     equal,      ///< as many as around thick ones
     by_radius,  ///< as many as keep chords equally far from their circles, in metres; 3 or 4 at least
+    automatic,  ///< by_radius where a number of faces is asked for, else equal
 };
 
 template <>
 struct EnumNames<TubeSides> {
-    static constexpr std::array<std::string_view, 2> names{"equal", "by_radius"};
+    static constexpr std::array<std::string_view, 3> names{"equal", "by_radius", "automatic"};
 };
 
 /// How generalized cylinders are made.
 struct CylinderOptions {
     int sides = 16;                     ///< around the thickest axis; in [3, 2048]
     int rows = 4;                       ///< of faces along each segment; in [1, 64]
-    TubeSides thin = TubeSides::equal;  ///< around thinner axes
+    TubeSides thin = TubeSides::equal;  ///< around thinner axes; automatic is equal
     TipShape tips = TipShape::round;    ///< how axes end
     BaseShape base = BaseShape::flat;   ///< how a tree begins at a root with one child
 };

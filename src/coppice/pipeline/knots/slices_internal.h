@@ -51,7 +51,8 @@ class Slices {
 
     std::uint32_t count() const { return tubes_->size() << levels_; }  ///< some have no quads
     std::uint32_t per_tube() const { return 1u << levels_; }
-    int levels() const { return levels_; }  ///< times that the cage was refined
+    int levels() const { return levels_; }          ///< times that the cage was refined
+    std::uint32_t sides() const { return sides_; }  ///< quads of the cage around a tube
     const ControlMesh& cage() const { return *cage_; }
     const Skeleton& tubes() const { return *tubes_; }
 

@@ -6,7 +6,9 @@
 
 #include "coppice/field/convolution_field.h"
 #include "coppice/implicit/field_ref.h"
+#include "coppice/pipeline/coarsen/coarsen_quads_internal.h"
 #include "coppice/pipeline/field_regions_internal.h"
+#include "coppice/pipeline/quads/blunt_tips_internal.h"
 #include "coppice/pipeline/quads/quads_on_device_internal.h"
 #include "coppice/pipeline/surface_field_internal.h"
 
@@ -15,6 +17,7 @@ namespace {
 
 using pipeline_internal::QuadRows;
 using pipeline_internal::RemeshTrace;
+using pipeline_internal::TubeMap;
 
 // The map that follows one map by another; none stays none.
 std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const NodeId> second) {
@@ -185,45 +188,31 @@ void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, KnotRe
     out.handles = std::ssize(joins) + static_cast<std::int64_t>(out.parts) - tubes.tree_count();
 }
 
-void remesh(QuadSurface& out, const pipeline_internal::TubeMap& map, int levels, const MeshOptions& options,
-            const Context& ctx, Stages& stages, RemeshTrace* trace = nullptr,
-            std::span<const std::uint8_t> wanted = {}) {
+void remesh(QuadSurface& out, const TubeMap& map, int levels, const MeshOptions& options, const Context& ctx,
+            Stages& stages, RemeshTrace& trace, std::span<const std::uint8_t> wanted = {}) {
     out.knots = stages.run("remesh", 1.0f,
-                           [&] { return remesh_knots(out, map, levels, options, ctx, trace, wanted); });
+                           [&] { return remesh_knots(out, map, levels, options, ctx, &trace, wanted); });
     if (out.knots.rounds == 0) count_bodies(map.tubes, out.cage.joins, out.knots);
+}
+
+// Whether quads around thin branches become fewer.
+bool is_coarsened(const MeshOptions& options) {
+    return options.tube_sides == TubeSides::by_radius && options.levels > 0;
+}
+
+void coarsen(QuadSurface& out, const pipeline_internal::RefinedQuads& from, const MeshOptions& options,
+             const Context& ctx, Stages& stages) {
+    out.coarsened = stages.run("coarsen", 1.0f, [&] { return coarsen_quads(out, from, options, ctx); });
 }
 
 // Whether a tube is only the branch node at a root.
 bool is_bare_root(const Skeleton& tubes, NodeId tube) { return tubes.is_root(tube) && !tubes.is_tip(tube); }
 
-// [m] The radius of a frustum that begins with the radius of a tube, ends one radius beyond its tip, and has
-// the volume of the tube and the half ball that is meant.
-float end_radius(const Segment& tube) {
-    const float a = tube.radius_a, b = tube.radius_b, l = distance(tube.a, tube.b);
-    const float mean_square = (l * (a * a + a * b + b * b) + 2 * b * b * b) / (l + b);  // times 3
-    return 0.5f * (std::sqrt(std::max(0.0f, 4 * mean_square - 3 * a * a)) - a);
-}
-
 // The cage alone has no vertices that could round a tip, so that its tubes end in planes there.
 void shape_tips(QuadSurface& out, const Skeleton& tubes) {
-    constexpr float kMiddle =
-        0.1f;  // what lies nearer to the axis, in its distance from the tip, is the middle of the end
-    std::vector<bool> is_done(out.mesh.positions.size());
-    for (std::size_t q = 0; q < out.mesh.quads.size(); ++q) {
-        const NodeId tip(out.cage.region[q]);
-        if (out.cage.part[q] != TubePart::end || tubes.is_root(tip)) continue;
-        const Segment s = tubes.segment(tip);
-        const float scale = end_radius(s) / s.radius_b;
-        const Vec3 axis = normalized(s.b - s.a), end = s.b + axis * s.radius_b;
-        for (const std::uint32_t v : out.mesh.quads[q]) {
-            if (is_done[v]) continue;
-            is_done[v] = true;
-            Vec3& p = out.mesh.positions[v];
-            const Vec3 from_tip = p - s.b, across = from_tip - axis * dot(from_tip, axis);
-            const float radius = length(from_tip), off = length(across);
-            p = off > kMiddle * radius ? end + across * (scale * radius / off) : end;
-        }
-    }
+    pipeline_internal::shape_blunt_tips(
+        out.cage, tubes, [](NodeId) { return true; },
+        [&](std::uint32_t v) -> Vec3& { return out.mesh.positions[v]; });
 }
 
 QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& constraints,
@@ -244,7 +233,8 @@ QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& co
     if (options.levels == 0 && options.control.tips == TipShape::round && extras.origin == nullptr &&
         options.project.method != ProjectionMethod::none)
         shape_tips(out, wrapped.tubes());
-    if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
+    if (extras.rows != nullptr && !is_coarsened(options))
+        *extras.rows = QuadRows{out.mesh, wrapped.tubes(), options.levels};
     if (extras.origin != nullptr) {
         *extras.origin = {{out.mesh, wrapped.tubes(), options.levels},
                           std::move(refined.anchors),
@@ -268,21 +258,29 @@ QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& co
         trace->refined = out.mesh.positions;
         if (extras.wanted) wanted = extras.wanted(out, *trace);
     }
-    remesh(out, {wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping}, options.levels, options, ctx,
-           stages, trace != nullptr ? &trace->remeshed : nullptr, wanted);
+    const TubeMap map{wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping};
+    RemeshTrace untraced;
+    RemeshTrace& remeshed = trace != nullptr ? trace->remeshed : untraced;
+    remesh(out, map, options.levels, options, ctx, stages, remeshed, wanted);
+    if (is_coarsened(options))
+        coarsen(out, {map, refined.patches, refined.anchors, remeshed}, options, ctx, stages);
     return out;
 }
 
 }  // namespace
 
-ControlMesh cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
+TubeCage cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx) {
     std::vector<std::pair<std::string, double>> seconds;
     Stages stages(ctx, seconds);
-    return cage_about(to_wrap(prepared, options, piece_end(options), ctx, stages), options, ctx);
+    Wrapped wrapped = to_wrap(prepared, options, piece_end(options), ctx, stages);
+    ControlMesh control = cage_about(wrapped, options, ctx);
+    return {std::move(control), std::move(wrapped.parted.skeleton)};
 }
 
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,
                           const QuadExtras& extras, const Context& ctx, Stages& stages) {
+    if (is_coarsened(options) && (extras.origin != nullptr || extras.trace != nullptr))
+        throw InvalidInput("mesh: tube_sides must be equal for a surface that follows its skeleton");
     const auto mesh = [&](PieceEnd end) {
         return mesh_with(end, prepared, constraints, options, extras, ctx, stages);
     };
@@ -320,18 +318,21 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
         return surface_field(wrapped.skeleton(), options, constraints, extras.weights, ctx);
     });
     const int levels = options.levels - 1;
-    CageRefiner(out, levels, field, wrapped, options, ctx, stages).run();
+    const Refined refined = CageRefiner(out, levels, field, wrapped, options, ctx, stages).run();
     out.cage.region = rows_of;
     out.cage.region_node = composed(source, wrapped.source);
-    if (extras.rows != nullptr) *extras.rows = QuadRows{out.mesh, made.tubes, levels};
+    const bool is_coarser = is_coarsened(with) && levels > 0;
+    if (extras.rows != nullptr && !is_coarser) *extras.rows = QuadRows{out.mesh, made.tubes, levels};
     const auto wrapping = compress_rows<NodeId>(wrapped.tube.size(), [&](const auto& put) {
         for (std::size_t n = 0; n < wrapped.tube.size(); ++n) {
             if (!wrapped.tube[n]) continue;
             for (const NodeId t : made.wrapping[wrapped.tube[n].index()]) put(n, t);
         }
     });
-    remesh(out, {made.tubes, wrapped.skeleton(), out.cage.region_node, wrapping, made.sides}, levels, with,
-           ctx, stages);
+    const TubeMap map{made.tubes, wrapped.skeleton(), out.cage.region_node, wrapping, made.sides};
+    RemeshTrace remeshed;
+    remesh(out, map, levels, with, ctx, stages, remeshed);
+    if (is_coarser) coarsen(out, {map, refined.patches, refined.anchors, remeshed}, with, ctx, stages);
     return out;
 }
 

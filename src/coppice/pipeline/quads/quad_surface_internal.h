@@ -34,8 +34,14 @@ struct QuadExtras {
     std::function<std::vector<std::uint8_t>(const QuadSurface&, const QuadTrace&)> wanted = {};
 };
 
+/// A cage and the tubes it was built about.
+struct TubeCage {
+    ControlMesh control;
+    Skeleton tubes;
+};
+
 /// The cage alone of MeshMethod::quads.
-ControlMesh cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx);
+TubeCage cage_of(const Skeleton& prepared, const MeshOptions& options, const Context& ctx);
 
 /// MeshMethod::quads of a prepared skeleton.
 QuadSurface mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, const MeshOptions& options,

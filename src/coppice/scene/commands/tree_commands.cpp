@@ -270,7 +270,8 @@ SceneOutcome makes_surface_of_faces(const SceneCall& call, const Skeleton& skele
                                     const MeshOptions& options, std::uint64_t faces) {
     if (options.levels != MeshOptions{}.levels)
         throw InvalidInput("faces= chooses the levels; leave levels= out");
-    call.reserve(memory_of_faces(static_cast<double>(faces), options.fit));
+    const double refined = options.tube_sides == TubeSides::equal ? 1 : kMaxRefinedFaces;
+    call.reserve(memory_of_faces(refined * static_cast<double>(faces), options.fit));
     BudgetedMesh made = mesh_with_faces(skeleton, {}, options, faces, call.context());
     const std::string missed = text_of_missed_faces(made, faces);
     return makes_surface(call, std::move(made.result),

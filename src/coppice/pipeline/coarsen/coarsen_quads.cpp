@@ -1,0 +1,197 @@
+#include "coppice/pipeline/coarsen/coarsen_quads_internal.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "coppice/measure/axes.h"
+#include "coppice/measure/cone_union.h"
+#include "coppice/mesh/shape.h"
+#include "coppice/pipeline/coarsen/node_levels_internal.h"
+#include "coppice/pipeline/coarsen/selection_internal.h"
+#include "coppice/pipeline/end_shapes.h"
+#include "coppice/pipeline/knots/crossings_internal.h"
+#include "coppice/pipeline/quads/blunt_tips_internal.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+class Coarsening {
+  public:
+    Coarsening(QuadSurface& surface, const RefinedQuads& from, const MeshOptions& options, const Context& ctx)
+        : surface_(surface),
+          from_(from),
+          options_(options),
+          ctx_(ctx),
+          grid_(surface, from),
+          slices_(surface.cage, from.map.tubes, from.patches.levels(), from.map.sides),
+          level_(node_levels(slices_, grid_, from.remeshed.is_gone, options.chord_error)) {}
+
+    CoarsenReport run() {
+        CoarsenReport report{surface_.mesh.quads.size()};
+        Flags is_new(level_.size(), 1);
+        while (any(is_new)) {
+            coarse_ = without_crossings(is_new, report);
+            is_new = raise_faulty(report);
+        }
+        surface_.mesh = std::move(coarse_);
+        return report;
+    }
+
+  private:
+    using Flags = std::vector<std::uint8_t>;  // per node
+
+    static bool any(const Flags& flags) { return std::ranges::find(flags, 1) != flags.end(); }
+
+    // The surface of the present levels, with more where its quads cross near nodes that are new.
+    QuadMesh without_crossings(Flags is_new, CoarsenReport& report) {
+        for (;;) {
+            const Selection chosen = select_quads(slices_, grid_, from_, level_);
+            QuadMesh coarse = mesh_of(chosen);
+            is_new = raise_bad(coarse, chosen.cage_quad, is_new, report);
+            if (!any(is_new)) return coarse;
+        }
+    }
+
+    int levels() const { return slices_.levels(); }
+
+    // What was made by remeshing follows what stayed.
+    std::span<const Quad> remeshed_quads() const {
+        std::size_t made = 0;
+        for (const RemeshTrace::Piece& piece : from_.remeshed.pieces) made += piece.quads;
+        return std::span<const Quad>(surface_.mesh.quads).last(made);
+    }
+
+    QuadMesh mesh_of(const Selection& chosen) const {
+        const std::vector<Vec3> positions = moved_vertices(chosen);
+        NumberSet used(positions.size());
+        for (const Quad& q : chosen.quads) {
+            for (const std::uint32_t v : q) used.add(grid_.number(v));
+        }
+        for (const Quad& q : remeshed_quads()) {
+            for (const std::uint32_t v : q) used.add(v);
+        }
+        used.count();
+        QuadMesh out;
+        out.origin = surface_.mesh.origin;
+        for (const std::uint32_t v : used.ascending()) out.positions.push_back(positions[v]);
+        for (const Quad& q : chosen.quads) {
+            Quad& now = out.quads.emplace_back();
+            std::ranges::transform(q, now.begin(),
+                                   [&](std::uint32_t v) { return used.rank(grid_.number(v)); });
+        }
+        for (const Quad& q : remeshed_quads()) {
+            Quad& now = out.quads.emplace_back();
+            std::ranges::transform(q, now.begin(), [&](std::uint32_t v) { return used.rank(v); });
+        }
+        return out;
+    }
+
+    // All vertices of the mesh, where they belong in polygons of fewer sides.
+    std::vector<Vec3> moved_vertices(const Selection& chosen) const {
+        std::vector<Vec3> out(surface_.mesh.positions.begin(), surface_.mesh.positions.end());
+        for (std::uint32_t v = 0; v < chosen.growth.size(); ++v) {
+            if (chosen.growth[v] == 0 || grid_.is_gone(v)) continue;
+            Vec3& p = out[grid_.number(v)];
+            p += (p - from_.anchors[v]) * chosen.growth[v];
+        }
+        if (options_.control.tips == TipShape::round) {
+            shape_blunt_tips(
+                surface_.cage, slices_.tubes(), [&](NodeId tip) { return level_[tip.index()] == 0; },
+                [&](std::uint32_t v) -> Vec3& { return out[grid_.number(v)]; });
+        }
+        return out;
+    }
+
+    // Gives a level more to the nodes at which quads cross or are inverted, as far as these are near nodes
+    // that are new; returns which nodes got it.
+    Flags raise_bad(const QuadMesh& mesh, std::span<const std::uint32_t> cage_quad, const Flags& is_new,
+                    CoarsenReport& report) {
+        std::vector<std::uint32_t> faces;  // that are new
+        for (std::uint32_t q = 0; q < cage_quad.size(); ++q) {
+            for_each_node(cage_quad[q], [&](NodeId n) {
+                if (is_new[n.index()] != 0 && (faces.empty() || faces.back() != q)) faces.push_back(q);
+            });
+        }
+        Flags is_raised(level_.size(), 0);
+        const auto mark = [&](std::uint32_t q) {
+            if (q >= cage_quad.size()) return;
+            for_each_node(cage_quad[q], [&](NodeId n) { is_raised[n.index()] = 1; });
+        };
+        for (const std::uint32_t q : faces) {
+            if (scaled_jacobian(mesh.quads[q], mesh.positions) <= 0) mark(q);
+        }
+        for (const FacePair& p : crossings_of(mesh, faces)) {
+            mark(p.first);
+            mark(p.second);
+        }
+        raise(is_raised, report);
+        return is_raised;
+    }
+
+    // Gives a level more to the nodes between which an axis is severed or a tip is short; returns which.
+    Flags raise_faulty(CoarsenReport& report) {
+        if (options_.control.base == BaseShape::open) return {};  // what has a hole has no inside
+        const Skeleton& skeleton = from_.map.skeleton;
+        const EndShape tips = tip_end(options_.control);
+        const ConeUnion solid(skeleton, coarse_.origin, base_end(options_.control), tips, ctx_);
+        Flags is_raised(level_.size(), 0);
+        for (const NodeId n : judge_axes(coarse_, skeleton, solid, tips, ctx_).faulty) {
+            for (const NodeId tube : from_.map.wrapping[n.index()]) {
+                is_raised[slices_.node(tube, 0).index()] = 1;
+                is_raised[slices_.node(tube, 1).index()] = 1;
+            }
+        }
+        raise(is_raised, report);
+        return is_raised;
+    }
+
+    // Gives some nodes a level more; those that have all levels are taken out of the flags.
+    void raise(Flags& nodes, CoarsenReport& report) {
+        for (std::size_t n = 0; n < level_.size(); ++n) {
+            nodes[n] = nodes[n] != 0 && level_[n] < levels() ? 1 : 0;
+            level_[n] = static_cast<std::uint8_t>(level_[n] + nodes[n]);
+            report.raised += nodes[n];
+        }
+    }
+
+    // The pairs of faces that cross, of which one is among some, or both are near these.
+    std::vector<FacePair> crossings_of(const QuadMesh& mesh, std::span<const std::uint32_t> faces) const {
+        const FaceView all(mesh);
+        std::vector<Box3> boxes;
+        for (const std::uint32_t q : faces) boxes.push_back(all.box(q));
+        if (boxes.empty()) return {};
+        return crossings_among(all, faces_near(all, boxes, ctx_), kMostPairs, ctx_).pairs;
+    }
+
+    template <class Visit>
+    void for_each_node(std::uint32_t f, const Visit& visit) const {
+        const ControlMesh& control = surface_.cage;
+        const NodeId region(control.region[f]);
+        if (control.part[f] == TubePart::fork) {
+            visit(region);
+            return;
+        }
+        if (!slices_.tubes().is_root(region)) visit(slices_.tubes().parent(region));
+        visit(slices_.end_node(region));
+    }
+
+    QuadSurface& surface_;
+    const RefinedQuads& from_;
+    const MeshOptions& options_;
+    const Context& ctx_;
+    RefinedGrid grid_;
+    Slices slices_;
+    std::vector<std::uint8_t> level_;  // per node
+    QuadMesh coarse_;
+};
+
+}  // namespace
+
+CoarsenReport coarsen_quads(QuadSurface& surface, const RefinedQuads& from, const MeshOptions& options,
+                            const Context& ctx) {
+    return Coarsening(surface, from, options, ctx).run();
+}
+
+}  // namespace coppice::pipeline_internal

@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "coppice/base/kernel/segment_distance.h"
+#include "coppice/pipeline/coarsen/node_levels_internal.h"
+#include "coppice/pipeline/coarsen/selection_internal.h"
+
+namespace coppice::pipeline_internal {
+namespace {
+
+constexpr std::uint32_t kTransitionQuads = 6;  // for every four sides of the finer ring
+
+// Calls visit for each run of cage quads of one part of a tube.
+template <class Visit>
+void for_each_run(const ControlMesh& control, const Visit& visit) {
+    for (std::uint32_t f = 0; f < control.part.size();) {
+        std::uint32_t end = f + 1;
+        while (end < control.part.size() && control.part[end] == control.part[f] &&
+               control.region[end] == control.region[f])
+            ++end;
+        visit(CageRun{f, end - f});
+        f = end;
+    }
+}
+
+// The end or branch node to which a cage quad belongs that is no side.
+NodeId node_of(const Slices& slices, std::uint32_t f) {
+    const ControlMesh& control = slices.cage();
+    const NodeId region(control.region[f]);
+    if (control.part[f] == TubePart::start) return slices.tubes().parent(region);
+    return control.part[f] == TubePart::end ? slices.end_node(region) : region;
+}
+
+// Quads of a tube between rings.
+std::uint64_t count_quads(std::uint32_t sides, std::span<const TubeRing> rings) {
+    std::uint64_t out = 0;
+    for (std::size_t i = 1; i < rings.size(); ++i) {
+        const int fine = std::max(rings[i - 1].level, rings[i].level);
+        const std::uint64_t around = std::uint64_t{sides} << fine;
+        out += rings[i - 1].level == rings[i].level ? around : around / 4 * kTransitionQuads;
+    }
+    return out;
+}
+
+class Selector {
+  public:
+    Selector(const Slices& slices, const RefinedGrid& grid, const RefinedQuads& from,
+             std::span<const std::uint8_t> node_level)
+        : slices_(slices), control_(slices.cage()), grid_(grid), from_(from), level_(node_level) {}
+
+    Selection run() {
+        out_.growth.assign(from_.patches.vertex_count(), 0.0f);
+        for_each_run(control_, [&](const CageRun& run) {
+            if (control_.part[run.first] == TubePart::side) {
+                add_tube(run);
+            } else {
+                for (std::uint32_t f = run.first; f < run.first + run.count; ++f) add_patch(f);
+            }
+        });
+        return std::move(out_);
+    }
+
+  private:
+    bool is_gone(Slice s) const { return !from_.remeshed.is_gone.empty() && from_.remeshed.is_gone[s] != 0; }
+
+    int level(NodeId n) const { return level_[n.index()]; }
+
+    void add_quad(const Quad& q, std::uint32_t cage_quad) {
+        out_.quads.push_back(q);
+        out_.cage_quad.push_back(cage_quad);
+    }
+
+    // Radius of the corners of a polygon of the area of a circle of radius 1.
+    double polygon_radius(int level) const {
+        const double angle = 2 * std::numbers::pi / std::ldexp(slices_.sides(), level);
+        return std::sqrt(angle / std::sin(angle));
+    }
+
+    // What a vertex has to move outward for polygons of this level to keep the area of those that there were.
+    float growth(int level) const {
+        return static_cast<float>(polygon_radius(level) / polygon_radius(slices_.levels()) - 1);
+    }
+
+    // Chords across crotches make up for about half of what polygons lack at branch nodes.
+    float growth_at_fork(NodeId n) const { return 0.5f * growth(level(n)); }
+
+    void add_patch(std::uint32_t f) {
+        if (is_gone(slices_.of_quad(f << (2 * slices_.levels())))) return;
+        const NodeId node = node_of(slices_, f);
+        const int l = level(node);
+        const std::uint32_t n = grid_.size(), step = n >> l;
+        const auto at = [&](std::uint32_t i, std::uint32_t j) { return grid_.vertex(f, i, j); };
+        for (std::uint32_t j = 0; j < n; j += step) {
+            for (std::uint32_t i = 0; i < n; i += step)
+                add_quad({at(i, j), at(i + step, j), at(i + step, j + step), at(i, j + step)}, f);
+        }
+        if (control_.part[f] != TubePart::fork) return;  // what closes a tube stays where it is, but its rim
+        for (std::uint32_t j = 0; j <= n; j += step) {
+            for (std::uint32_t i = 0; i <= n; i += step) out_.growth[at(i, j)] = growth_at_fork(node);
+        }
+    }
+
+    void add_tube(const CageRun& side) {
+        const NodeId tube(control_.region[side.first]);
+        bool is_whole = true;
+        for (Slice s = slices_.first(tube); s <= slices_.last(tube); ++s) is_whole &= !is_gone(s);
+        if (!is_whole) {
+            add_what_stays(side, tube);
+            return;
+        }
+        const std::vector<TubeRing> rings = rings_of(side, tube);
+        for (std::size_t i = 0; i < rings.size(); ++i) {
+            const bool is_end = i == 0 || i + 1 == rings.size();
+            const NodeId node = slices_.node(tube, i == 0 ? 0 : 1);
+            const bool is_at_fork = is_end && slices_.is_fork(node);
+            set_growth(side, rings[i], is_at_fork ? growth_at_fork(node) : growth(rings[i].level));
+        }
+        for (std::size_t i = 1; i < rings.size(); ++i) {
+            if (rings[i - 1].level == rings[i].level) {
+                add_row(side, rings[i - 1].row, rings[i]);
+            } else if (rings[i - 1].level > rings[i].level) {
+                add_transition(side, rings[i - 1], rings[i], false);
+            } else {
+                add_transition(side, rings[i], rings[i - 1], true);
+            }
+        }
+    }
+
+    void set_growth(const CageRun& side, const TubeRing& ring, float growth) {
+        for (std::uint32_t c = 0; c < grid_.columns(side); c += grid_.size() >> ring.level)
+            out_.growth[grid_.vertex(side, c, ring.row)] = growth;
+    }
+
+    void add_what_stays(const CageRun& side, NodeId tube) {
+        for (std::uint32_t row = 0; row < grid_.size(); ++row) {
+            if (!is_gone(slices_.first(tube) + row)) add_row(side, row, {row + 1, slices_.levels()});
+        }
+    }
+
+    // As few as stay near the refined rings.
+    std::vector<TubeRing> rings_of(const CageRun& side, NodeId tube) const {
+        const int begin = level(slices_.node(tube, 0)), end = level(slices_.node(tube, 1));
+        const int most = max_rows(begin, end, slices_.levels());
+        for (int rows = std::min(begin, end);; ++rows) {
+            std::vector<TubeRing> rings = rings_between(begin, end, rows, slices_.levels());
+            if (rows == most || are_near(side, rings)) return rings;
+        }
+    }
+
+    bool are_near(const CageRun& side, std::span<const TubeRing> rings) const {
+        for (std::size_t i = 1; i < rings.size(); ++i) {
+            if (!is_near(side, rings[i - 1], rings[i])) return false;
+        }
+        return true;
+    }
+
+    // Whether refined vertices between two rings are as near to the lines between these as the middle of a
+    // side of the ring is to its circle.
+    bool is_near(const CageRun& side, const TubeRing& a, const TubeRing& b) const {
+        const int l = std::min(a.level, b.level);
+        const double limit = sagitta(std::ldexp(slices_.sides(), l));
+        for (std::uint32_t c = 0; c < grid_.columns(side); c += grid_.size() >> l) {
+            const auto at = [&](std::uint32_t row) { return grid_.position(grid_.vertex(side, c, row)); };
+            const Vec3 from = at(a.row), axis = at(b.row) - from;
+            for (std::uint32_t row = a.row + 1; row < b.row; ++row) {
+                const Vec3 p = at(row), anchor = from_.anchors[grid_.vertex(side, c, row)];
+                const float t = closest_parameter(p, from, axis, 1.0f);
+                if (distance(p, from + axis * t) > limit * distance(p, anchor)) return false;
+            }
+        }
+        return true;
+    }
+
+    // Quads between two rings of one level.
+    void add_row(const CageRun& side, std::uint32_t row, const TubeRing& next) {
+        const std::uint32_t step = grid_.size() >> next.level;
+        for (std::uint32_t c = 0; c < grid_.columns(side); c += step) {
+            add_quad({grid_.vertex(side, c, row), grid_.vertex(side, c + step, row),
+                      grid_.vertex(side, c + step, next.row), grid_.vertex(side, c, next.row)},
+                     side.first + c / grid_.size());
+        }
+    }
+
+    // Quads between a ring and one of half as many sides: six for every four sides of the finer one.
+    void add_transition(const CageRun& side, const TubeRing& fine, const TubeRing& coarse, bool is_reversed) {
+        const std::uint32_t step = grid_.size() >> fine.level, middle = (fine.row + coarse.row) / 2;
+        const float between = (growth(fine.level) + growth(coarse.level)) / 2;
+        for (std::uint32_t c = 0; c < grid_.columns(side); c += 4 * step) {
+            const auto a = [&](std::uint32_t k) { return grid_.vertex(side, c + k * step, fine.row); };
+            const auto m = [&](std::uint32_t k) { return grid_.vertex(side, c + k * step, middle); };
+            const auto b = [&](std::uint32_t k) { return grid_.vertex(side, c + k * step, coarse.row); };
+            for (const std::uint32_t k : {1u, 2u, 3u}) out_.growth[m(k)] = between;
+            const std::array<Quad, kTransitionQuads> quads{{{a(0), a(1), m(1), b(0)},
+                                                            {a(1), a(2), m(2), m(1)},
+                                                            {a(2), a(3), m(3), m(2)},
+                                                            {a(3), a(4), b(4), m(3)},
+                                                            {b(0), m(1), m(2), b(2)},
+                                                            {b(2), m(2), m(3), b(4)}}};
+            for (Quad q : quads) {
+                if (is_reversed) std::ranges::reverse(q);
+                add_quad(q, side.first + c / grid_.size());
+            }
+        }
+    }
+
+    const Slices& slices_;
+    const ControlMesh& control_;
+    const RefinedGrid& grid_;
+    const RefinedQuads& from_;
+    std::span<const std::uint8_t> level_;
+    Selection out_;
+};
+
+}  // namespace
+
+Selection select_quads(const Slices& slices, const RefinedGrid& grid, const RefinedQuads& from,
+                       std::span<const std::uint8_t> node_level) {
+    return Selector(slices, grid, from, node_level).run();
+}
+
+std::uint64_t faces_by_radius(const ControlMesh& control, const Skeleton& tubes, int levels,
+                              float chord_error) {
+    const Slices slices(control, tubes, levels);
+    const std::vector<std::uint8_t> level = node_levels_by_radius(slices, chord_error);
+    std::uint64_t out = 0;
+    for_each_run(control, [&](const CageRun& run) {
+        if (control.part[run.first] == TubePart::side) {
+            const NodeId tube(control.region[run.first]);
+            const int begin = level[slices.node(tube, 0).index()], end = level[slices.node(tube, 1).index()];
+            out += count_quads(run.count, rings_between(begin, end, std::min(begin, end), levels));
+        } else {
+            for (std::uint32_t f = run.first; f < run.first + run.count; ++f)
+                out += std::uint64_t{1} << (2 * level[node_of(slices, f).index()]);
+        }
+    });
+    return out;
+}
+
+}  // namespace coppice::pipeline_internal
