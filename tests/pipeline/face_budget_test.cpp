@@ -50,7 +50,7 @@ TEST(MeshWithFaces, ComesNearWithSidesByRadiusOrWithout) {
     EXPECT_EQ(mesh_with_faces(tree, {}, {}, 20'000).budget.options.tube_sides, TubeSides::by_radius);
 }
 
-// A trunk whose laterals wind by a fifth of their radius, by many nodes.
+// A trunk with laterals that wind by a fifth of their radius, by many nodes.
 Skeleton winding_laterals() {
     std::vector<NodeId> parent{NodeId::none()};
     std::vector<Vec3> position{{0, 0, 0}};

@@ -138,7 +138,8 @@ class RadiusPlanner {
         : skeleton_(skeleton),
           given_(given),
           cage_(cage_with(skeleton, given, ctx)),
-          thickest_(pipeline_internal::thickest_radius(cage_.tubes)) {}
+          thickest_(pipeline_internal::thickest_radius(cage_.tubes)),
+          axes_(AxesBySilhouette(skeleton).count()) {}
 
     // [m] With that the thickest axis has as many sides as so many levels give.
     float chord_error_at(int levels) const {
@@ -156,7 +157,7 @@ class RadiusPlanner {
         FaceBudget out{skeleton_, given_, faces_with(levels, chord_error)};
         out.options.chord_error = chord_error;
         out.options.levels = levels;
-        out.axes = AxesBySilhouette(skeleton_).count();
+        out.axes = axes_;
         return out;
     }
 
@@ -186,6 +187,7 @@ class RadiusPlanner {
     const MeshOptions& given_;
     TubeCage cage_;
     float thickest_;
+    std::uint32_t axes_;
 };
 
 // Levels, how near rings stand, and how many faces the cage then has.
@@ -311,7 +313,7 @@ class BudgetSearch {
 
   private:
     // What is near the number, or numbers on both sides of it; or on one side alone.
-    enum class Found { all, too_few, too_many };
+    enum class Found { enough, too_few, too_many };
 
     static double count(const BudgetedMesh& m) {
         return static_cast<double>(m.result.quads().mesh.quads.size());
@@ -388,13 +390,13 @@ class BudgetSearch {
         double at = first, before = 0;
         for (int i = 0; i < kTries; ++i) {
             const double made = make(planned([&] { return plan(at); }));
-            if (std::abs(made / wanted() - 1) < kClose) return Found::all;
+            if (std::abs(made / wanted() - 1) < kClose) return Found::enough;
             (made < wanted() ? low : high) = {at, made};
             if (made == before || (made > wanted() && at <= least)) break;
             before = made;
             at = std::max(least, next_try(at, made, low, high));
         }
-        if (low[0] > 0 && high[0] > 0) return Found::all;
+        if (low[0] > 0 && high[0] > 0) return Found::enough;
         return low[0] > 0 ? Found::too_few : Found::too_many;
     }
 

@@ -14,11 +14,15 @@ float volume_true_scale(const MeshOptions& options) {
         options.field.weights == Weights::global) {
         return 1;
     }
-    const double angle = 2 * std::numbers::pi / std::ldexp(options.control.sides, options.levels);
-    return static_cast<float>(std::sqrt(angle / std::sin(angle)));
+    return static_cast<float>(corner_radius(std::ldexp(options.control.sides, options.levels)));
 }
 
 }  // namespace
+
+double corner_radius(double sides) {
+    const double angle = 2 * std::numbers::pi / sides;
+    return std::sqrt(angle / std::sin(angle));
+}
 
 // Where the end of a tree is cut flat, the field goes on far enough to be full there.
 FieldOptions surface_field_options(const MeshOptions& options) {

@@ -7,6 +7,9 @@
 
 namespace coppice {
 
+/// Returns the radius of the corners of a regular polygon that has the area of a circle of radius 1.
+double corner_radius(double sides);
+
 /// The options of the field whose surface is asked for: how lines go on beyond ends follows from the cage's.
 FieldOptions surface_field_options(const MeshOptions& options);
 

@@ -1,7 +1,6 @@
 #include "coppice/pipeline/coarsen/coarsen_quads_internal.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -25,17 +24,15 @@ class Coarsening {
           options_(options),
           ctx_(ctx),
           grid_(surface, from),
-          slices_(surface.cage, from.map.tubes, from.patches.levels(), from.map.sides),
-          level_(node_levels(slices_, grid_, from.remeshed.is_gone, options.chord_error)) {}
+          slices_(grid_.slices()),
+          level_(node_levels(grid_, options.chord_error)) {}
 
     CoarsenReport run() {
         CoarsenReport report{surface_.mesh.quads.size()};
-        Flags is_new(level_.size(), 1);
-        while (any(is_new)) {
-            coarse_ = without_crossings(is_new, report);
-            is_new = raise_faulty(report);
-        }
-        surface_.mesh = std::move(coarse_);
+        QuadMesh coarse;
+        for (Flags is_new(level_.size(), 1); any(is_new); is_new = raise_faulty(coarse, report))
+            coarse = without_crossings(is_new, report);
+        surface_.mesh = std::move(coarse);
         return report;
     }
 
@@ -47,7 +44,7 @@ class Coarsening {
     // The surface of the present levels, with more where its quads cross near nodes that are new.
     QuadMesh without_crossings(Flags is_new, CoarsenReport& report) {
         for (;;) {
-            const Selection chosen = select_quads(slices_, grid_, from_, level_);
+            const Selection chosen = select_quads(grid_, level_);
             QuadMesh coarse = mesh_of(chosen);
             is_new = raise_bad(coarse, chosen.cage_quad, is_new, report);
             if (!any(is_new)) return coarse;
@@ -92,9 +89,9 @@ class Coarsening {
     std::vector<Vec3> moved_vertices(const Selection& chosen) const {
         std::vector<Vec3> out(surface_.mesh.positions.begin(), surface_.mesh.positions.end());
         for (std::uint32_t v = 0; v < chosen.growth.size(); ++v) {
-            if (chosen.growth[v] == 0 || grid_.is_gone(v)) continue;
+            if (chosen.growth[v] == 0) continue;
             Vec3& p = out[grid_.number(v)];
-            p += (p - from_.anchors[v]) * chosen.growth[v];
+            p += (p - grid_.anchor(v)) * chosen.growth[v];
         }
         if (options_.control.tips == TipShape::round) {
             shape_blunt_tips(
@@ -131,13 +128,13 @@ class Coarsening {
     }
 
     // Gives a level more to the nodes between which an axis is severed or a tip is short; returns which.
-    Flags raise_faulty(CoarsenReport& report) {
+    Flags raise_faulty(const QuadMesh& mesh, CoarsenReport& report) {
         if (options_.control.base == BaseShape::open) return {};  // what has a hole has no inside
         const Skeleton& skeleton = from_.map.skeleton;
         const EndShape tips = tip_end(options_.control);
-        const ConeUnion solid(skeleton, coarse_.origin, base_end(options_.control), tips, ctx_);
+        const ConeUnion solid(skeleton, mesh.origin, base_end(options_.control), tips, ctx_);
         Flags is_raised(level_.size(), 0);
-        for (const NodeId n : judge_axes(coarse_, skeleton, solid, tips, ctx_).faulty) {
+        for (const NodeId n : judge_axes(mesh, skeleton, solid, tips, ctx_).faulty) {
             for (const NodeId tube : from_.map.wrapping[n.index()]) {
                 is_raised[slices_.node(tube, 0).index()] = 1;
                 is_raised[slices_.node(tube, 1).index()] = 1;
@@ -182,9 +179,8 @@ class Coarsening {
     const MeshOptions& options_;
     const Context& ctx_;
     RefinedGrid grid_;
-    Slices slices_;
+    const Slices& slices_;
     std::vector<std::uint8_t> level_;  // per node
-    QuadMesh coarse_;
 };
 
 }  // namespace

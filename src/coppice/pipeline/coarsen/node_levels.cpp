@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coppice/base/kernel/segment_distance.h"
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 
 namespace coppice::pipeline_internal {
@@ -9,17 +10,15 @@ namespace {
 
 class NodeLevels {
   public:
-    NodeLevels(const Slices& slices, const RefinedGrid& grid, std::span<const std::uint8_t> is_gone,
-               float chord_error)
-        : slices_(slices), grid_(grid), is_gone_(is_gone), out_(node_levels_by_radius(slices, chord_error)) {}
+    NodeLevels(const RefinedGrid& grid, float chord_error)
+        : grid_(grid), slices_(grid.slices()), out_(node_levels_by_radius(slices_, chord_error)) {}
 
     std::vector<std::uint8_t> run() {
         keep_remeshed();
         const ControlMesh& control = slices_.cage();
-        const std::vector<TubeFaces> faces = faces_of_tubes(slices_);
         for (const NodeId tube : nodes(slices_.tubes())) {
-            const TubeFaces& f = faces[tube.index()];
-            if (f.side.count > 0 && is_whole(tube)) set_by_shape(tube, f.side);
+            const CageRun& side = grid_.faces(tube).side;
+            if (side.count > 0 && grid_.is_whole(tube)) set_by_shape(tube, side);
         }
         for (std::uint32_t f = 0; f < control.part.size(); ++f) {
             if (control.part[f] == TubePart::fork) set_by_shape(NodeId(control.region[f]), f);
@@ -34,22 +33,15 @@ class NodeLevels {
         out_[n.index()] = std::max(out_[n.index()], static_cast<std::uint8_t>(level));
     }
 
-    bool is_whole(NodeId tube) const {
-        for (Slice s = slices_.first(tube); !is_gone_.empty() && s <= slices_.last(tube); ++s) {
-            if (is_gone_[s] != 0) return false;
-        }
-        return true;
-    }
-
     void keep_remeshed() {
         for (const NodeId tube : nodes(slices_.tubes())) {
-            if (is_whole(tube)) continue;
+            if (grid_.is_whole(tube)) continue;
             raise(slices_.end_node(tube), levels());
             if (!slices_.tubes().is_root(tube)) raise(slices_.tubes().parent(tube), levels());
         }
     }
 
-    // By the sections of a tube; each end goes by the nearer half.
+    // By the sections of a tube, each end by those of the nearer half.
     void set_by_shape(NodeId tube, const CageRun& side) {
         const Segment s = slices_.tubes().segment(tube);
         const std::uint32_t n = grid_.size();
@@ -65,8 +57,8 @@ class NodeLevels {
 
     // By the lines of a cage quad at a branch node, along and across.
     void set_by_shape(NodeId node, std::uint32_t f) {
+        if (!grid_.has_patch(f)) return;
         const std::uint32_t n = grid_.size();
-        if (grid_.is_gone(grid_.vertex(f, n / 2, n / 2))) return;
         const float radius = slices_.tubes().radius(node);
         for (std::uint32_t line = 0; line <= n; ++line) {
             const auto along = [&](std::uint32_t i) { return grid_.position(grid_.vertex(f, i, line)); };
@@ -96,16 +88,15 @@ class NodeLevels {
             const Vec3 from = at(c), chord = at(c + step) - from;
             for (std::uint32_t i = 1; i < step; ++i) {
                 const Vec3 p = at(c + i);
-                const float t = std::clamp(dot(p - from, chord) / dot(chord, chord), 0.0f, 1.0f);
+                const float t = closest_parameter(p, from, chord, 1.0f);
                 if (distance(p, from + chord * t) > limit) return false;
             }
         }
         return true;
     }
 
-    const Slices& slices_;
     const RefinedGrid& grid_;
-    std::span<const std::uint8_t> is_gone_;
+    const Slices& slices_;
     std::vector<std::uint8_t> out_;
 };
 
@@ -152,9 +143,8 @@ std::vector<std::uint8_t> node_levels_by_radius(const Slices& slices, float chor
     return out;
 }
 
-std::vector<std::uint8_t> node_levels(const Slices& slices, const RefinedGrid& grid,
-                                      std::span<const std::uint8_t> is_gone, float chord_error) {
-    return NodeLevels(slices, grid, is_gone, chord_error).run();
+std::vector<std::uint8_t> node_levels(const RefinedGrid& grid, float chord_error) {
+    return NodeLevels(grid, chord_error).run();
 }
 
 int max_rows(int begin, int end, int levels) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "coppice/pipeline/coarsen/refined_grid_internal.h"
@@ -21,21 +20,20 @@ float chord_error_at(float radius, std::uint32_t sides, int level);
 
 /// Returns per node of the tubes how often the cage is to be subdivided there for chords to be as far from
 /// their circles as given [m]; 0 = as far as around the thickest axis at all levels. Polygons then have sides
-/// by the square root of the radius. What several tubes meet at goes by the thickest one. O(nodes).
+/// by the square root of the radius. Where several tubes meet, the thickest one decides. O(nodes).
 std::vector<std::uint8_t> node_levels_by_radius(const Slices& slices, float chord_error);
 
 /// The same, but more where sections are not round, as at branch nodes: until no refined vertex is farther
 /// from a chord than three times what it is in a circle. Tubes of which something was remeshed stay as they
 /// are. O(quads).
-std::vector<std::uint8_t> node_levels(const Slices& slices, const RefinedGrid& grid,
-                                      std::span<const std::uint8_t> is_gone, float chord_error);
+std::vector<std::uint8_t> node_levels(const RefinedGrid& grid, float chord_error);
 
-/// How far the middle of a side of a regular polygon is from its circle, whose radius is 1.
+/// How far the middle of a side of a regular polygon is from its circle of radius 1.
 double sagitta(double sides);
 
 /// One ring of vertices around a tube.
 struct TubeRing {
-    std::uint32_t row = 0;  ///< the refined row at whose beginning it lies
+    std::uint32_t row = 0;  ///< of the refined row that it begins
     int level = 0;          ///< it has so many vertices as the cage has after so many subdivisions
 };
 

@@ -1,30 +1,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/pipeline/coarsen/node_levels_internal.h"
 #include "coppice/pipeline/coarsen/selection_internal.h"
+#include "coppice/pipeline/surface_field_internal.h"
 
 namespace coppice::pipeline_internal {
 namespace {
 
 constexpr std::uint32_t kTransitionQuads = 6;  // for every four sides of the finer ring
-
-// Calls visit for each run of cage quads of one part of a tube.
-template <class Visit>
-void for_each_run(const ControlMesh& control, const Visit& visit) {
-    for (std::uint32_t f = 0; f < control.part.size();) {
-        std::uint32_t end = f + 1;
-        while (end < control.part.size() && control.part[end] == control.part[f] &&
-               control.region[end] == control.region[f])
-            ++end;
-        visit(CageRun{f, end - f});
-        f = end;
-    }
-}
 
 // The end or branch node to which a cage quad belongs that is no side.
 NodeId node_of(const Slices& slices, std::uint32_t f) {
@@ -47,25 +34,22 @@ std::uint64_t count_quads(std::uint32_t sides, std::span<const TubeRing> rings) 
 
 class Selector {
   public:
-    Selector(const Slices& slices, const RefinedGrid& grid, const RefinedQuads& from,
-             std::span<const std::uint8_t> node_level)
-        : slices_(slices), control_(slices.cage()), grid_(grid), from_(from), level_(node_level) {}
+    Selector(const RefinedGrid& grid, std::span<const std::uint8_t> node_level)
+        : grid_(grid), slices_(grid.slices()), control_(slices_.cage()), level_(node_level) {}
 
     Selection run() {
-        out_.growth.assign(from_.patches.vertex_count(), 0.0f);
-        for_each_run(control_, [&](const CageRun& run) {
-            if (control_.part[run.first] == TubePart::side) {
-                add_tube(run);
-            } else {
-                for (std::uint32_t f = run.first; f < run.first + run.count; ++f) add_patch(f);
+        out_.growth.assign(grid_.vertex_count(), 0.0f);
+        for (std::uint32_t f = 0; f < control_.part.size(); ++f) {
+            if (control_.part[f] != TubePart::side) {
+                add_patch(f);
+            } else if (const NodeId tube(control_.region[f]); grid_.faces(tube).side.first == f) {
+                add_tube(tube, grid_.faces(tube).side);
             }
-        });
+        }
         return std::move(out_);
     }
 
   private:
-    bool is_gone(Slice s) const { return !from_.remeshed.is_gone.empty() && from_.remeshed.is_gone[s] != 0; }
-
     int level(NodeId n) const { return level_[n.index()]; }
 
     void add_quad(const Quad& q, std::uint32_t cage_quad) {
@@ -73,11 +57,7 @@ class Selector {
         out_.cage_quad.push_back(cage_quad);
     }
 
-    // Radius of the corners of a polygon of the area of a circle of radius 1.
-    double polygon_radius(int level) const {
-        const double angle = 2 * std::numbers::pi / std::ldexp(slices_.sides(), level);
-        return std::sqrt(angle / std::sin(angle));
-    }
+    double polygon_radius(int level) const { return corner_radius(std::ldexp(slices_.sides(), level)); }
 
     // What a vertex has to move outward for polygons of this level to keep the area of those that there were.
     float growth(int level) const {
@@ -88,7 +68,7 @@ class Selector {
     float growth_at_fork(NodeId n) const { return 0.5f * growth(level(n)); }
 
     void add_patch(std::uint32_t f) {
-        if (is_gone(slices_.of_quad(f << (2 * slices_.levels())))) return;
+        if (!grid_.has_patch(f)) return;
         const NodeId node = node_of(slices_, f);
         const int l = level(node);
         const std::uint32_t n = grid_.size(), step = n >> l;
@@ -103,11 +83,8 @@ class Selector {
         }
     }
 
-    void add_tube(const CageRun& side) {
-        const NodeId tube(control_.region[side.first]);
-        bool is_whole = true;
-        for (Slice s = slices_.first(tube); s <= slices_.last(tube); ++s) is_whole &= !is_gone(s);
-        if (!is_whole) {
+    void add_tube(NodeId tube, const CageRun& side) {
+        if (!grid_.is_whole(tube)) {
             add_what_stays(side, tube);
             return;
         }
@@ -136,7 +113,7 @@ class Selector {
 
     void add_what_stays(const CageRun& side, NodeId tube) {
         for (std::uint32_t row = 0; row < grid_.size(); ++row) {
-            if (!is_gone(slices_.first(tube) + row)) add_row(side, row, {row + 1, slices_.levels()});
+            if (grid_.stays(slices_.first(tube) + row)) add_row(side, row, {row + 1, slices_.levels()});
         }
     }
 
@@ -166,7 +143,7 @@ class Selector {
             const auto at = [&](std::uint32_t row) { return grid_.position(grid_.vertex(side, c, row)); };
             const Vec3 from = at(a.row), axis = at(b.row) - from;
             for (std::uint32_t row = a.row + 1; row < b.row; ++row) {
-                const Vec3 p = at(row), anchor = from_.anchors[grid_.vertex(side, c, row)];
+                const Vec3 p = at(row), anchor = grid_.anchor(grid_.vertex(side, c, row));
                 const float t = closest_parameter(p, from, axis, 1.0f);
                 if (distance(p, from + axis * t) > limit * distance(p, anchor)) return false;
             }
@@ -206,19 +183,17 @@ class Selector {
         }
     }
 
+    const RefinedGrid& grid_;
     const Slices& slices_;
     const ControlMesh& control_;
-    const RefinedGrid& grid_;
-    const RefinedQuads& from_;
     std::span<const std::uint8_t> level_;
     Selection out_;
 };
 
 }  // namespace
 
-Selection select_quads(const Slices& slices, const RefinedGrid& grid, const RefinedQuads& from,
-                       std::span<const std::uint8_t> node_level) {
-    return Selector(slices, grid, from, node_level).run();
+Selection select_quads(const RefinedGrid& grid, std::span<const std::uint8_t> node_level) {
+    return Selector(grid, node_level).run();
 }
 
 std::uint64_t faces_by_radius(const ControlMesh& control, const Skeleton& tubes, int levels,
@@ -226,16 +201,17 @@ std::uint64_t faces_by_radius(const ControlMesh& control, const Skeleton& tubes,
     const Slices slices(control, tubes, levels);
     const std::vector<std::uint8_t> level = node_levels_by_radius(slices, chord_error);
     std::uint64_t out = 0;
-    for_each_run(control, [&](const CageRun& run) {
-        if (control.part[run.first] == TubePart::side) {
-            const NodeId tube(control.region[run.first]);
-            const int begin = level[slices.node(tube, 0).index()], end = level[slices.node(tube, 1).index()];
-            out += count_quads(run.count, rings_between(begin, end, std::min(begin, end), levels));
-        } else {
-            for (std::uint32_t f = run.first; f < run.first + run.count; ++f)
-                out += std::uint64_t{1} << (2 * level[node_of(slices, f).index()]);
-        }
-    });
+    for (std::uint32_t f = 0; f < control.part.size(); ++f) {
+        if (control.part[f] != TubePart::side)
+            out += std::uint64_t{1} << (2 * level[node_of(slices, f).index()]);
+    }
+    const std::vector<TubeFaces> faces = faces_of_tubes(slices);
+    for (const NodeId tube : nodes(tubes)) {
+        const std::uint32_t sides = faces[tube.index()].side.count;
+        if (sides == 0) continue;
+        const int begin = level[slices.node(tube, 0).index()], end = level[slices.node(tube, 1).index()];
+        out += count_quads(sides, rings_between(begin, end, std::min(begin, end), levels));
+    }
     return out;
 }
 

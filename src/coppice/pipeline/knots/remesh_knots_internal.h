@@ -26,6 +26,8 @@ struct RemeshTrace {
     /// Whether what became of each place depends on what lies near it alone: not where zones or whole trees
     /// had to be taken, or something was given back.
     bool is_local = true;
+
+    bool stays(Slice s) const { return is_gone.empty() || is_gone[s] == 0; }  ///< whether a slice does
 };
 
 /// Per node of some tubes the first root of its tree and all that are joined to it.

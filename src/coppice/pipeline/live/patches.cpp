@@ -44,8 +44,7 @@ void number(SurfacePatches& out, std::vector<std::uint32_t>& owner_of_quad, cons
     }
     for (std::uint32_t q = 0; q < trace.patches->quad_count(); ++q) {
         const Slice s = slices.of_quad(q);
-        if (remeshed.is_gone.empty() || remeshed.is_gone[s] == 0)
-            owner_of_quad.push_back(slices.tube(s).index());
+        if (remeshed.stays(s)) owner_of_quad.push_back(slices.tube(s).index());
     }
     // The vertices of a piece follow those of the one before it.
     std::uint32_t patch = slices.tubes().size();

@@ -16,7 +16,7 @@ float end_radius(const Segment& tube) {
 }
 
 Vec3 point_at_end(Vec3 p, const Segment& s) {
-    // What lies nearer to the axis, in its distance from the tip, is the middle of the end.
+    // Vertices nearer to the axis, in their distance from the tip, are the middle of the end.
     constexpr float kMiddle = 0.1f;
     const Vec3 axis = normalized(s.b - s.a), end = s.b + axis * s.radius_b;
     const Vec3 from_tip = p - s.b, across = from_tip - axis * dot(from_tip, axis);

@@ -189,9 +189,9 @@ void count_bodies(const Skeleton& tubes, std::span<const NodeJoin> joins, KnotRe
 }
 
 void remesh(QuadSurface& out, const TubeMap& map, int levels, const MeshOptions& options, const Context& ctx,
-            Stages& stages, RemeshTrace& trace, std::span<const std::uint8_t> wanted = {}) {
+            Stages& stages, RemeshTrace* trace, std::span<const std::uint8_t> wanted = {}) {
     out.knots = stages.run("remesh", 1.0f,
-                           [&] { return remesh_knots(out, map, levels, options, ctx, &trace, wanted); });
+                           [&] { return remesh_knots(out, map, levels, options, ctx, trace, wanted); });
     if (out.knots.rounds == 0) count_bodies(map.tubes, out.cage.joins, out.knots);
 }
 
@@ -200,8 +200,11 @@ bool is_coarsened(const MeshOptions& options) {
     return options.tube_sides == TubeSides::by_radius && options.levels > 0;
 }
 
-void coarsen(QuadSurface& out, const pipeline_internal::RefinedQuads& from, const MeshOptions& options,
-             const Context& ctx, Stages& stages) {
+void remesh_and_coarsen(QuadSurface& out, const TubeMap& map, const Refined& refined,
+                        const MeshOptions& options, const Context& ctx, Stages& stages) {
+    RemeshTrace remeshed;
+    remesh(out, map, refined.patches.levels(), options, ctx, stages, &remeshed);
+    const pipeline_internal::RefinedQuads from{map, refined.patches, refined.anchors, remeshed};
     out.coarsened = stages.run("coarsen", 1.0f, [&] { return coarsen_quads(out, from, options, ctx); });
 }
 
@@ -259,11 +262,12 @@ QuadSurface mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& co
         if (extras.wanted) wanted = extras.wanted(out, *trace);
     }
     const TubeMap map{wrapped.tubes(), wrapped.skeleton(), wrapped.source, wrapping};
-    RemeshTrace untraced;
-    RemeshTrace& remeshed = trace != nullptr ? trace->remeshed : untraced;
-    remesh(out, map, options.levels, options, ctx, stages, remeshed, wanted);
-    if (is_coarsened(options))
-        coarsen(out, {map, refined.patches, refined.anchors, remeshed}, options, ctx, stages);
+    if (is_coarsened(options)) {
+        remesh_and_coarsen(out, map, refined, options, ctx, stages);
+    } else {
+        remesh(out, map, options.levels, options, ctx, stages, trace != nullptr ? &trace->remeshed : nullptr,
+               wanted);
+    }
     return out;
 }
 
@@ -330,9 +334,11 @@ QuadSurface mesh_by_ramifications(const Skeleton& prepared, const PointSet& cons
         }
     });
     const TubeMap map{made.tubes, wrapped.skeleton(), out.cage.region_node, wrapping, made.sides};
-    RemeshTrace remeshed;
-    remesh(out, map, levels, with, ctx, stages, remeshed);
-    if (is_coarser) coarsen(out, {map, refined.patches, refined.anchors, remeshed}, with, ctx, stages);
+    if (is_coarser) {
+        remesh_and_coarsen(out, map, refined, with, ctx, stages);
+    } else {
+        remesh(out, map, levels, with, ctx, stages, nullptr);
+    }
     return out;
 }
 
