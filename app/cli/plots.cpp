@@ -111,8 +111,13 @@ Figures figures_of_tree(const PlotTree& tree) {
     out["dbh_residual_m"] = tree.form.breast.residual;
     out["dbh_coverage"] = tree.form.breast.coverage;
     out["stems"] = tree.form.stems;
-    out["length_m"] = tree.length;
-    out["volume_m3"] = tree.volume;
+    out["dbh_of_skeleton_m"] = tree.figures.dbh;
+    out["length_m"] = tree.figures.length;
+    out["volume_m3"] = tree.figures.volume;
+    out["volume_low_m3"] = tree.figures.volume_low;
+    out["volume_high_m3"] = tree.figures.volume_high;
+    out["inferred"] = tree.figures.inferred;
+    out["form"] = tree.figures.form;
     out["crown_area_m2"] = tree.crown_area;
     out["crown_base_m"] = tree.crown_base;
     out["points"] = tree.points;

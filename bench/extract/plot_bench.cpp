@@ -76,8 +76,8 @@ PlotScore judge_plot(const PlotScene& scene, const PlotExtraction& found) {
     for (std::size_t k = 0; k < truth.size(); ++k) {
         const PlotTree& tree = found.trees[k];
         score.failed += !tree.result;
-        score.length += tree.length;
-        score.volume += tree.volume;
+        score.length += tree.figures.length;
+        score.volume += tree.figures.volume;
         if (truth[k] == kNobody) {
             ++score.wrong;
             continue;

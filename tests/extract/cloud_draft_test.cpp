@@ -25,7 +25,7 @@ struct Prepared {
         spacing = local_spacing(near, 4);
         samples = {points, {}, std::vector<std::uint32_t>(points.size(), kNone)};
     }
-    DraftCloud cloud(StemBases bases = {}) const { return {graph, bases, spacing, {}}; }
+    DraftCloud cloud(StemBases bases = {}) const { return {graph, bases, spacing, {}, {}}; }
 };
 
 /// A stem of radius 0.1 up to a height of 2, as one segment.
@@ -117,7 +117,7 @@ TEST(CloudAttach, AttachesLooseTubesToEachOtherAndToTheRoot) {
     std::vector<std::vector<std::uint32_t>> bases(1);
     for (std::uint32_t i = 0; i < p.points.size(); ++i)
         if (p.points[i].z < 0.03f) bases[0].push_back(i);
-    EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}, {}), p.points.size());
+    EXPECT_EQ(attach_tubes(tree, p.samples, p.cloud(bases), {}, true, {}), p.points.size());
     EXPECT_EQ(std::ranges::count(tree.parent, kNone), 1);
     const auto top = std::ranges::max_element(tree.position, {}, &Vec3d::z) - tree.position.begin();
     EXPECT_TRUE(DraftLinks(tree).is_tip(static_cast<std::uint32_t>(top)));
@@ -159,7 +159,7 @@ TEST(CloudCenterline, WidensToAllOfAClosedTubeButNotToItsNeighbour) {
         base.push_back(i);
         p.samples.node[i] = 0;
     }
-    const Paths paths = shortest_paths(p.graph, base, p.samples.node, p.spacing, {});
+    const Paths paths = shortest_paths(p.graph, base, p.samples.node, {p.spacing}, {});
     BranchPoints points{p.points, p.graph, p.spacing, p.samples.node, 1};
     Centerline branch;
     trace_path(branch, points, paths.order.back(), paths);
@@ -207,7 +207,7 @@ TEST(CloudAttach, ShortTubesMuchThickerThanWhatBearsThemAreNone) {
         tree.add(4, {end, 0, 1}, 0.06);  // 3 radii long, then 17
         for (std::size_t i = 3000; i < first; ++i) q.samples.node[i] = 3;
         for (std::size_t i = first; i < q.points.size(); ++i) q.samples.node[i] = 5;
-        attach_tubes(tree, q.samples, q.cloud(bases), {}, {});
+        attach_tubes(tree, q.samples, q.cloud(bases), {}, true, {});
         const bool kept = end > 1;
         EXPECT_EQ(std::ranges::count(tree.radius, 0.06), kept ? 2 : 0);
         EXPECT_EQ(q.samples.node.back() == kNone, !kept);

@@ -75,7 +75,7 @@ TEST(CloudGraph, PathsPreferManyShortSteps) {
     const Graph graph = make_graph(near, std::vector<std::uint8_t>(4, 0), {}, {});
     const std::vector<float> spacing(4, 1);
     const std::vector<std::uint32_t> root{0}, free(4, kNone);
-    const Paths paths = shortest_paths(graph, root, free, spacing, {});
+    const Paths paths = shortest_paths(graph, root, free, {spacing}, {});
     EXPECT_EQ(paths.parent[3], 2u);
     EXPECT_EQ(paths.parent[2], 1u);
     EXPECT_NEAR(paths.distance[3], 3.02, 1e-5);
@@ -132,18 +132,36 @@ TEST(CloudClean, ThinsToOnePointACube) {
     EXPECT_GE(few.size(), 200u);
 }
 
-TEST(CloudClean, FindsGroundOnSlopesOnly) {
+TEST(CloudGraph, PathsGoOnStraightAndOutward) {
+    // From 0 to 4 there are two ways of two equal steps: one goes on straight, the other one turns by 90
+    // degrees.
+    const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}, {2, 1, 0}};
+    const std::vector<Link> links{{0, 1, 1}, {1, 2, 1}, {1, 3, 1}, {2, 4, 1}, {3, 4, 1}};
+    const Graph graph = make_graph({0, {}, {}}, std::vector<std::uint8_t>(5, 1), links, {});
+    const std::vector<float> spacing(5, 1);
+    const std::vector<std::uint32_t> root{0}, free(5, kNone);
+    EXPECT_EQ(shortest_paths(graph, root, free, {spacing, points}, {}).parent[4], 2u);
+    // Where branches grow along y, the step along y comes first.
+    const std::vector<Vec3> outward(5, {0, 1, 0});
+    const std::vector<Vec3> aside{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {1, 1, 0}, {1, 2, 0}};
+    EXPECT_EQ(shortest_paths(graph, root, free, {spacing, aside, outward}, {}).parent[4], 2u);
+}
+
+TEST(CloudGraph, BridgesWideGapsToWhatIsLarge) {
+    // Rows of 40 and 30 points 0.1 apart, a gap of 0.8 between them, and a stray as far away.
     std::vector<Vec3> points;
-    const CounterRandom random(6, 1);
-    for (std::uint64_t i = 0; i < 4000; ++i) {
-        const double x = random.uniform(2 * i, -5, 5), y = random.uniform(2 * i + 1, -5, 5);
-        points.push_back(Vec3(Vec3d{x, y, 0.3 * x + 0.02 * y * y}));
-    }
-    for (int i = 0; i < 2000; ++i) points.push_back({0, 0, 0.005f * static_cast<float>(i)});
-    const Ground ground = find_ground(points);
-    ASSERT_TRUE(ground.found);
-    EXPECT_NEAR(ground.height(2, 3), 0.6 + 0.18, 0.02);
-    EXPECT_FALSE(find_ground(strewn(4000, 7)).found);
+    for (int i = 0; i < 40; ++i) points.push_back({0.1f * static_cast<float>(i), 0, 0});
+    for (int i = 0; i < 30; ++i) points.push_back({4.7f + 0.1f * static_cast<float>(i), 0, 0});
+    points.push_back({2, 0.8f, 0});
+    const std::vector<std::uint8_t> used(points.size(), 0);
+    const Neighbours near = nearest_neighbours(points, 6, {});
+    std::vector<std::uint8_t> ignored = used;
+    ignored.back() = 1;
+    const ConnectedGraph narrow = connect_points(points, near, ignored, {0.3, 0.3}, {});
+    EXPECT_EQ(narrow.components.size.size(), 3u);
+    const ConnectedGraph wide = connect_points(points, near, ignored, {0.3, 1.5}, {});
+    EXPECT_EQ(wide.components.size.size(), 2u);
+    EXPECT_EQ(wide.wide, 1u);
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ TEST(FromCloud, StartsAtTheRootThatIsGiven) {
 TEST(FromCloud, BridgesGapsUpToTheirWidth) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 2000);
-    strew_cone(set, {0, 0, 1.2}, {0, 0, 2}, 0.05, 0.05, 1600);
+    strew_cone(set, {0.25, 0, 0.9}, {1, 0, 1.2}, 0.05, 0.05, 1600);
     const CloudExtraction wide = extract_from_cloud(set, {.gap = 0.3f});
     EXPECT_EQ(wide.report.joined, 1u);
     // The bridge runs along the surface, so the axis bends towards it.

@@ -103,8 +103,8 @@ TEST(Plot, ExtractsEachTreeFromTheGroundUp) {
         EXPECT_EQ(s.tree_count(), 1u);
         EXPECT_EQ(tree.result->confidence.size(), s.size());
         EXPECT_NEAR(s.origin().z + double{s.position(NodeId(0)).z}, tree.form.foot.z, 0.05);
-        EXPECT_GT(tree.length, 10);  // the stem and ten branches of 1.65 m each make some 24 m
-        EXPECT_LT(tree.length, 35);
+        EXPECT_GT(tree.figures.length, 10);  // the stem and ten branches of 1.65 m each make some 24 m
+        EXPECT_LT(tree.figures.length, 35);
         EXPECT_GT(tree.crown_base, 2);
         EXPECT_LT(tree.crown_base, 4);
         EXPECT_GT(tree.crown_area, 4);  // branches of 1.5 m all around make at most 7.1 m2

@@ -101,7 +101,13 @@ void write_mapping(const std::filesystem::path& path, const FromMeshResult& resu
                          ctx);
 }
 
-ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
+/// A skeleton, and whether its figures are in doubt.
+struct Extracted {
+    ExtractResult result;
+    bool in_doubt = false;
+};
+
+Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PolygonMesh mesh = load_mesh(run, flags.input, flags.up);
     FromMeshResult result = extract_stage(
         run, flags.input, [&](const Context& ctx) { return extract_from_mesh(mesh, flags.from_mesh, ctx); });
@@ -111,7 +117,7 @@ ExtractResult from_mesh(Run& run, const ExtractFlags& flags, std::string& summar
     if (!flags.mapping.empty())
         run.stage("write mapping", [&](const Context& ctx) { write_mapping(flags.mapping, result, ctx); });
     summary = fmt::format(", {} loops cut", grouped(result.report.loops));
-    return result;
+    return {std::move(result)};
 }
 
 WoodClasses wood_classes(const ExtractFlags& flags) {
@@ -146,18 +152,36 @@ PointSet load_wood(Run& run, const std::filesystem::path& input, FileUp up, cons
     return std::move(scan.points);
 }
 
-ExtractResult from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
+/// The figures of every tree, and warnings where they are in doubt.
+void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFigures>& trees,
+                  std::string& summary) {
+    Figure::List list;
+    for (std::size_t k = 0; k < trees.size(); ++k) {
+        list.emplace_back(figures_of(trees[k]));
+        for (const std::string& doubt : trees[k].doubts) {
+            run.warn(trees.size() == 1 ? fmt::format("{}: {}", flags.input.string(), doubt)
+                                       : fmt::format("{}: tree {}: {}", flags.input.string(), k + 1, doubt));
+        }
+    }
+    run.counts()["tree_figures"] = std::move(list);
+    if (trees.size() == 1) summary += text_of_tree(trees[0]);
+}
+
+Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
     const PointSet points = load_wood(run, flags.input, flags.up, wood_classes(flags), summary);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_from_cloud(points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_of(result.cleaning);
     summary += text_of_points_left_out(result.cleaning);
+    report_trees(run, flags, result.trees, summary);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
         run.stage("write leaves",
                   [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
     }
-    return result;
+    const bool in_doubt =
+        std::ranges::any_of(result.trees, [](const TreeFigures& t) { return !t.doubts.empty(); });
+    return {std::move(result), in_doubt};
 }
 
 /// An option for the other kind of input would do nothing.
@@ -212,7 +236,9 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
                         flags.input.string()));
     }
     write_plot(run, points, plot, files, found);
-    return kDone;
+    return std::ranges::any_of(plot.trees, [](const PlotTree& t) { return !t.figures.doubts.empty(); })
+               ? kCheckFailed
+               : kDone;
 }
 
 ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
@@ -233,17 +259,18 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     if (is_given(given, "--ground-height") && flags.from_cloud.ground != GroundRule::height)
         throw UsageError("--ground-height is for the rule of that name; add --ground height");
     std::string found;
-    const ExtractResult result =
+    const Extracted made =
         kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
     run.stage("write", [&](const Context&) {
-        write_skeleton(flags.output, result.skeleton, flags.write,
-                       node_attributes(result.confidence, kind == FileKind::points));
+        write_skeleton(flags.output, made.result.skeleton, flags.write,
+                       node_attributes(made.result.confidence, kind == FileKind::points));
     });
-    fill_report(run, result);
-    const std::string surface = then_mesh(run, flags.mesh_output, result.skeleton, flags.mesh);
+    fill_report(run, made.result);
+    const std::string surface = then_mesh(run, flags.mesh_output, made.result.skeleton, flags.mesh);
     run.finish(fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
-                           grouped(result.skeleton.size()), grouped(result.report.trees), found, surface));
-    return kDone;
+                           grouped(made.result.skeleton.size()), grouped(made.result.report.trees), found,
+                           surface));
+    return made.in_doubt ? kCheckFailed : kDone;
 }
 
 }  // namespace

@@ -32,4 +32,15 @@ std::string text_of_points_left_out(const CloudReport& cleaning) {
     return out;
 }
 
+std::string text_of_tree(const TreeFigures& tree) {
+    std::string out;
+    if (tree.dbh > 0) out += fmt::format(", DBH {:.1f} cm", 100 * tree.dbh);
+    if (tree.dbh_of_points > 0) {
+        out += fmt::format(" ({:.1f} +- {:.1g} cm in the points)", 100 * tree.dbh_of_points,
+                           100 * tree.dbh_deviation);
+    }
+    return out + fmt::format(", {:.2g} m3 ({:.2g} to {:.2g}), {:.0f} % inferred", tree.volume,
+                             tree.volume_low, tree.volume_high, 100 * tree.inferred);
+}
+
 }  // namespace coppice

@@ -9,6 +9,7 @@
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
+#include "coppice/extract/stem/stem_axis_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
@@ -26,7 +27,7 @@ constexpr double kSecondSpacing =
 constexpr double kSecondRadius = 0.8;  // [radius] of that, the same
 constexpr double kOwnRadius = 2;       // [radius] of its own branch, more than which is never asked for
 constexpr double kLeastGain = 1.5;     // points that a branch must explain
-constexpr double kLeastShare = 0.35;   // of its points, which it must explain
+constexpr double kLeastShare = 0.45;   // of its points, which it must explain
 constexpr double kThin = 0.08;         // [spacing] thinner branches within reach of others are not believed
 constexpr std::size_t kAssignmentGrain = 4096;
 
@@ -192,7 +193,9 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
         cones.visit(samples.positions[i], static_cast<float>(look), [&](std::uint32_t n) {
             const RoundCone::Foot foot = cones[n].foot(p);
             const double d = foot.signed_distance();
-            const double off = d - std::max(tolerance.radii * foot.radius, reach(i));
+            const double near = tree.fixed[n] ? reach_of_stem(foot.radius, double{spacing[i]}) - foot.radius
+                                              : tolerance.radii * foot.radius;
+            const double off = d - std::max(near, reach(i));
             if (off < least || (off == least && n < on[i])) {
                 least = off;
                 on[i] = n;

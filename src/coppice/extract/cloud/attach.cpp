@@ -139,13 +139,15 @@ std::vector<std::uint32_t> entries_of(const FitSamples& samples, const Tubes& tu
 }  // namespace
 
 std::uint64_t attach_tubes(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
-                           std::span<const std::uint32_t> standing, const Context& ctx) {
+                           std::span<const std::uint32_t> standing, bool add_roots, const Context& ctx) {
     std::vector<std::uint32_t> sources;
+    for (std::uint32_t p = 0; p < samples.node.size(); ++p)
+        if (samples.node[p] != kNone && tree.fixed[samples.node[p]]) sources.push_back(p);
     for (const auto& base : cloud.bases) sources.insert(sources.end(), base.begin(), base.end());
     const std::vector<std::uint32_t> taken(samples.node.size(), kNone);
-    const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.spacing, ctx);
+    const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.cost(samples.positions), ctx);
     const Tubes tubes = tubes_of(tree, samples);
-    if (standing.empty())
+    if (add_roots)
         for (const auto& base : cloud.bases) add_root(tree, samples, base, cloud.spacing);
     BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
                         samples.node,      cloud.options.step, cloud.options.narrow};

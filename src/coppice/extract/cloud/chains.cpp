@@ -39,18 +39,15 @@ void mark_covered(const Centerline& branch, BranchPoints& points, const DraftClo
                   std::vector<std::uint8_t>& dead) {
     const double own = cloud.options.cover * branch.spacing;
     const double reach = cloud.leaf.empty() ? own : std::max(own, cloud.options.detail);
-    for (const BranchPoint& p : points_about(branch, points, reach)) {
-        const bool leaf = !cloud.leaf.empty() && cloud.leaf[p.point];
-        if (leaf || p.squared <= own * own) dead[p.point] = 1;
-    }
+    for (const BranchPoint& p : points_about(branch, points, reach)) dead[p.point] = 1;
 }
 
 }  // namespace
 
 void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
                  const PointDistances& distances, const Context& ctx) {
-    const Paths paths =
-        shortest_paths(cloud.graph, points_with_nodes(samples), samples.node, cloud.spacing, ctx);
+    const Paths paths = shortest_paths(cloud.graph, points_with_nodes(samples), samples.node,
+                                       cloud.cost(samples.positions), ctx);
     BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
                         samples.node,      cloud.options.step, cloud.options.narrow};
     Centerline branch;

@@ -106,7 +106,9 @@ CloudDraft draft_from_cloud(DraftTree tubes, FitSamples samples, const DraftClou
         fit_draft(draft, kLongFit, part_of(ctx, 0, kFitted));
         assign_points(draft.tree, draft.samples, cloud.spacing, ctx);
     }
-    draft.reached = attach_tubes(draft.tree, draft.samples, cloud, {}, ctx);
+    std::vector<std::uint32_t> stems = roots_of(draft.tree);
+    std::erase_if(stems, [&](std::uint32_t n) { return !draft.tree.fixed[n]; });
+    draft.reached = attach_tubes(draft.tree, draft.samples, cloud, stems, true, ctx);
     reattach_laterals(draft.tree, draft.samples, ctx);
     fit_draft(draft, kLongFit, part_of(ctx, kFitted, kAttached));
     extend_ends(draft.tree, draft.samples);

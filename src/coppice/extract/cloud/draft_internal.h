@@ -29,10 +29,13 @@ struct DraftOptions {
 /// What a draft is made from.
 struct DraftCloud {
     const Graph& graph;
-    StemBases bases;
+    StemBases bases;                 ///< of the trees whose stem was not measured
     std::span<const float> spacing;  ///< [m] per point
+    std::span<const Vec3> outward;   ///< per point how branches grow, of length 1
     DraftOptions options;
     std::span<const std::uint8_t> leaf = {};  ///< per point whether it is of a leaf; empty where none is
+
+    PathCost cost(std::span<const Vec3> positions) const { return {spacing, positions, outward}; }
 };
 
 struct CloudDraft {
@@ -86,9 +89,10 @@ std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<co
 
 /// Makes trees of loose tubes: each is attached by the path from its lowest point to what that meets,
 /// straight over short gaps, else by a chain of nodes. `standing` are the roots of those that are trees
-/// already; where there are none, every stem base gets a root. Returns how many points paths reach.
+/// already; `add_roots` makes one for every stem base. Paths start there and on measured stems. Returns how
+/// many points paths reach.
 std::uint64_t attach_tubes(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
-                           std::span<const std::uint32_t> standing, const Context& ctx);
+                           std::span<const std::uint32_t> standing, bool add_roots, const Context& ctx);
 
 /// Adds branches for the points that no segment has: from the one farthest along paths, back along its path
 /// to what is there. The points about the path are its own, so that no other branch starts from them.

@@ -24,7 +24,8 @@ using namespace extract_internal;
 constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is taken for the spacing
 constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
 constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
-constexpr double kDetailHeight = 0.02;     // of the height, clusters of leaves that get a twig
+constexpr double kWidestGap = 1.5, kWidestOfHeight = 0.1;  // [m], of the height: to what is large for it
+constexpr double kDetailHeight = 0.02;  // of the height, clusters of leaves that get a twig
 // The share of the time that has gone by then, on clouds of trees.
 constexpr float kCleaned = 0.005f, kNeighboursFound = 0.04f, kLeavesSplit = 0.1f, kDrafted = 0.8f;
 constexpr float kTubesFound = 0.46f;  // of the time that a draft takes
@@ -35,9 +36,10 @@ double height_of(std::span<const Vec3> points) {
     return double{box.size().z};
 }
 
-double gap_of(std::span<const Vec3> points, double spacing, const CloudOptions& options) {
-    if (options.gap > 0) return options.gap;
-    return std::max(kGapSpacings * spacing, kGapHeight * height_of(points));
+GapRule gap_of(std::span<const Vec3> points, double spacing, const CloudOptions& options) {
+    if (options.gap > 0) return {options.gap, options.gap};
+    const double height = height_of(points), usual = std::max(kGapSpacings * spacing, kGapHeight * height);
+    return {usual, std::max(usual, std::min(kWidestGap, kWidestOfHeight * height))};
 }
 
 double detail_of(std::span<const Vec3> points, const CloudOptions& options) {
@@ -75,12 +77,14 @@ struct Cloud {
 struct PathCloud {
     Buffer<float> spacing;
     ConnectedGraph graph;
+    double gap = 0;  ///< [m] greatest length of a link between neighbours
 };
 
 PathCloud make_path_cloud(const Cloud& cloud, const CloudOptions& options, const Context& ctx) {
     PathCloud out{local_spacing(cloud.near, kSpacingRank), {}};
-    out.graph = connect_points(cloud.points, cloud.near, cloud.outlier,
-                               gap_of(cloud.points, median(out.spacing), options), ctx);
+    const GapRule gap = gap_of(cloud.points, median(out.spacing), options);
+    out.gap = gap.usual;
+    out.graph = connect_points(cloud.points, cloud.near, cloud.outlier, gap, ctx);
     return out;
 }
 
@@ -108,18 +112,51 @@ struct Rough {
     CloudDraft draft;
 };
 
+/// The bases of trees whose stem is not among those that were measured.
+std::vector<std::vector<std::uint32_t>> other_bases(const Cloud& cloud, const PathCloud& paths,
+                                                    std::span<const StemAxis> stems,
+                                                    const RootOptions& options, const Context& ctx) {
+    const Components& parts = paths.graph.components;
+    if (!stems.empty() && options.given) return {};
+    std::vector<std::uint8_t> has_stem(parts.size.size(), 0);
+    for (std::uint32_t p = 0; p < cloud.points.size(); ++p)
+        if (is_on_stem(stems, Vec3d(cloud.points[p]), double{paths.spacing[p]})) has_stem[parts.of[p]] = 1;
+    const Graph near = make_graph(cloud.near, cloud.outlier, paths.graph.bridges, ctx, paths.gap);
+    auto bases = find_roots(cloud.points, near, parts, options, ctx);
+    std::erase_if(bases, [&](const auto& base) { return has_stem[parts.of[base[0]]] != 0; });
+    if (options.most_trees > 0) {
+        const auto left = static_cast<std::size_t>(options.most_trees);
+        bases.resize(std::min(bases.size(), left - std::min(left, stems.size())));
+    }
+    return bases;
+}
+
+/// [m] No branch is thicker than the stems that were measured, or a tenth of the cloud: hulls of crowns are.
+double thickest_of(std::span<const Vec3> points, std::span<const StemAxis> stems, StemBases bases) {
+    constexpr double kOfStem = 1.2, kOfCloud = 0.1;
+    double most = 0;
+    for (const StemAxis& stem : stems) most = std::max(most, kOfStem * stem.radius.front());
+    if (bases.empty()) return most;
+    Box3 box;
+    for (const Vec3 p : points) box.extend(p);
+    return std::max(most, kOfCloud * double{box.diagonal()});
+}
+
 Rough rough_draft(const Cloud& cloud, const PathCloud& paths, const CloudOptions& options,
-                  std::optional<Vec3d> root, const Context& ctx) {
-    const auto& [graph, parts, bridges] = paths.graph;
-    Rough out{find_roots(cloud.points, graph, parts, {median(paths.spacing), root, options.max_trees}, ctx),
-              {}};
-    if (out.bases.empty())
+                  std::span<const StemAxis> stems, std::optional<Vec3d> root, const Context& ctx) {
+    const Graph& graph = paths.graph.graph;
+    const double spacing = median(paths.spacing);
+    Rough out{other_bases(cloud, paths, stems, {spacing, root, options.max_trees}, ctx), {}};
+    if (out.bases.empty() && stems.empty())
         throw InvalidInput("extract: no part of the cloud is large enough for a tree; set root");
-    CloudTree tubes = find_tubes(cloud.points, graph, out.bases, paths.spacing,
-                                 {options.step, options.fit_passes}, part_of(ctx, 0, kTubesFound));
+    const Buffer<Vec3> outward = growth_directions(cloud.points, stems, out.bases);
+    CloudTree tubes =
+        find_tubes(cloud.points, graph, stems, out.bases, paths.spacing,
+                   {options.step, options.fit_passes, thickest_of(cloud.points, stems, out.bases)},
+                   part_of(ctx, 0, kTubesFound));
     FitSamples samples{cloud.points, {}, {tubes.node_of_point.begin(), tubes.node_of_point.end()}};
     out.draft = draft_from_cloud(std::move(tubes), std::move(samples),
-                                 {graph, out.bases, paths.spacing, {options.step, options.twig}},
+                                 {graph, out.bases, paths.spacing, outward, {options.step, options.twig}},
                                  part_of(ctx, kTubesFound, 1));
     return out;
 }
@@ -138,7 +175,8 @@ void place_among(Rough& rough, std::span<const Vec3> points, std::span<const std
 CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& options, const Context& ctx) {
     check_fields(options, "extract");
     CloudReport cleaning;
-    Cloud cloud{clean_cloud(set, options, cleaning, ctx), {}, {}};
+    CleanCloud clean = clean_cloud(set, options, cleaning, ctx);
+    Cloud cloud{std::move(clean.points), {}, {}};
     ctx.report(kCleaned);
     cloud.near = nearest_neighbours(cloud.points, static_cast<std::uint32_t>(options.neighbours), ctx);
     ctx.report(kNeighboursFound);
@@ -150,31 +188,41 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     if (options.root) root = *options.root - set.origin;
     const PathCloud paths = make_path_cloud(cloud, options, ctx);
     cleaning.spacing = median(paths.spacing);
+    const std::vector<StemAxis> stems =
+        find_stem_axes(cloud.points, clean.terrain, {cleaning.spacing, root, options.max_trees}, ctx);
     std::vector<std::uint8_t> leaf;
     if (options.leaves != LeafRule::keep) {
-        const double gap = gap_of(cloud.points, cleaning.spacing, options);
+        const GapRule gap = gap_of(cloud.points, cleaning.spacing, options);
+        const auto foot = stems.size() == 1 ? std::optional(stems[0].position[0]) : root;
         leaf = find_leaves(cloud.points, cloud.near, cloud.outlier,
-                           {options.leaves == LeafRule::drop, gap, root}, ctx);
+                           {options.leaves == LeafRule::drop, gap, foot}, ctx);
+        for (std::size_t p = 0; p < leaf.size(); ++p)
+            if (leaf[p] && is_on_stem(stems, Vec3d(cloud.points[p]), double{paths.spacing[p]})) leaf[p] = 0;
         cleaning.leaves = static_cast<std::uint64_t>(std::ranges::count(leaf, 1));
+        if (cleaning.leaves == 0) leaf.clear();
     }
     ctx.report(kLeavesSplit);
     Rough rough;
     if (cleaning.leaves == 0) {
-        rough = rough_draft(cloud, paths, options, root, part_of(ctx, kLeavesSplit, kDrafted));
+        rough = rough_draft(cloud, paths, options, stems, root, part_of(ctx, kLeavesSplit, kDrafted));
     } else {
         const Wood wood = wood_of(cloud, leaf, ctx);
-        rough = rough_draft(wood, make_path_cloud(wood, options, ctx), options, root,
+        rough = rough_draft(wood, make_path_cloud(wood, options, ctx), options, stems, root,
                             part_of(ctx, kLeavesSplit, kDrafted));
         place_among(rough, cloud.points, wood.place);
     }
     const DraftOptions wanted{options.step, options.twig, detail_of(cloud.points, options)};
-    settle_draft(rough.draft, {paths.graph.graph, rough.bases, paths.spacing, wanted, leaf},
+    const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases);
+    settle_draft(rough.draft, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf},
                  part_of(ctx, kDrafted, 1));
     cleaning.unreached = cloud.points.size() - cleaning.outliers - rough.draft.reached;
-    CloudExtraction out{result_of(rough.draft, set.origin, ctx), cleaning, {{}, set.origin}};
+    CloudExtraction out{result_of(rough.draft, set.origin, ctx), cleaning, {}, {{}, set.origin}};
+    std::vector<SeenStem> seen;
+    for (const StemAxis& stem : stems) seen.push_back({set.origin + stem.position.front(), stem.breast});
+    out.trees = tree_figures(out.skeleton, out.confidence, seen);
     for (std::size_t p = 0; p < leaf.size(); ++p)
         if (leaf[p]) out.leaves.positions.push_back(cloud.points[p]);
-    out.report.joined = paths.graph.bridges;
+    out.report.joined = static_cast<std::uint32_t>(paths.graph.bridges.size()) + paths.graph.wide;
     ctx.report(1);
     return out;
 }

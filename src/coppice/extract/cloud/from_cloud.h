@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/base/vec.h"
 #include "coppice/extract/extract_result.h"
+#include "coppice/extract/stem/tree_figures.h"
 #include "coppice/points/point_set.h"
 
 namespace coppice {
@@ -126,8 +128,9 @@ void visit_figures(const CloudReport& r, Visitor&& visit) {
 
 /// A skeleton, and what was left out of the cloud.
 struct CloudExtraction : ExtractResult {
-    CloudReport cleaning;  ///< points by what became of them
-    PointSet leaves;       ///< the points that were left out as leaves
+    CloudReport cleaning;            ///< points by what became of them
+    std::vector<TreeFigures> trees;  ///< diameters, volumes and doubts of each tree
+    PointSet leaves;                 ///< the points that were left out as leaves
 };
 
 /// The skeleton of what a scanner saw of trees.

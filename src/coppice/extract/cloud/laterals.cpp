@@ -112,7 +112,7 @@ void carry_out(DraftTree& tree, std::vector<Move>& moves) {
         for (; i < moves.size() && moves[i].to.node == node; ++i) {
             const Place& to = moves[i].to;
             if (to.t > last && to.t < 1) {
-                parent = tree.add(parent, to.at, to.radius);
+                parent = tree.add(parent, to.at, to.radius, tree.fixed[node] && tree.fixed[parent]);
                 last = to.t;
             }
             tree.parent[moves[i].lateral] = to.t == 1 ? node : parent;

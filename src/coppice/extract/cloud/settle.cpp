@@ -10,7 +10,6 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr double kThick = 1.2, kHollow = 0.25;  // [radius], and [spacing], that points lie from the axis
-constexpr Tolerance kCovered{DraftOptions{}.cover, 1};  // of points that need no twig of their own
 
 /// Leaves near an axis are none of its points.
 PointDistances assign_wood(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
@@ -29,6 +28,7 @@ std::vector<char> hollow_nodes(const DraftTree& believed, std::span<const NodeEv
                                const RadiusBelief& belief) {
     std::vector<char> hollow(believed.size(), 0);
     for (std::uint32_t n = 0; n < believed.size(); ++n) {
+        if (believed.fixed[n]) continue;
         const double most = kThick * believed.radius[n] + kHollow * evidence[n].spacing;
         hollow[n] = evidence[n].radius > most && belief.measured[n] < 0.5;
     }
@@ -60,19 +60,12 @@ std::vector<std::uint32_t> cut_out(CloudDraft& draft, std::vector<char> gone) {
     return roots;
 }
 
-/// Gives all points that need no twig of their own to what is near: a twig leads to the middle of a cluster
-/// of leaves, not to each of them.
+/// Gives all points that need no twig of their own to what is near. Amid leaves nothing tells twigs: one
+/// leads to the middle of a cluster, not to each point of it.
 PointDistances cover_points(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
-    std::vector<std::uint32_t> wide;
-    if (!cloud.leaf.empty()) {
-        assign_points(draft.tree, draft.samples, cloud.spacing, ctx,
-                      {kCovered.spacings, kCovered.radii, cloud.options.detail});
-        wide = draft.samples.node;
-    }
-    PointDistances distances = assign_points(draft.tree, draft.samples, cloud.spacing, ctx, kCovered);
-    for (std::size_t p = 0; p < cloud.leaf.size(); ++p)
-        if (cloud.leaf[p]) draft.samples.node[p] = wide[p];
-    return distances;
+    Tolerance covered{DraftOptions{}.cover, 1};
+    if (!cloud.leaf.empty()) covered.metres = cloud.options.detail;
+    return assign_points(draft.tree, draft.samples, cloud.spacing, ctx, covered);
 }
 
 /// Takes away what points lie about farther out than any radius that is to be believed there: clusters of
@@ -94,7 +87,7 @@ void lead_through_unresolved(CloudDraft& draft, const DraftCloud& cloud, const C
     DraftCloud unresolved = cloud;
     unresolved.spacing = spacing;
     unresolved.options.narrow = true;
-    draft.reached = attach_tubes(draft.tree, draft.samples, unresolved, roots, ctx);
+    draft.reached = attach_tubes(draft.tree, draft.samples, unresolved, roots, false, ctx);
     const PointDistances distances = cover_points(draft, cloud, ctx);
     assign_stem_bases(draft, cloud.bases, roots_of(draft.tree));
     grow_chains(draft.tree, draft.samples, unresolved, distances, ctx);

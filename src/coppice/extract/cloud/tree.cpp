@@ -11,8 +11,7 @@ void keep_nodes(CloudTree& tree, std::span<const std::uint8_t> kept, bool hand_d
         const std::uint32_t parent = tree.parent[n] == kNone ? kNone : image[tree.parent[n]];
         image[n] = parent;
         if (!kept[n]) continue;
-        image[n] = out.add(parent, tree.position[n]);
-        out.radius.back() = tree.radius[n];
+        image[n] = out.add(parent, tree.position[n], tree.radius[n], tree.fixed[n]);
         out.weight.back() = tree.weight[n];
         out.residual.back() = tree.residual[n];
     }

@@ -17,10 +17,10 @@ struct CloudTree : DraftTree {
     std::vector<float> residual;          ///< [m] root mean square of the fit
     Buffer<std::uint32_t> node_of_point;  ///< kNone = left out
 
-    std::uint32_t add(std::uint32_t from, Vec3d at, double r = 0) {
+    std::uint32_t add(std::uint32_t from, Vec3d at, double r = 0, bool is_fixed = false) {
         weight.push_back(0);
         residual.push_back(0);
-        return DraftTree::add(from, at, r);
+        return DraftTree::add(from, at, r, is_fixed);
     }
 };
 

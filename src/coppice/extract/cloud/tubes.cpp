@@ -31,7 +31,7 @@ constexpr std::array<Scale, 5> kScales{
 constexpr double kAlways = 4;  // [spacing] steps that are taken in any cloud
 constexpr double kBaseOfLeast =
     2.4;  // times the least radius of a scale, that a stem base has for wider steps
-constexpr float kFewestOfTube = 12;   // points
+constexpr float kFewestOfTube = 30;   // points
 constexpr double kRough = 1.4;        // times the reach that a twig on a tube must have
 constexpr std::uint32_t kFewest = 3;  // points of a twig
 constexpr double kSlack = 0.2;        // [radius] beyond a tube, up to which points are its own
@@ -80,7 +80,8 @@ void prune_twigs(CloudTree& tree, std::uint32_t first, std::span<const float> le
 }
 
 /// Keeps, of the nodes from `first` on, runs of clean ones that are thick against the spacing.
-void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spacing, const Scale& scale) {
+void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spacing, const Scale& scale,
+                double thickest) {
     std::vector<double> sum(tree.size(), 0);
     std::vector<std::uint32_t> count(tree.size(), 0);
     for (std::size_t i = 0; i < spacing.size(); ++i) {
@@ -93,7 +94,7 @@ void keep_tubes(CloudTree& tree, std::uint32_t first, std::span<const float> spa
     for (std::uint32_t n = first; n < tree.size(); ++n) {
         const double about = count[n] == 0 ? 0 : sum[n] / count[n];
         clean[n] = tree.weight[n] >= kFewestOfTube && tree.radius[n] > scale.least * about &&
-                   tree.residual[n] < scale.clean * tree.radius[n];
+                   tree.residual[n] < scale.clean * tree.radius[n] && tree.radius[n] <= thickest;
         kept[n] = 0;
     }
     for (std::uint32_t n = first; n < tree.size(); ++n) {
@@ -116,25 +117,30 @@ RoundCone tube_at(const CloudTree& tree, std::uint32_t n) {
 }
 
 /// Gives the points on kept branches to them, and takes the others back.
-void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, const Context& ctx) {
+void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, std::span<const float> spacing,
+                     const Context& ctx) {
     std::vector<Box3> boxes;
     std::vector<std::uint32_t> owner;
+    const double widest = spacing.empty() ? 0 : double{*std::ranges::max_element(spacing)};
+    const auto reach_of = [&](std::uint32_t n, double radius, double about) {
+        return tree.fixed[n] ? reach_of_stem(radius, about) : (1 + kSlack) * radius;
+    };
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (tree.parent[n] == kNone) continue;
         const RoundCone tube = tube_at(tree, n);
-        const auto reach = static_cast<float>((1 + kSlack) * std::max(tube.radius_a, tube.radius_b()));
-        boxes.push_back(capsule_box(Vec3(tube.a), Vec3(tube.b()), reach * 1.0001f));
+        const double reach = reach_of(n, std::max(tube.radius_a, tube.radius_b()), widest);
+        boxes.push_back(capsule_box(Vec3(tube.a), Vec3(tube.b()), static_cast<float>(reach) * 1.0001f));
         owner.push_back(n);
     }
     const BoxTree index(boxes, ctx);
     parallel_for(ctx, points.size(), 4096, [&](std::size_t i) {
-        double best = 1 + kSlack;
+        double best = 1;
         std::uint32_t found = kNone;
         const Vec3d p(points[i]);
         index.visit_overlapping({points[i], points[i]}, [&](std::uint32_t item) {
             const std::uint32_t n = owner[item];
             const RoundCone::Foot foot = tube_at(tree, n).foot(p);
-            const double rho = foot.distance() / foot.radius;
+            const double rho = foot.distance() / reach_of(n, foot.radius, double{spacing[i]});
             if (rho > best || (rho == best && found != kNone)) return;
             best = rho;
             found = foot.t < 0.5 ? tree.parent[n] : n;
@@ -169,26 +175,40 @@ std::vector<Scale> scales_for(double thickest) {
     return scales;
 }
 
-/// Where paths of the next scale start: at the bases, or at all that is explained.
+/// Adds the stems, each a tube that is known already.
+void add_stems(CloudTree& tree, std::span<const StemAxis> stems) {
+    for (const StemAxis& stem : stems) {
+        std::uint32_t last = kNone;
+        for (std::size_t i = 0; i < stem.position.size(); ++i)
+            last = tree.add(last, stem.position[i], stem.radius[i], true);
+    }
+}
+
+/// Where paths of the next scale start: at all that is explained, and at the bases.
 std::vector<std::uint32_t> sources_of(const CloudTree& tree, StemBases bases) {
     std::vector<std::uint32_t> sources;
     for (std::uint32_t p = 0; p < tree.node_of_point.size(); ++p) {
         if (tree.node_of_point[p] != kNone) sources.push_back(p);
     }
-    if (sources.empty()) {
-        for (const auto& base : bases) sources.insert(sources.end(), base.begin(), base.end());
+    for (const auto& base : bases) {
+        for (const std::uint32_t p : base)
+            if (tree.node_of_point[p] == kNone) sources.push_back(p);
     }
     return sources;
 }
 
 }  // namespace
 
-CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph, StemBases bases,
-                     std::span<const float> spacing, const TubeOptions& options, const Context& ctx) {
+CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph, std::span<const StemAxis> stems,
+                     StemBases bases, std::span<const float> spacing, const TubeOptions& options,
+                     const Context& ctx) {
     CloudTree tree;
     tree.node_of_point.assign(points.size(), kNone);
+    add_stems(tree, stems);
+    assign_to_tubes(tree, points, spacing, ctx);
+    const std::uint32_t of_stems = tree.size();
     Paths paths;
-    std::uint32_t known = 0;  // nodes of the tree that the paths start from
+    std::uint32_t known = of_stems;  // nodes of the tree that the paths start from
     const std::vector<Scale> scales = scales_for(widest_base(points, bases, spacing));
     float done = 0;
     for (const Scale& scale : scales) {
@@ -196,15 +216,15 @@ CloudTree find_tubes(std::span<const Vec3> points, const Graph& graph, StemBases
         const std::uint32_t first = tree.size();
         // Where a scale finds nothing, the paths of the next are the same.
         if (paths.order.empty() || first != known)
-            paths = shortest_paths(graph, sources_of(tree, bases), tree.node_of_point, spacing, ctx);
+            paths = shortest_paths(graph, sources_of(tree, bases), tree.node_of_point, {spacing}, ctx);
         known = first;
         const double step = scale.step * options.step;
-        bin_paths(tree, points, graph, paths, {step, scale.link, first == 0 ? bases : StemBases{}, spacing},
-                  ctx);
+        bin_paths(tree, points, graph, paths,
+                  {step, scale.link, first == of_stems ? bases : StemBases{}, spacing}, ctx);
         prune_twigs(tree, first, paths.distance, step);
         fit_axes(tree, first, points, options.passes, ctx);
-        keep_tubes(tree, first, spacing, scale);
-        assign_to_tubes(tree, points, ctx);
+        keep_tubes(tree, first, spacing, scale, options.thickest);
+        assign_to_tubes(tree, points, spacing, ctx);
     }
     return tree;
 }

@@ -141,19 +141,23 @@ void stand_on_ground(ExtractResult& result, Vec3d foot) {
 
 void add_warnings(PlotTree& tree) {
     const StemDiameter& breast = tree.form.breast;
+    std::vector<std::string> found = tree.figures.doubts;
     if (!(breast.diameter > 0)) {
-        tree.warnings.emplace_back("no circle is seen at breast height");
-        return;
+        found.emplace_back(kNoCircle);
+    } else {
+        if (breast.coverage < kFewerCoverage) {
+            found.push_back(
+                fmt::format("only {:.0f} % of the stem is seen at breast height", 100 * breast.coverage));
+        }
+        if (breast.deviation > kMostDeviation * breast.diameter)
+            found.emplace_back("the diameter at breast height is uncertain");
+        if (tree.form.stems > 1) {
+            found.push_back(fmt::format("{} stems; the diameter is that of the thickest", tree.form.stems));
+        }
     }
-    if (breast.coverage < kFewerCoverage) {
-        tree.warnings.push_back(
-            fmt::format("only {:.0f} % of the stem is seen at breast height", 100 * breast.coverage));
-    }
-    if (breast.deviation > kMostDeviation * breast.diameter)
-        tree.warnings.emplace_back("the diameter at breast height is uncertain");
-    if (tree.form.stems > 1)
-        tree.warnings.push_back(
-            fmt::format("{} stems; the diameter is that of the thickest", tree.form.stems));
+    for (std::string& warning : found)
+        if (std::ranges::find(tree.warnings, warning) == tree.warnings.end())
+            tree.warnings.push_back(std::move(warning));
 }
 
 /// Extracts one tree from its points.
@@ -165,9 +169,8 @@ void extract_tree(PlotTree& tree, const PointSet& points, CloudOptions options, 
     try {
         CloudExtraction result = extract_from_cloud(points, options, ctx);
         if (result.skeleton.tree_count() == 1) stand_on_ground(result, tree.form.foot);
-        const SkeletonMeasures m = measure(result.skeleton);
-        tree.length = m.length;
-        tree.volume = m.volume;
+        SeenStem stem{tree.form.foot, tree.form.breast};
+        tree.figures = std::move(tree_figures(result.skeleton, result.confidence, {&stem, 1}).front());
         tree.crown_base = crown_base(result.skeleton, tree.form);
         tree.result = std::move(result);
     } catch (const InvalidInput& error) {

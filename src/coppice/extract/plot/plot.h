@@ -11,6 +11,7 @@
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/plot/terrain.h"
 #include "coppice/extract/stem/stem_form.h"
+#include "coppice/extract/stem/tree_figures.h"
 #include "coppice/points/point_set.h"
 
 namespace coppice {
@@ -72,8 +73,7 @@ struct PlotTree {
     StemForm form;                          ///< position, height, diameters
     std::uint64_t points = 0;               ///< that belong to it
     std::optional<CloudExtraction> result;  ///< its skeleton; none where `warnings` say why
-    double length = 0;                      ///< [m] of the skeleton
-    double volume = 0;                      ///< [m^3] of the cones between its nodes
+    TreeFigures figures;                    ///< of the skeleton; its doubts are among the warnings
     double crown_area = 0;  ///< [m^2] of the convex hull, seen from above, of what is above crown_base
     double crown_base = 0;  ///< [m] above the ground, where the lowest large branch leaves the stem
     std::vector<std::string> warnings;  ///< what to look at

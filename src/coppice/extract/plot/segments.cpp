@@ -254,7 +254,8 @@ std::vector<std::uint32_t> give_points_to_trees(std::span<const Vec3> points, st
         const std::vector<std::uint8_t> ignored(voxels.centroid.size(), 0);
         const Neighbours near = nearest_neighbours(voxels.centroid, kNeighbours, ctx);
         ctx.report(0.4f);
-        const ConnectedGraph joined = connect_points(voxels.centroid, near, ignored, options.widest_gap, ctx);
+        const ConnectedGraph joined =
+            connect_points(voxels.centroid, near, ignored, {options.widest_gap, options.widest_gap}, ctx);
         ctx.report(0.7f);
         std::vector<double> scale;
         for (const TreeStems& tree : trees) scale.push_back(std::pow(2 * tree.radius(), -kScaling));

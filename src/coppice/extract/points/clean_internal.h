@@ -35,21 +35,4 @@ Buffer<Vec3> downsample_to(Buffer<Vec3> points, std::size_t limit, const Context
 /// `factor` times what is usual about those, so that a density that falls with distance is no reason.
 std::vector<std::uint8_t> find_outliers(const Neighbours& neighbours, double factor, const Context& ctx);
 
-/// Height of the ground below a place, a smooth surface of second degree.
-struct Ground {
-    bool found = false;
-    double share = 0;  ///< of the cells of the plan whose lowest point lies on it
-    double x0 = 0, y0 = 0, scale = 1;
-    double c[6] = {};
-    double height(double x, double y) const {
-        const double u = (x - x0) / scale, v = (y - y0) / scale;
-        return c[0] + c[1] * u + c[2] * v + c[3] * u * u + c[4] * u * v + c[5] * v * v;
-    }
-    double clearance = 0;  ///< [m] above it, up to which points belong to the ground
-};
-
-/// Looks for ground: the lowest points in the cells of a plan lie on a smooth surface, in most of the cells.
-/// A tree alone has its lowest points all over the crown. O(n).
-Ground find_ground(std::span<const Vec3> points);
-
 }  // namespace coppice::extract_internal

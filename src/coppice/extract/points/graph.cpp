@@ -8,12 +8,19 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
+#include "coppice/extract/points/normal_dispersion_internal.h"
 #include "coppice/spatial/box_tree.h"
 
 namespace coppice::extract_internal {
 namespace {
+
+constexpr double kTurn = 4;     // times (1 - cosine) of a turn, added to what a link costs
+constexpr double kInward = 8;   // times (1 - cosine)^2 against how branches grow, the same
+constexpr double kHeading = 3;  // [spacing] over which a path forgets how it went on
+constexpr std::uint32_t kVoxelNeighbours = 10;
 
 bool lists(const Neighbours& neighbours, std::uint32_t row, std::uint32_t point) {
     return std::ranges::find(neighbours.of(row), point) != neighbours.of(row).end();
@@ -22,14 +29,15 @@ bool lists(const Neighbours& neighbours, std::uint32_t row, std::uint32_t point)
 /// Calls visit(i, j, length) once for every link.
 template <class Visit>
 void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                   std::span<const Link> more, const Context& ctx, const Visit& visit) {
+                   std::span<const Link> more, double longest, const Context& ctx, const Visit& visit) {
     for (std::uint32_t i = 0; i < ignored.size(); ++i) {
         poll_stop(ctx, i);
         if (ignored[i]) continue;
         for (std::uint32_t k = 0; k < neighbours.count; ++k) {
             const std::uint32_t j = neighbours.of(i)[k];
-            if (ignored[j] || (j < i && lists(neighbours, j, i))) continue;
-            visit(i, j, neighbours.distances(i)[k]);
+            const float length = neighbours.distances(i)[k];
+            if (ignored[j] || double{length} > longest || (j < i && lists(neighbours, j, i))) continue;
+            visit(i, j, length);
         }
     }
     for (const Link& link : more) visit(link.from, link.to, link.length);
@@ -96,13 +104,24 @@ class NearestOther {
     std::vector<std::vector<std::uint32_t>> part_;  ///< of each box of a level; kNone = several
 };
 
+/// Times the cost of a link that goes on straight and outward.
+double detour(const PathCost& rule, std::span<const Vec3> heading, std::uint32_t p, std::uint32_t q,
+              Vec3 along) {
+    double factor = 1;
+    if (heading.empty()) return factor;
+    if (length_squared(heading[p]) > 0) factor += kTurn * (1 - double{dot(along, heading[p])});
+    if (rule.outward.empty()) return factor;
+    const double off = 1 - double{dot(along, rule.outward[q])};
+    return factor * (1 + kInward * off * off);
+}
+
 }  // namespace
 
 Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                 std::span<const Link> more, const Context& ctx) {
+                 std::span<const Link> more, const Context& ctx, double longest) {
     Graph graph;
     graph.first.assign(ignored.size() + 1, 0);
-    for_each_link(neighbours, ignored, more, ctx, [&](std::uint32_t i, std::uint32_t j, float) {
+    for_each_link(neighbours, ignored, more, longest, ctx, [&](std::uint32_t i, std::uint32_t j, float) {
         ++graph.first[i];
         ++graph.first[j];
     });
@@ -110,12 +129,13 @@ Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ign
     graph.to.resize(total);
     graph.length.resize(total);
     std::vector<std::uint32_t> next(graph.first.begin(), graph.first.end());
-    for_each_link(neighbours, ignored, more, ctx, [&](std::uint32_t i, std::uint32_t j, float length) {
-        graph.to[next[i]] = j;
-        graph.length[next[i]++] = length;
-        graph.to[next[j]] = i;
-        graph.length[next[j]++] = length;
-    });
+    for_each_link(neighbours, ignored, more, longest, ctx,
+                  [&](std::uint32_t i, std::uint32_t j, float length) {
+                      graph.to[next[i]] = j;
+                      graph.length[next[i]++] = length;
+                      graph.to[next[j]] = i;
+                      graph.length[next[j]++] = length;
+                  });
     return graph;
 }
 
@@ -185,22 +205,99 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
     return bridges;
 }
 
+/// Links between points that stand for ever larger voxels, each to those of the closest other ones, up to
+/// `limit` [m] long: ways over gaps, and across the rows that scanners leave.
+std::vector<Link> link_voxels(std::span<const Vec3> points, const Neighbours& neighbours,
+                              std::span<const std::uint8_t> ignored, double limit, const Context& ctx) {
+    std::vector<std::uint32_t> used;
+    Buffer<Vec3> at;
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+        if (ignored[p]) continue;
+        used.push_back(p);
+        at.push_back(points[p]);
+    }
+    std::vector<Link> links;
+    Buffer<float> spacing = local_spacing(neighbours, std::min(4u, neighbours.count));
+    for (double edge = 2 * double{median(spacing)}; edge <= limit; edge *= 2) {
+        const VoxelGrid grid = voxel_grid(at, edge, ctx);
+        const std::size_t count = grid.centroid.size();
+        if (count < 2) break;
+        // The point closest to the middle stands for a voxel.
+        std::vector<std::uint32_t> point(count, kNone);
+        std::vector<float> off(count, std::numeric_limits<float>::infinity());
+        for (std::uint32_t i = 0; i < at.size(); ++i) {
+            const std::uint32_t v = grid.of_point[i];
+            const float d = length_squared(at[i] - grid.centroid[v]);
+            if (d >= off[v]) continue;
+            off[v] = d;
+            point[v] = i;
+        }
+        Buffer<Vec3> next(count);
+        std::vector<std::uint32_t> of(count);
+        for (std::size_t v = 0; v < count; ++v) {
+            next[v] = at[point[v]];
+            of[v] = used[point[v]];
+        }
+        const Neighbours near = nearest_neighbours(next, kVoxelNeighbours, ctx);
+        for (std::uint32_t v = 0; v < count; ++v) {
+            for (std::uint32_t k = 0; k < near.count; ++k) {
+                const std::uint32_t w = near.of(v)[k];
+                if (double{near.distances(v)[k]} > limit || (w < v && lists(near, w, v))) continue;
+                links.push_back({of[v], of[w], near.distances(v)[k]});
+            }
+        }
+        at.swap(next);
+        used.swap(of);
+    }
+    return links;
+}
+
+/// How wide a gap may be that a component is joined over: no wider than a share of what it holds beyond.
+std::vector<double> reach_of_parts(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
+                                   const Components& parts, const GapRule& gap) {
+    constexpr double kOfExtent = 0.3;
+    constexpr std::uint32_t kFewest = 20;  // points
+    std::vector<Box3> box(parts.size.size());
+    for (std::uint32_t p = 0; p < points.size(); ++p)
+        if (!ignored[p]) box[parts.of[p]].extend(points[p]);
+    std::vector<double> out(box.size(), 0);
+    for (std::size_t i = 0; i < box.size(); ++i)
+        if (parts.size[i] >= kFewest)
+            out[i] = std::clamp(kOfExtent * double{box[i].diagonal()}, gap.usual, gap.widest);
+    return out;
+}
+
 ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
-                              std::span<const std::uint8_t> ignored, double gap, const Context& ctx) {
+                              std::span<const std::uint8_t> ignored, const GapRule& gap, const Context& ctx) {
     ConnectedGraph out;
-    out.graph = make_graph(neighbours, ignored, {}, ctx);
+    out.components = components(make_graph(neighbours, ignored, {}, ctx, gap.usual), ctx);
+    out.bridges = bridge_gaps(points, ignored, out.components, gap.usual, ctx);
+    std::vector<Link> links = out.bridges;
+    const std::vector<Link> across = link_voxels(points, neighbours, ignored, gap.widest, ctx);
+    for (const Link& link : across) {
+        const bool apart = out.components.of[link.from] != out.components.of[link.to];
+        if (apart && double{link.length} <= gap.usual) links.push_back(link);
+    }
+    out.graph = make_graph(neighbours, ignored, links, ctx, gap.usual);
     out.components = components(out.graph, ctx);
-    const auto bridges = bridge_gaps(points, ignored, out.components, gap, ctx);
-    if (bridges.empty()) return out;
-    out.bridges = static_cast<std::uint32_t>(bridges.size());
-    out.graph = make_graph(neighbours, ignored, bridges, ctx);
+    const std::vector<double> reach = reach_of_parts(points, ignored, out.components, gap);
+    std::vector<Link> wide = bridge_gaps(points, ignored, out.components, gap.widest, ctx);
+    wide.insert(wide.end(), across.begin(), across.end());
+    std::erase_if(wide, [&](const Link& link) {
+        const std::uint32_t a = out.components.of[link.from], b = out.components.of[link.to];
+        return a == b || double{link.length} > std::min(reach[a], reach[b]);
+    });
+    if (wide.empty()) return out;
+    links.insert(links.end(), wide.begin(), wide.end());
+    const std::size_t before = out.components.size.size();
+    out.graph = make_graph(neighbours, ignored, links, ctx, gap.usual);
     out.components = components(out.graph, ctx);
+    out.wide = static_cast<std::uint32_t>(before - out.components.size.size());
     return out;
 }
 
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
-                     std::span<const std::uint32_t> taken, std::span<const float> spacing,
-                     const Context& ctx) {
+                     std::span<const std::uint32_t> taken, const PathCost& rule, const Context& ctx) {
     struct Entry {
         double cost;
         std::uint32_t point;
@@ -210,6 +307,7 @@ Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
     paths.parent.assign(graph.size(), kNone);
     paths.distance.assign(graph.size(), std::numeric_limits<float>::infinity());
     Buffer<double> cost(graph.size(), std::numeric_limits<double>::infinity());
+    Buffer<Vec3> heading(rule.position.size(), Vec3{});
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
     for (const std::uint32_t p : sources) {
         cost[p] = 0;
@@ -227,11 +325,18 @@ Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
         for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
             const std::uint32_t q = graph.to[e];
             if (taken[q] != kNone) continue;
-            const double share = graph.length[e] / (0.5 * (double{spacing[p]} + double{spacing[q]}));
-            const double next = at + share * share;
+            const double spacing = 0.5 * (double{rule.spacing[p]} + double{rule.spacing[q]});
+            const double share = graph.length[e] / spacing;
+            Vec3 along;
+            if (!heading.empty()) along = normalized(rule.position[q] - rule.position[p], Vec3{});
+            const double next = at + share * share * detour(rule, heading, p, q, along);
             if (!(next < cost[q])) continue;
             cost[q] = next;
             paths.parent[q] = p;
+            if (!heading.empty()) {
+                const auto keep = static_cast<float>(std::exp(-share / kHeading));
+                heading[q] = normalized(keep * heading[p] + (1 - keep) * along, along);
+            }
             open.push({next, q});
         }
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,9 +31,11 @@ struct Graph {
     std::uint32_t size() const { return static_cast<std::uint32_t>(first.size() - 1); }
 };
 
-/// Joins every point that `ignored` does not mark to its neighbours, and the ends of `more` links. O(n k).
+/// Joins every point that `ignored` does not mark to its neighbours up to `longest` [m] away, and the ends of
+/// `more` links. O(n k).
 Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
-                 std::span<const Link> more, const Context& ctx);
+                 std::span<const Link> more, const Context& ctx,
+                 double longest = std::numeric_limits<double>::infinity());
 
 struct Components {
     std::vector<std::uint32_t> of;    ///< of each point
@@ -45,14 +48,22 @@ Components components(const Graph& graph, const Context& ctx);
 std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
                               const Components& parts, double limit, const Context& ctx);
 
-/// The points joined to their neighbours, with gaps between components bridged.
+/// Gaps that are bridged.
+struct GapRule {
+    double usual = 0;   ///< [m] between anything
+    double widest = 0;  ///< [m] between large components, as far as a third of their extent
+};
+
+/// The points joined to their neighbours, with gaps between components bridged by the shortest links, and by
+/// those between the closest of ever larger voxels: paths choose among them.
 struct ConnectedGraph {
     Graph graph;
     Components components;
-    std::uint32_t bridges = 0;
+    std::vector<Link> bridges;  ///< the shortest ones over the usual gaps
+    std::uint32_t wide = 0;     ///< gaps wider than usual that were bridged
 };
 ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
-                              std::span<const std::uint8_t> ignored, double gap, const Context& ctx);
+                              std::span<const std::uint8_t> ignored, const GapRule& gap, const Context& ctx);
 
 /// Shortest paths from sources, where a link costs the square of its length in spacings: many short steps go
 /// before one long jump, which keeps paths on the wood, and a cost is about a number of points passed.
@@ -61,10 +72,17 @@ struct Paths {
     Buffer<float> distance;            ///< the cost; infinite for what is not reached
     std::vector<std::uint32_t> order;  ///< the points that are reached and not taken, parents first
 };
+
+/// What a link of a path costs.
+struct PathCost {
+    std::span<const float> spacing;       ///< [m] of each point
+    std::span<const Vec3> position = {};  ///< of each point; empty: turns cost nothing
+    std::span<const Vec3> outward = {};   ///< per point how branches grow, of length 1; empty: anyhow
+};
+
 /// Sources may be points that are `taken` (not kNone there), which paths leave but do not enter. O(n log n).
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
-                     std::span<const std::uint32_t> taken, std::span<const float> spacing,
-                     const Context& ctx);
+                     std::span<const std::uint32_t> taken, const PathCost& cost, const Context& ctx);
 
 struct RootOptions {
     double spacing;                   ///< [m] of the points

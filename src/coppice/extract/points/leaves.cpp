@@ -102,15 +102,17 @@ std::vector<std::uint8_t> marked_voxels(const Scale& scale, std::span<const std:
 Buffer<float> length_beyond(const Scale& scale, std::span<const std::uint8_t> ignored,
                             const LeafOptions& options, const Context& ctx) {
     const auto at = scale.at();
-    const auto [graph, parts, bridges] = connect_points(at, scale.near(), ignored, options.gap, ctx);
+    const ConnectedGraph joined = connect_points(at, scale.near(), ignored, options.gap, ctx);
+    const Graph near = make_graph(scale.near(), ignored, joined.bridges, ctx, options.gap.usual);
     std::vector<std::uint32_t> sources;
-    for (const auto& base : find_roots(at, graph, parts, {scale.dispersion.spacing, options.root}, ctx)) {
+    for (const auto& base :
+         find_roots(at, near, joined.components, {scale.dispersion.spacing, options.root}, ctx)) {
         sources.insert(sources.end(), base.begin(), base.end());
     }
     // One spacing for all: leaves are no sparser than wood.
     const Buffer<float> spacing(at.size(), static_cast<float>(scale.dispersion.spacing));
     const std::vector<std::uint32_t> free(at.size(), kNone);
-    const Paths paths = shortest_paths(graph, sources, free, spacing, ctx);
+    const Paths paths = shortest_paths(joined.graph, sources, free, {spacing}, ctx);
     Buffer<float> beyond(at.size(), 0);
     for (std::size_t k = paths.order.size(); k-- > 0;) {
         const std::uint32_t p = paths.order[k], q = paths.parent[p];

@@ -8,13 +8,13 @@
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
-#include "coppice/extract/points/neighbours_internal.h"
+#include "coppice/extract/points/graph_internal.h"
 
 namespace coppice::extract_internal {
 
 struct LeafOptions {
     bool always = false;        ///< take some for leaves even where the cloud shows none
-    double gap = 0;             ///< [m] widest gap that paths cross
+    GapRule gap = {};           ///< that paths cross
     std::optional<Vec3d> root;  ///< [m] where the one tree stands; else as find_roots() says
 };
 

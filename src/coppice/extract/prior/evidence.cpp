@@ -11,12 +11,14 @@ namespace coppice::extract_internal {
 namespace {
 
 constexpr int kWindow = 3;             // nodes on either side that see the same branch
+constexpr double kBorrowed = 2;        // points of neighbours that count for each of its own
 constexpr double kFreedom = 3;         // places and radius that a fit chooses freely
 constexpr double kFilled = 0.33;       // [radius] scatter that is between a tube and a filled disc
 constexpr double kFewPoints = 3;       // so many points more, as scattered as a filled disc, are assumed
 constexpr double kDiscScatter = 0.35;  // [mean distance] of a filled disc
 constexpr double kOfSpacing = 0.12;    // [spacing] what one point leaves open of the radius
 constexpr double kLeastError = 0.02;   // of the logarithm of any radius
+constexpr double kFixedError = 0.003;  // of the logarithm of a radius that nothing changes
 constexpr double kLeastRadius = 0.1;   // of the radius before, that may come of it
 
 /// Sums over samples of their distance from the surface.
@@ -91,13 +93,16 @@ NodeEvidence evidence_of(const Sums& own, const Sums& about, double radius) {
     const double mean = about.off / about.weight;
     const double free = std::max(about.weight - kFreedom, 0.0);
     const double squared = std::max(0.0, about.squared - about.off * mean);
-    return {own.weight, about.weight, std::max(radius + mean, kLeastRadius * radius),
+    // What its neighbours see says nothing of a node without points of its own, as on the way over a gap.
+    const double points = std::min(about.weight, kBorrowed * own.weight);
+    return {own.weight, points, std::max(radius + mean, kLeastRadius * radius),
             free > 0 ? std::sqrt(squared / free) : radius, about.spacing / about.weight};
 }
 
 }  // namespace
 
 double NodeEvidence::filled() const {
+    if (fixed) return 0;
     if (!(radius > 0)) return 1;
     const double few = kDiscScatter * radius, free = std::max(points - kFreedom, 0.0);
     const double variance = (free * scatter * scatter + kFewPoints * few * few) / (free + kFewPoints);
@@ -106,6 +111,7 @@ double NodeEvidence::filled() const {
 }
 
 double NodeEvidence::precision() const {
+    if (fixed) return 1 / (kFixedError * kFixedError);
     const double free = points - kFreedom;
     if (!(radius > 0) || !(free > 0)) return 0;
     const double error =
@@ -118,8 +124,12 @@ std::vector<NodeEvidence> gather_evidence(const DraftTree& tree, const FitSample
     const std::vector<Sums> of_node = sums_of_nodes(tree, samples, spacing, ctx);
     const std::vector<std::uint32_t> next = axis_children(tree);
     std::vector<NodeEvidence> out(tree.size());
-    for (std::uint32_t n = 0; n < tree.size(); ++n)
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
         out[n] = evidence_of(of_node[n], sums_about(tree, next, of_node, n), tree.radius[n]);
+        if (!tree.fixed[n]) continue;
+        out[n].fixed = true;
+        out[n].radius = tree.radius[n];
+    }
     for (std::uint32_t n = 0; n < tree.size(); ++n)
         if (out[n].spacing == 0 && tree.parent[n] != kNone) out[n].spacing = out[tree.parent[n]].spacing;
     return out;

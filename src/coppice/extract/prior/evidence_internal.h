@@ -16,6 +16,7 @@ struct NodeEvidence {
     double radius = 0;   ///< [m] that suits them best; 0 without any
     double scatter = 0;  ///< [m] standard deviation of their distance from the surface
     double spacing = 0;  ///< [m] mean of them, or else that of the parent
+    bool fixed = false;  ///< the radius was measured before, and is certain
 
     /// How much the points fill the branch instead of lying on its surface, in [0, 1]: those on a tube have a
     /// scatter that is small against the radius, in a filled disc it is 0.35 of the mean distance.

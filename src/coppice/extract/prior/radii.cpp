@@ -18,9 +18,10 @@ constexpr double kOfFoot = 0.8;                            // least share of a t
 constexpr double kKindError = 0.2;                         // of the exponent that wood of one kind shows
 constexpr double kError = 0.5;                             // of the logarithm of a radius
 constexpr double kSeen = 4;                                // least precision of a radius that was seen
-constexpr double kTooThick = 1.5;     // [error] above the prior, from which on half are no branches
-constexpr double kConvincing = 40;    // points about a node: many do not lie like a tube by chance
-constexpr double kNineOfTen = 1.645;  // [standard deviation]
+constexpr double kTooThick = 1.5;          // [error] above the prior, from which on half are no branches
+constexpr double kConvincing = 40;         // points about a node: many do not lie like a tube by chance
+constexpr double kLeastDeviation = 0.015;  // of the logarithm of any radius, by bark alone
+constexpr double kNineOfTen = 1.645;       // [standard deviation]
 
 /// [m] of wood beyond every node, its own radius included.
 std::vector<double> length_beyond(const DraftTree& tree) {
@@ -43,6 +44,14 @@ std::vector<double> farthest_beyond(const DraftTree& tree) {
     return far;
 }
 
+/// The precision of a radius that was seen, less where it is far above what is usual and few points say so.
+double doubted(const NodeEvidence& e, double errors_above) {
+    const double seen = e.precision(), z = std::max(0.0, errors_above);
+    if (e.fixed || !(seen > 0)) return seen;
+    const double doubt = 0.5 * (z * z - kTooThick * kTooThick) - (1 - e.filled()) * e.points / kConvincing;
+    return seen / (1 + std::exp(doubt));
+}
+
 /// Fills in shares and feet.
 Allometry measure_feet(const DraftTree& tree, std::span<const NodeEvidence> evidence) {
     const std::vector<double> beyond = length_beyond(tree), far = farthest_beyond(tree);
@@ -57,8 +66,9 @@ Allometry measure_feet(const DraftTree& tree, std::span<const NodeEvidence> evid
         }
         out.log_share[n] = std::log(beyond[n] / beyond[r]);
         if (beyond[n] < kOfFoot * beyond[r]) continue;
-        const double seen = evidence[n].precision();
-        if (!(seen > 0)) continue;
+        if (!(evidence[n].precision() > 0)) continue;
+        const double usual = std::log(far[r] / kHeightPerRadius);
+        const double seen = doubted(evidence[n], (std::log(evidence[n].radius) - usual) / kFootError);
         weight[r] += seen;
         value[r] += seen * std::log(evidence[n].radius);
     }
@@ -129,21 +139,15 @@ RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> eviden
                      std::vector<double>(tree.size())};
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const double usual = allometry.log_radius(n);
-        double seen = evidence[n].precision(), off = 0;
-        if (seen > 0) {
-            off = std::log(evidence[n].radius) - usual;
-            const double z = std::max(0.0, off / kError);
-            const double doubt = 0.5 * (z * z - kTooThick * kTooThick) -
-                                 (1 - evidence[n].filled()) * evidence[n].points / kConvincing;
-            seen /= 1 + std::exp(doubt);
-        }
+        const double off = evidence[n].precision() > 0 ? std::log(evidence[n].radius) - usual : 0;
+        const double seen = doubted(evidence[n], off / kError);
         weight[n] = seen + prior;
         value[n] = usual + seen / weight[n] * off;
         out.measured[n] = seen / weight[n];
     }
     value = isotonic_on_tree(tree.parent, value, weight);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        const double factor = std::exp(kNineOfTen / std::sqrt(weight[n]));
+        const double factor = std::exp(kNineOfTen * std::max(1 / std::sqrt(weight[n]), kLeastDeviation));
         tree.radius[n] = std::exp(value[n]);
         out.low[n] = tree.radius[n] / factor;
         out.high[n] = tree.radius[n] * factor;

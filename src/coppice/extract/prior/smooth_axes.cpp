@@ -22,6 +22,7 @@ constexpr double kSharp = 0.6;                        // [cos] of a turn that is
 constexpr double kShortArm = 0.1, kShortest = 0.05;
 constexpr double kStiffer = 8;  // times as stiff, each time that a turn is still too sharp
 constexpr int kMostPasses = 8;
+constexpr double kFixedError = 1e-3;  // [radius] of the place of nodes that are fixed
 
 /// Three nodes in a row on one axis.
 struct Turn {
@@ -109,14 +110,18 @@ void smooth_axes(DraftTree& tree, std::span<const NodeEvidence> evidence, const 
     std::vector<Turn> turns = turns_of(tree);
     const std::vector<Vec3d> place = tree.position;
     std::vector<double> precision(tree.size());
-    for (std::uint32_t n = 0; n < tree.size(); ++n)
-        precision[n] = place_precision(evidence[n], tree.radius[n]);
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const double error = kFixedError * tree.radius[n];
+        precision[n] = tree.fixed[n] ? 1 / (error * error) : place_precision(evidence[n], tree.radius[n]);
+    }
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ctx.throw_if_cancelled();
         tree.position = solve(tree, place, precision, turns);
+        for (std::uint32_t n = 0; n < tree.size(); ++n)
+            if (tree.fixed[n]) tree.position[n] = place[n];
         bool sharp = false;
         for (Turn& t : turns) {
-            if (t.fork || turn_cosine(tree, t) >= kSharp) continue;
+            if (t.fork || tree.fixed[t.at] || turn_cosine(tree, t) >= kSharp) continue;
             t.stiffness *= kStiffer;
             sharp = true;
         }

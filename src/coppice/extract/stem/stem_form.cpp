@@ -174,43 +174,60 @@ double highest_of(const HeightOrder& points) {
 
 }  // namespace extract_internal
 
+namespace extract_internal {
+
+StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, double spacing,
+                          const Context& ctx) {
+    const HeightOrder order(points, ctx);
+    StemScene out{.lowest = points.empty() ? 0 : lowest_of(order)};
+    std::vector<float> height;
+    std::vector<Vec3> above;
+    for (const Vec3 p : order.all()) {
+        const double h = double{p.z} - out.ground(terrain, Vec3d(p));
+        if (terrain.is_ground && h < terrain.clearance) continue;
+        above.push_back(p);
+        height.push_back(static_cast<float>(h));
+    }
+    const double noise = stem_noise(spacing);
+    out.wood = HeightOrder(above, ctx);
+    out.trace = {.foot = out.lowest,
+                 .top = above.empty() ? out.lowest : highest_of(out.wood),
+                 .noise = noise,
+                 .spacing = spacing};
+    out.scale = scale_of(out.wood, out.lowest);
+    out.tracks =
+        find_stems(above, height,
+                   {.least_radius = 0.008, .greatest_radius = 1.5, .noise = noise, .scale = out.scale}, ctx);
+    for (StemTrack& track : out.tracks) track.raise(out.ground(terrain, track.middle()));
+    return out;
+}
+
+TraceOptions StemScene::trace_of(const Terrain& terrain, const StemTrack& track) const {
+    TraceOptions out = trace;
+    out.foot =
+        terrain.is_ground ? ground(terrain, track.at(ground(terrain, track.middle()))) : foot_of(wood, track);
+    return out;
+}
+
+}  // namespace extract_internal
+
 StemForm stem_form(const PointSet& set, const Context& ctx) {
     if (set.size() < kFewestPoints) {
         throw InvalidInput(fmt::format("forestry: the cloud has {} points, but a stem needs at least {}",
                                        set.size(), kFewestPoints));
     }
     const double spacing = median_spacing(set, ctx);
-    Terrain terrain = find_terrain(set.positions, ctx);
+    const Terrain terrain = find_terrain(set.positions, ctx);
     ctx.throw_if_cancelled();
-    const HeightOrder order(set.positions, ctx);
-    const double lowest = lowest_of(order);
-    const auto ground = [&](Vec3d p) { return terrain.is_ground ? terrain.height(p.x, p.y) : lowest; };
-    std::vector<float> height;
-    std::vector<Vec3> above;
-    for (const Vec3 p : order.all()) {
-        const double h = double{p.z} - ground(Vec3d(p));
-        if (terrain.is_ground && h < terrain.clearance) continue;
-        above.push_back(p);
-        height.push_back(static_cast<float>(h));
-    }
-    const double noise = stem_noise(spacing);
-    const HeightOrder wood(above, ctx);
-    const auto stems = find_stems(
-        above, height,
-        {.least_radius = 0.008, .greatest_radius = 1.5, .noise = noise, .scale = scale_of(wood, lowest)},
-        ctx);
-    TraceOptions trace{
-        .foot = lowest, .top = above.empty() ? lowest : highest_of(wood), .noise = noise, .spacing = spacing};
+    const StemScene scene = find_stem_scene(set.positions, terrain, spacing, ctx);
+    const std::vector<StemTrack>& stems = scene.tracks;
     StemForm out;
     if (stems.empty()) {
-        const Vec3d low(order.all().front());
-        out.foot = set.origin + Vec3d{low.x, low.y, lowest};
-        out.height = trace.top - lowest;
+        const Vec3d low(*std::ranges::min_element(set.positions, {}, &Vec3::z));
+        out.foot = set.origin + Vec3d{low.x, low.y, scene.lowest};
+        out.height = scene.trace.top - scene.lowest;
     } else {
-        StemTrack track = stems.front();
-        track.raise(ground(track.middle()));
-        trace.foot = terrain.is_ground ? ground(track.at(ground(track.middle()))) : foot_of(wood, track);
-        out = measure_stem(wood, track, trace, set.origin);
+        out = measure_stem(scene.wood, stems.front(), scene.trace_of(terrain, stems.front()), set.origin);
     }
     out.on_ground = terrain.is_ground;
     for (const StemTrack& t : stems) out.stems += t.radius >= kSecondStem * stems.front().radius;

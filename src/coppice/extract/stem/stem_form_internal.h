@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/context.h"
+#include "coppice/extract/plot/terrain.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/extract/stem/stem_trace_internal.h"
 
@@ -22,6 +24,26 @@ double stem_noise(double spacing);
 /// The form of a stem that `track` (in world z) says of.
 StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const TraceOptions& trace,
                       Vec3d origin);
+
+/// The points of a cloud without its ground, and the stems that are seen in them.
+struct StemScene {
+    double lowest = 0;                   ///< [m] z of the lowest point that is no stray
+    double scale = 1;                    ///< of heights, for trees of a few metres
+    HeightOrder wood{{}};                ///< the points above the ground
+    TraceOptions trace;                  ///< how stems are followed
+    std::vector<StemTrack> tracks = {};  ///< in the frame of the points, those seen best first
+
+    /// [m] z of the ground at a place, or else of the lowest end of the cloud.
+    double ground(const Terrain& terrain, Vec3d at) const {
+        return terrain.is_ground ? terrain.height(at.x, at.y) : lowest;
+    }
+    /// How this stem is followed, from its foot.
+    TraceOptions trace_of(const Terrain& terrain, const StemTrack& track) const;
+};
+
+/// Looks for stems. O(n). Throws Cancelled.
+StemScene find_stem_scene(std::span<const Vec3> points, const Terrain& terrain, double spacing,
+                          const Context& ctx);
 
 /// [m] z of the lowest end of a stem in points without ground: of those about its axis.
 double foot_of(const HeightOrder& points, const StemTrack& track);

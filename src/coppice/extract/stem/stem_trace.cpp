@@ -14,10 +14,11 @@ namespace {
 constexpr double kSlab = 0.12;      // [m] thickness of a section
 constexpr double kThickSlab = 0.4;  // [m] where points are few
 constexpr std::size_t kFewSections = 4;
-constexpr double kAbout = 0.45;       // [m] above and below a height, where its diameter is read
-constexpr double kAboutStep = 0.075;  // [m]
-constexpr double kHidden = 1.5;       // [m] without sections, after which a stem is lost
-constexpr double kThin = 0.004;       // [m] squares of which one point counts
+constexpr double kAbout = 0.45;        // [m] above and below a height, where its diameter is read
+constexpr double kAboutStep = 0.075;   // [m]
+constexpr std::size_t kOneSided = 20;  // times the points on one side of a section, than all
+constexpr double kHidden = 1.5;        // [m] without sections, after which a stem is lost
+constexpr double kThin = 0.004;        // [m] squares of which one point counts
 
 /// What is known of a stem where a section is to be cut.
 struct Guess {
@@ -33,12 +34,18 @@ std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, do
     const double lean = std::hypot(d.x, d.y);
     const double reach = 0.5 * thickness + wide * lean;
     std::vector<PlanePoint> plane;
+    std::size_t above = 0;
     for (const Vec3 p : points.between(guess.center.z - reach, guess.center.z + reach)) {
         const Vec3d off = Vec3d(p) - guess.center;
         if (std::abs(off.x) > wide + reach || std::abs(off.y) > wide + reach) continue;
         const double along = dot(off, d), x = dot(off, u), y = dot(off, v);
-        if (std::abs(along) <= 0.5 * thickness && x * x + y * y < wide * wide) plane.push_back({x, y, 1});
+        if (std::abs(along) > 0.5 * thickness || x * x + y * y >= wide * wide) continue;
+        plane.push_back({x, y, 1});
+        above += along > 0;
     }
+    // Beyond the end of a stem there are points on one side only.
+    if (const std::size_t below = plane.size() - above; kOneSided * std::min(above, below) < plane.size())
+        return {};
     plane = thin_plane(plane, kThin);
     const FoundCircle c = find_circle(plane, {.least_radius = 0.5 * guess.radius,
                                               .greatest_radius = 1.5 * guess.radius,

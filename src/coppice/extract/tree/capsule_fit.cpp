@@ -183,7 +183,7 @@ std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context&
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         poll_stop(ctx, n);
         const std::uint32_t q = tree.parent[n];
-        if (q == kNone) continue;
+        if (q == kNone || tree.fixed[n]) continue;
         // Columns of diagonal^-1 across^T, and diagonal^-1 right.
         std::array<Vec4, 5> x;
         for (int j = 0; j < 4; ++j)
@@ -199,6 +199,7 @@ std::vector<Vec4> solve(const DraftTree& tree, TreeSystem system, const Context&
     }
     std::vector<Vec4> step(tree.size());
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (tree.fixed[n]) continue;
         std::array<Vec4, 1> x{right[n]};
         const std::uint32_t q = tree.parent[n];
         if (q != kNone)

@@ -18,7 +18,7 @@ struct FitSamples {
         node;  ///< per sample: the lower node of the segment it belongs to, as far as known
 };
 
-/// How long and how freely nodes move.
+/// How long and how freely nodes move that are not fixed.
 struct FitOptions {
     int iterations = 10;      ///< times that all nodes move
     double robust = 0.3;      ///< [radius] residuals much larger than this hardly count

@@ -154,9 +154,12 @@ std::vector<std::uint32_t> axis_children(const DraftTree& tree) {
         const std::uint32_t parent = tree.parent[n];
         if (parent == kNone) continue;
         const double way = longest[n] + distance(tree.position[n], tree.position[parent]);
-        if (child[parent] != kNone && way < longest[parent]) continue;
-        longest[parent] = way;
-        child[parent] = n;
+        const std::uint32_t other = child[parent];
+        const bool longer = other == kNone || way >= longest[parent];
+        longest[parent] = std::max(longest[parent], way);
+        // A stem that was measured is the axis, however long its limbs are.
+        const bool leads = other == kNone || tree.fixed[n] == tree.fixed[other] ? longer : tree.fixed[n] != 0;
+        if (leads) child[parent] = n;
     }
     return child;
 }
@@ -226,7 +229,7 @@ std::uint32_t remove_reversals(DraftTree& tree, FitSamples& samples) {
     std::uint32_t count = 0;
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         const std::uint32_t parent = tree.parent[n];
-        if (parent == kNone || links.children(n).size() != 1) continue;
+        if (parent == kNone || tree.fixed[n] || links.children(n).size() != 1) continue;
         std::uint32_t child = links.children(n)[0];
         while (gone[child]) child = links.children(child)[0];
         const Vec3d in = normalized(tree.position[n] - tree.position[parent], {});
@@ -257,7 +260,7 @@ std::uint32_t merge_forks(DraftTree& tree, FitSamples& samples, double factor) {
             fork[n] = n;
             continue;
         }
-        if (tree.radius[n] > tree.radius[near]) {
+        if (tree.radius[n] > tree.radius[near] && !tree.fixed[near]) {
             tree.position[near] = tree.position[n];
             tree.radius[near] = tree.radius[n];
         }
@@ -296,6 +299,7 @@ std::uint32_t extend_ends(DraftTree& tree, FitSamples& samples) {
         }
     };
     for (const std::uint32_t n : ends_of(tree, links)) {
+        if (tree.fixed[n] && tree.parent[n] == kNone) continue;  // the foot of a stem
         const std::uint32_t q = inner_node(tree, links, n, kStraight * tree.radius[n]);
         if (q == n) continue;
         end[n].outward = normalized(tree.position[n] - tree.position[q], {});

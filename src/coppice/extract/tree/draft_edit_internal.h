@@ -11,8 +11,8 @@
 
 namespace coppice::extract_internal {
 
-/// For every node the child that continues its axis, the one with the longest way to a tip, or kNoParent. Of
-/// equal ones the first. O(nodes).
+/// For every node the child that continues its axis, or kNoParent: a fixed one, or else the one with the
+/// longest way to a tip. Of equal ones the first. O(nodes).
 std::vector<std::uint32_t> axis_children(const DraftTree& tree);
 
 /// Closes each way round from a tip to the node it touches, and cuts it where it is thinnest. With `keep` the

@@ -48,8 +48,8 @@ std::vector<std::uint32_t> sort_parents_first(DraftTree& tree, std::span<const c
             const std::uint32_t n = stack.back();
             stack.pop_back();
             const std::uint32_t q = tree.parent[n];
-            new_of_old[n] =
-                sorted.add(q == DraftTree::kNoParent ? q : new_of_old[q], tree.position[n], tree.radius[n]);
+            new_of_old[n] = sorted.add(q == DraftTree::kNoParent ? q : new_of_old[q], tree.position[n],
+                                       tree.radius[n], tree.fixed[n]);
             const auto children = links.children(n);
             for (std::size_t i = children.size(); i-- > 0;)
                 if (stays(children[i])) stack.push_back(children[i]);

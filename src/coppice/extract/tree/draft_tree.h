@@ -19,13 +19,15 @@ struct DraftTree {
     std::vector<std::uint32_t> parent;                       ///< kNoParent for a root
     std::vector<Vec3d> position;                             ///< [m]
     std::vector<double> radius;                              ///< [m] > 0
+    std::vector<std::uint8_t> fixed;  ///< 1 where place and radius were measured, and nothing changes them
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }  ///< number of nodes
     /// Appends a node; returns its index.
-    std::uint32_t add(std::uint32_t from, Vec3d p, double r) {
+    std::uint32_t add(std::uint32_t from, Vec3d p, double r, bool is_fixed = false) {
         parent.push_back(from);
         position.push_back(p);
         radius.push_back(r);
+        fixed.push_back(is_fixed);
         return size() - 1;
     }
 };

@@ -14,7 +14,7 @@ constexpr double kForkSpacing = 0.5;  // [radius] nearer forks are one, which th
 constexpr double kMinSpacing = 0.9;   // [radius] nodes nearer together have too few samples of their own
 
 bool is_chain_node(const DraftTree& tree, const DraftLinks& links, std::uint32_t n) {
-    return tree.parent[n] != kNone && links.children(n).size() == 1;
+    return tree.parent[n] != kNone && !tree.fixed[n] && links.children(n).size() == 1;
 }
 
 /// The nodes from `first`, the child of a root or fork, to the next fork or tip, after the node that it
@@ -82,7 +82,7 @@ void simplify(DraftTree& tree, FitSamples& samples, double tolerance) {
     DraftTree out;
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const std::uint32_t q = tree.parent[n] == kNone ? kNone : parent[tree.parent[n]];
-        parent[n] = kept[n] ? out.add(q, tree.position[n], tree.radius[n]) : q;
+        parent[n] = kept[n] ? out.add(q, tree.position[n], tree.radius[n], tree.fixed[n]) : q;
         if (kept[n]) image[n] = parent[n];
     }
     for (std::uint32_t n = tree.size(); n-- > 0;)

@@ -91,7 +91,12 @@ SceneOutcome from_cloud(const SceneCall& call, const Source& source, const Point
     call.reserve(kBytesOfGivenPoint * given +
                  kBytesOfPoint * std::min(given, static_cast<double>(options.max_points)));
     const CloudExtraction result = extract_from_cloud(points, options, extracting(call));
-    return outcome(call, source, result, left_out + text_of_points_left_out(result.cleaning));
+    std::string said = left_out + text_of_points_left_out(result.cleaning);
+    for (const TreeFigures& tree : result.trees) {
+        if (result.trees.size() == 1) said += text_of_tree(tree);
+        for (const std::string& doubt : tree.doubts) said += fmt::format("; in doubt: {}", doubt);
+    }
+    return outcome(call, source, result, said);
 }
 
 /// Says of each option what it is for.

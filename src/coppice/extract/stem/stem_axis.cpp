@@ -1,0 +1,262 @@
+#include "coppice/extract/stem/stem_axis_internal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "coppice/base/median.h"
+#include "coppice/extract/none_internal.h"
+#include "coppice/extract/prior/isotonic_internal.h"
+#include "coppice/extract/stem/stem_form_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+constexpr std::size_t kFewestSections = 4;
+constexpr std::array kWindows{4.0, 2.5, 1.6};  // [sections] on either side of a local line
+constexpr double kStraight = 0.04;             // [radius] that sections lie off a straight axis
+constexpr double kLeastStep = 0.02;            // [m]
+constexpr int kPasses = 4;                     // of robust weights
+constexpr double kOutlier = 4.685 * 1.4826;    // [median deviation] of a section that does not count
+constexpr double kLeastDeviation = 0.01;       // [radius] of any section
+constexpr double kOther = 0.4;        // of the radius of the thickest stem, that another one has at least
+constexpr double kApart = 1.5;        // [sum of radii] between the feet of stems of different trees
+constexpr double kHanging = 0.3;      // [m] of a tree of ten metres: what ends so much higher than that hangs
+constexpr double kAsWellSeen = 0.5;   // of the evidence of the stem seen best, that another one has at least
+constexpr double kMostInside = 0.15;  // points inside per point on the circles of another stem
+constexpr double kAtRoot = 2;         // [radius] from the axis, within which a given root belongs to it
+
+struct Section {
+    double z;
+    Vec3d center;
+    double radius, weight;
+};
+
+std::vector<Section> sections_of(const StemForm& form) {
+    std::vector<Section> out;
+    const auto add = [&](const StemDiameter& d) {
+        if (!(d.diameter > 0)) return;
+        const double r = 0.5 * d.diameter;
+        const double deviation = std::max(0.5 * d.deviation, kLeastDeviation * r);
+        out.push_back({d.center.z, d.center, r, 1 / (deviation * deviation)});
+    };
+    for (const StemDiameter& d : form.taper) add(d);
+    add(form.breast);
+    std::ranges::stable_sort(out, {}, &Section::z);
+    return out;
+}
+
+/// What a straight line through sections says at a height: x, y and radius.
+struct LocalLine {
+    double value[3], slope[3];
+    double off;  ///< [m] median distance of the sections from the plain line, seen level
+};
+
+double component(const Section& s, int k) { return k == 0 ? s.center.x : k == 1 ? s.center.y : s.radius; }
+
+/// The line of least squares with weights of the sections; `off` [m] are their residuals.
+void fit_line(std::span<const Section> near, std::span<const double> weight, double z, int k, LocalLine& line,
+              std::vector<double>& off) {
+    double w = 0, wt = 0, wtt = 0, wv = 0, wtv = 0;
+    for (std::size_t i = 0; i < near.size(); ++i) {
+        const double t = near[i].z - z, v = component(near[i], k);
+        w += weight[i], wt += weight[i] * t, wtt += weight[i] * t * t;
+        wv += weight[i] * v, wtv += weight[i] * t * v;
+    }
+    const double det = w * wtt - wt * wt;
+    if (!(w > 0)) return;
+    line.slope[k] = det > 1e-9 * w * wtt ? (w * wtv - wt * wv) / det : 0;
+    line.value[k] = (wv - line.slope[k] * wt) / w;
+    off.clear();
+    for (const Section& s : near)
+        off.push_back(std::abs(component(s, k) - line.value[k] - line.slope[k] * (s.z - z)));
+}
+
+/// The line through the sections within a window [m], in which outlying ones hardly count.
+LocalLine fit_local_line(std::span<const Section> near, double z, double window) {
+    std::vector<double> base, weight, off;
+    for (const Section& s : near) {
+        const double t = (s.z - z) / window;
+        base.push_back(s.weight * (1 - t * t));
+    }
+    LocalLine line{};
+    for (int k = 0; k < 3; ++k) {
+        fit_line(near, base, z, k, line, off);
+        if (k < 2) line.off = std::hypot(line.off, median(off));
+        for (int pass = 0; pass < kPasses; ++pass) {
+            const double scale = std::max(kOutlier * median(off), 1e-4);
+            weight = base;
+            for (std::size_t i = 0; i < weight.size(); ++i) {
+                const double x = std::min(1.0, off[i] / scale);
+                weight[i] *= (1 - x * x) * (1 - x * x);
+            }
+            fit_line(near, weight, z, k, line, off);
+        }
+    }
+    return line;
+}
+
+/// The line at a height over the widest window in which the axis is straight, or over few sections.
+LocalLine find_local_line(std::span<const Section> sections, double z, double step) {
+    LocalLine line{};
+    for (const double count : kWindows) {
+        double window = count * step;
+        std::vector<double> far;
+        for (const Section& s : sections) far.push_back(std::abs(s.z - z));
+        std::ranges::nth_element(far, far.begin() + 2);
+        window = std::max(window, 1.01 * far[2]);
+        const auto low = std::ranges::upper_bound(sections, z - window, {}, &Section::z);
+        const auto high = std::ranges::lower_bound(sections, z + window, {}, &Section::z);
+        line = fit_local_line({low, high}, z, window);
+        if (line.off <= kStraight * line.value[2]) break;
+    }
+    return line;
+}
+
+/// The axis at a height, its ends beyond it.
+Vec3d place_at(const StemAxis& stem, double z) {
+    const auto& at = stem.position;
+    const auto above = std::ranges::upper_bound(at, z, {}, &Vec3d::z);
+    if (above == at.begin()) return at.front();
+    if (above == at.end()) return at.back();
+    const Vec3d a = *(above - 1), b = *above;
+    return lerp(a, b, (z - a.z) / (b.z - a.z));
+}
+
+/// How well a stem was seen: the sum of the coverage of its sections, and points inside per point on them.
+struct Evidence {
+    double seen = 0, inside = 0;
+};
+
+Evidence evidence_of(const StemTrack& track) {
+    Evidence out;
+    for (const StemSection& s : track.sections) {
+        out.seen += s.circle.coverage;
+        out.inside += s.circle.inside / static_cast<double>(track.sections.size());
+    }
+    return out;
+}
+
+/// Radii that do not grow upward, nearest to those of the lines.
+void make_monotone(std::vector<double>& radius, std::span<const double> weight) {
+    std::vector<std::uint32_t> parent(radius.size());
+    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i == 0 ? kNone : i - 1;
+    radius = isotonic_on_tree(parent, radius, weight);
+}
+
+}  // namespace
+
+bool is_on_stem(std::span<const StemAxis> stems, Vec3d p, double spacing) {
+    return std::ranges::any_of(stems, [&](const StemAxis& stem) {
+        const auto& at = stem.position;
+        const auto above = std::ranges::upper_bound(at, p.z, {}, &Vec3d::z);
+        if (above == at.begin() || above == at.end()) return false;
+        const auto i = static_cast<std::size_t>(above - at.begin());
+        const double t = (p.z - at[i - 1].z) / (at[i].z - at[i - 1].z);
+        const Vec3d d = p - lerp(at[i - 1], at[i], t);
+        return std::hypot(d.x, d.y) <=
+               reach_of_stem(std::lerp(stem.radius[i - 1], stem.radius[i], t), spacing);
+    });
+}
+
+Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const StemAxis> stems,
+                               StemBases bases) {
+    std::vector<Vec3d> feet;
+    for (const auto& base : bases) {
+        Vec3d sum;
+        for (const std::uint32_t p : base) sum += Vec3d(points[p]) / static_cast<double>(base.size());
+        feet.push_back(sum);
+    }
+    Buffer<Vec3> out(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3d p(points[i]);
+        Vec3d best;
+        double least = std::numeric_limits<double>::infinity();
+        const auto look = [&](Vec3d at, Vec3d from) {
+            const double aside = std::hypot(p.x - at.x, p.y - at.y);
+            if (aside >= least) return;
+            least = aside;
+            best = from;
+        };
+        for (const StemAxis& stem : stems) {
+            const Vec3d at = place_at(stem, p.z);
+            look(at, place_at(stem, p.z - std::hypot(p.x - at.x, p.y - at.y)));
+        }
+        for (const Vec3d foot : feet) look(foot, foot);
+        out[i] = Vec3(normalized(p - best, {0, 0, 1}));
+    }
+    return out;
+}
+
+StemAxis make_stem_axis(const StemForm& form) {
+    const std::vector<Section> sections = sections_of(form);
+    StemAxis axis;
+    if (sections.size() < kFewestSections) return axis;
+    const double rise = sections.back().z - sections.front().z;
+    const double step = std::max(rise / static_cast<double>(sections.size() - 1), kLeastStep);
+    std::vector<double> weight;
+    const auto add = [&](double z, const LocalLine& line, double w) {
+        axis.position.push_back({line.value[0], line.value[1], z});
+        axis.radius.push_back(line.value[2]);
+        weight.push_back(w);
+    };
+    const LocalLine low = find_local_line(sections, sections.front().z, step);
+    const double down = form.foot.z - sections.front().z;
+    if (down < 0) {
+        LocalLine foot = low;
+        for (int k = 0; k < 2; ++k) foot.value[k] += down * foot.slope[k];
+        add(form.foot.z, foot, 1e-3 * sections.front().weight);
+    }
+    for (const Section& s : sections) {
+        if (!axis.position.empty() && s.z - axis.position.back().z < 1e-3) continue;
+        add(s.z, find_local_line(sections, s.z, step), s.weight);
+    }
+    make_monotone(axis.radius, weight);
+    axis.breast = form.breast;
+    return axis;
+}
+
+std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain& terrain,
+                                     const StemAxisSearch& search, const Context& ctx) {
+    const StemScene scene = find_stem_scene(points, terrain, search.spacing, ctx);
+    struct Found {
+        StemAxis axis;
+        double radius, above_ground;
+    };
+    std::vector<Found> found;
+    double best = 0;  // evidence of the first stem
+    for (const StemTrack& track : scene.tracks) {
+        TraceOptions trace = scene.trace_of(terrain, track);
+        if (search.root) {
+            const Vec3d at = track.at(search.root->z);
+            if (std::hypot(at.x - search.root->x, at.y - search.root->y) > kAtRoot * track.radius) continue;
+            trace.foot = search.root->z;
+        }
+        const Evidence evidence = evidence_of(track);
+        if (!found.empty() && (evidence.seen < kAsWellSeen * best || evidence.inside > kMostInside ||
+                               track.radius < kOther * found.front().radius))
+            continue;
+        StemAxis axis = make_stem_axis(measure_stem(scene.wood, track, trace, {}));
+        if (axis.position.empty()) continue;
+        const Vec3d foot = axis.position.front();
+        const double low = foot_of(scene.wood, track), above_ground = low - scene.ground(terrain, foot);
+        const auto is_same = [&](const Found& other) {
+            const Vec3d d = foot - other.axis.position.front();
+            return std::hypot(d.x, d.y) < kApart * (track.radius + other.radius);
+        };
+        if (std::ranges::any_of(found, is_same)) continue;
+        if (!found.empty() && above_ground - found.front().above_ground > kHanging * scene.scale) continue;
+        if (found.empty()) best = evidence.seen;
+        found.push_back({std::move(axis), track.radius, above_ground});
+        if (search.root) break;
+    }
+    std::ranges::stable_sort(found, std::ranges::greater{}, &Found::radius);
+    std::vector<StemAxis> out;
+    if (search.max_trees > 0 && found.size() > static_cast<std::size_t>(search.max_trees))
+        found.resize(static_cast<std::size_t>(search.max_trees));
+    for (Found& f : found) out.push_back(std::move(f.axis));
+    return out;
+}
+
+}  // namespace coppice::extract_internal
