@@ -135,12 +135,14 @@ struct CloudExtraction : ExtractResult {
 
 /// The skeleton of what a scanner saw of trees.
 ///
-/// Cleaning: exact duplicates go, voxels downsample where asked for, ground goes (a smooth surface under most
-/// of the plan), then outliers. Neighbours are joined in a graph, components nearer than `gap` are bridged by
-/// shortest links. Trees stand at the lowest places as thick as a trunk; paths from there cost the square of
-/// each step in spacings.
+/// Cleaning: exact duplicates go, voxels downsample where asked for, ground goes (see find_terrain), then
+/// outliers. Stems are measured first, by circles that stack (see stem_form): their feet are the roots, and
+/// nothing changes their axes and radii. Trees without such a stem stand at the lowest places as thick as a
+/// trunk. Neighbours are joined in a graph, components nearer than `gap` are bridged, large ones over up to a
+/// third of their extent; paths from the stems cost the square of each step in spacings, more where they turn
+/// or lead back.
 ///
-/// Tubes first, from thick to thin: pieces of about equal cost become nodes, circles are fitted to their
+/// Tubes next, from thick to thin: pieces of about equal cost become nodes, circles are fitted to their
 /// points along the axis, so half a cylinder is enough, and clean runs keep their points. Each is
 /// attached by the path from its lowest point to what that meets. Then chains: from the point farthest along
 /// paths that lies on no surface yet, back to the tree, through the middle of the points about the path,

@@ -20,7 +20,7 @@ namespace {
 constexpr double kTurn = 4;     // times (1 - cosine) of a turn, added to what a link costs
 constexpr double kInward = 8;   // times (1 - cosine)^2 against how branches grow, the same
 constexpr double kHeading = 3;  // [spacing] over which a path forgets how it went on
-constexpr std::uint32_t kVoxelNeighbours = 10;
+constexpr std::uint32_t kVoxelNeighbours = 10, kVoxelRank = 4;  // of voxels; whose distance is the spacing
 
 bool lists(const Neighbours& neighbours, std::uint32_t row, std::uint32_t point) {
     return std::ranges::find(neighbours.of(row), point) != neighbours.of(row).end();
@@ -205,10 +205,26 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
     return bridges;
 }
 
-/// Links between points that stand for ever larger voxels, each to those of the closest other ones, up to
-/// `limit` [m] long: ways over gaps, and across the rows that scanners leave.
+/// Of each voxel that holds points the one closest to their mean.
+std::vector<std::uint32_t> points_of_voxels(std::span<const Vec3> at, double edge, const Context& ctx) {
+    const VoxelGrid grid = voxel_grid(at, edge, ctx);
+    std::vector<std::uint32_t> point(grid.centroid.size(), kNone);
+    std::vector<float> off(point.size(), std::numeric_limits<float>::infinity());
+    for (std::uint32_t i = 0; i < at.size(); ++i) {
+        const std::uint32_t v = grid.of_point[i];
+        const float d = length_squared(at[i] - grid.centroid[v]);
+        if (d >= off[v]) continue;
+        off[v] = d;
+        point[v] = i;
+    }
+    return point;
+}
+
+/// Links of at most `limit` [m] between the components of points that stand for ever larger voxels, each to
+/// the closest others: more ways over gaps than the shortest one.
 std::vector<Link> link_voxels(std::span<const Vec3> points, const Neighbours& neighbours,
-                              std::span<const std::uint8_t> ignored, double limit, const Context& ctx) {
+                              std::span<const std::uint8_t> ignored, const Components& parts, double limit,
+                              const Context& ctx) {
     std::vector<std::uint32_t> used;
     Buffer<Vec3> at;
     for (std::uint32_t p = 0; p < points.size(); ++p) {
@@ -217,37 +233,26 @@ std::vector<Link> link_voxels(std::span<const Vec3> points, const Neighbours& ne
         at.push_back(points[p]);
     }
     std::vector<Link> links;
-    Buffer<float> spacing = local_spacing(neighbours, std::min(4u, neighbours.count));
-    for (double edge = 2 * double{median(spacing)}; edge <= limit; edge *= 2) {
-        const VoxelGrid grid = voxel_grid(at, edge, ctx);
-        const std::size_t count = grid.centroid.size();
-        if (count < 2) break;
-        // The point closest to the middle stands for a voxel.
-        std::vector<std::uint32_t> point(count, kNone);
-        std::vector<float> off(count, std::numeric_limits<float>::infinity());
-        for (std::uint32_t i = 0; i < at.size(); ++i) {
-            const std::uint32_t v = grid.of_point[i];
-            const float d = length_squared(at[i] - grid.centroid[v]);
-            if (d >= off[v]) continue;
-            off[v] = d;
-            point[v] = i;
-        }
-        Buffer<Vec3> next(count);
-        std::vector<std::uint32_t> of(count);
-        for (std::size_t v = 0; v < count; ++v) {
-            next[v] = at[point[v]];
-            of[v] = used[point[v]];
-        }
-        const Neighbours near = nearest_neighbours(next, kVoxelNeighbours, ctx);
-        for (std::uint32_t v = 0; v < count; ++v) {
-            for (std::uint32_t k = 0; k < near.count; ++k) {
-                const std::uint32_t w = near.of(v)[k];
-                if (double{near.distances(v)[k]} > limit || (w < v && lists(near, w, v))) continue;
-                links.push_back({of[v], of[w], near.distances(v)[k]});
-            }
+    const Buffer<float> spacing = local_spacing(neighbours, std::min(kVoxelRank, neighbours.count));
+    for (double edge = 2 * double{median(spacing)}; edge <= limit && at.size() > 1; edge *= 2) {
+        const std::vector<std::uint32_t> chosen = points_of_voxels(at, edge, ctx);
+        Buffer<Vec3> next(chosen.size());
+        std::vector<std::uint32_t> of(chosen.size());
+        for (std::size_t v = 0; v < chosen.size(); ++v) {
+            next[v] = at[chosen[v]];
+            of[v] = used[chosen[v]];
         }
         at.swap(next);
         used.swap(of);
+        const Neighbours near = nearest_neighbours(at, kVoxelNeighbours, ctx);
+        for (std::uint32_t v = 0; v < at.size(); ++v) {
+            for (std::uint32_t k = 0; k < near.count; ++k) {
+                const std::uint32_t w = near.of(v)[k];
+                const bool apart = parts.of[used[v]] != parts.of[used[w]];
+                if (!apart || double{near.distances(v)[k]} > limit || (w < v && lists(near, w, v))) continue;
+                links.push_back({used[v], used[w], near.distances(v)[k]});
+            }
+        }
     }
     return links;
 }
@@ -273,13 +278,12 @@ ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& ne
     out.components = components(make_graph(neighbours, ignored, {}, ctx, gap.usual), ctx);
     out.bridges = bridge_gaps(points, ignored, out.components, gap.usual, ctx);
     std::vector<Link> links = out.bridges;
-    const std::vector<Link> across = link_voxels(points, neighbours, ignored, gap.widest, ctx);
-    for (const Link& link : across) {
-        const bool apart = out.components.of[link.from] != out.components.of[link.to];
-        if (apart && double{link.length} <= gap.usual) links.push_back(link);
-    }
-    out.graph = make_graph(neighbours, ignored, links, ctx, gap.usual);
-    out.components = components(out.graph, ctx);
+    const std::vector<Link> across =
+        link_voxels(points, neighbours, ignored, out.components, gap.widest, ctx);
+    for (const Link& link : across)
+        if (double{link.length} <= gap.usual) links.push_back(link);
+    if (!links.empty())
+        out.components = components(make_graph(neighbours, ignored, links, ctx, gap.usual), ctx);
     const std::vector<double> reach = reach_of_parts(points, ignored, out.components, gap);
     std::vector<Link> wide = bridge_gaps(points, ignored, out.components, gap.widest, ctx);
     wide.insert(wide.end(), across.begin(), across.end());
@@ -287,10 +291,10 @@ ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& ne
         const std::uint32_t a = out.components.of[link.from], b = out.components.of[link.to];
         return a == b || double{link.length} > std::min(reach[a], reach[b]);
     });
-    if (wide.empty()) return out;
     links.insert(links.end(), wide.begin(), wide.end());
-    const std::size_t before = out.components.size.size();
     out.graph = make_graph(neighbours, ignored, links, ctx, gap.usual);
+    if (wide.empty()) return out;
+    const std::size_t before = out.components.size.size();
     out.components = components(out.graph, ctx);
     out.wide = static_cast<std::uint32_t>(before - out.components.size.size());
     return out;
