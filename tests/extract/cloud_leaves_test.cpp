@@ -75,7 +75,7 @@ Found leaves_of(const PointSet& set, bool always = false, std::uint32_t neighbou
     Found found{sorted_without_duplicates(set.positions, ctx), {}};
     const Neighbours near = nearest_neighbours(found.points, neighbours, ctx);
     const std::vector<std::uint8_t> none(found.points.size(), 0);
-    found.leaf = find_leaves(found.points, near, none, {always, 0.3, {}}, ctx);
+    found.leaf = find_leaves(found.points, near, none, {always, {0.3, 0.3}, {}}, ctx);
     return found;
 }
 
@@ -220,7 +220,8 @@ TEST(CloudLeaves, IgnoredPointsAreNotMarked) {
     const Buffer<Vec3> points = sorted_without_duplicates(leafy_tree(100).set.positions, {});
     std::vector<std::uint8_t> ignored(points.size(), 0);
     for (std::size_t i = 0; i < ignored.size(); i += 7) ignored[i] = 1;
-    const auto leaf = find_leaves(points, nearest_neighbours(points, 12, {}), ignored, {false, 0.3, {}}, {});
+    const auto leaf =
+        find_leaves(points, nearest_neighbours(points, 12, {}), ignored, {false, {0.3, 0.3}, {}}, {});
     EXPECT_GT(std::ranges::count(leaf, 1), 3000);
     for (std::size_t i = 0; i < ignored.size(); i += 7) EXPECT_EQ(leaf[i], 0);
 }
