@@ -18,10 +18,10 @@ constexpr double kOfFoot = 0.8;                            // least share of a t
 constexpr double kKindError = 0.2;                         // of the exponent that wood of one kind shows
 constexpr double kError = 0.5;                             // of the logarithm of a radius
 constexpr double kSeen = 4;                                // least precision of a radius that was seen
-constexpr double kTooThick = 1.5;          // [error] above the prior, from which on half are no branches
-constexpr double kConvincing = 40;         // points about a node: many do not lie like a tube by chance
-constexpr double kLeastDeviation = 0.015;  // of the logarithm of any radius, by bark alone
-constexpr double kNineOfTen = 1.645;       // [standard deviation]
+constexpr double kTooThick = 1.5;        // [error] above the prior, from which on half are no branches
+constexpr double kConvincing = 40;       // points about a node: many do not lie like a tube by chance
+constexpr double kMinDeviation = 0.015;  // of the logarithm of any radius, by bark alone
+constexpr double kNineOfTen = 1.645;     // [standard deviation]
 
 /// [m] of wood beyond every node, its own radius included.
 std::vector<double> length_beyond(const DraftTree& tree) {
@@ -147,7 +147,7 @@ RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> eviden
     }
     value = isotonic_on_tree(tree.parent, value, weight);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
-        const double factor = std::exp(kNineOfTen * std::max(1 / std::sqrt(weight[n]), kLeastDeviation));
+        const double factor = std::exp(kNineOfTen * std::max(1 / std::sqrt(weight[n]), kMinDeviation));
         tree.radius[n] = std::exp(value[n]);
         out.low[n] = tree.radius[n] / factor;
         out.high[n] = tree.radius[n] * factor;

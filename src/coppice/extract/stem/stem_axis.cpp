@@ -16,16 +16,16 @@ namespace {
 constexpr std::size_t kFewestSections = 4;
 constexpr std::array kWindows{4.0, 2.5, 1.6};  // [sections] on either side of a local line
 constexpr double kStraight = 0.04;             // [radius] that sections lie off a straight axis
-constexpr double kLeastStep = 0.02;            // [m]
+constexpr double kMinStep = 0.02;              // [m]
 constexpr int kPasses = 4;                     // of robust weights
 constexpr double kOutlier = 4.685 * 1.4826;    // [median deviation] of a section that does not count
-constexpr double kLeastDeviation = 0.01;       // [radius] of any section
-constexpr double kOther = 0.4;        // of the radius of the thickest stem, that another one has at least
-constexpr double kApart = 1.5;        // [sum of radii] between the feet of stems of different trees
-constexpr double kHanging = 0.3;      // [m] of a tree of ten metres: what ends so much higher than that hangs
-constexpr double kAsWellSeen = 0.5;   // of the evidence of the stem seen best, that another one has at least
-constexpr double kMostInside = 0.15;  // points inside per point on the circles of another stem
-constexpr double kAtRoot = 2;         // [radius] from the axis, within which a given root belongs to it
+constexpr double kMinDeviation = 0.01;         // [radius] of any section
+constexpr double kOther = 0.4;       // of the radius of the thickest stem, that another one has at least
+constexpr double kApart = 1.5;       // [sum of radii] between the feet of stems of different trees
+constexpr double kHanging = 0.3;     // [m] of a tree of ten metres: what ends so much higher than that hangs
+constexpr double kAsWellSeen = 0.5;  // of the evidence of the stem seen best, that another one has at least
+constexpr double kMaxInside = 0.15;  // points inside per point on the circles of another stem
+constexpr double kAtRoot = 2;        // [radius] from the axis, within which a given root belongs to it
 
 struct Section {
     double z;
@@ -38,7 +38,7 @@ std::vector<Section> sections_of(const StemForm& form) {
     const auto add = [&](const StemDiameter& d) {
         if (!(d.diameter > 0)) return;
         const double r = 0.5 * d.diameter;
-        const double deviation = std::max(0.5 * d.deviation, kLeastDeviation * r);
+        const double deviation = std::max(0.5 * d.deviation, kMinDeviation * r);
         out.push_back({d.center.z, d.center, r, 1 / (deviation * deviation)});
     };
     for (const StemDiameter& d : form.taper) add(d);
@@ -99,13 +99,12 @@ LocalLine fit_local_line(std::span<const Section> near, double z, double window)
 
 /// The line at a height over the widest window in which the axis is straight, or over few sections.
 LocalLine find_local_line(std::span<const Section> sections, double z, double step) {
+    std::vector<double> far;
+    for (const Section& s : sections) far.push_back(std::abs(s.z - z));
+    std::ranges::nth_element(far, far.begin() + 2);
     LocalLine line{};
     for (const double count : kWindows) {
-        double window = count * step;
-        std::vector<double> far;
-        for (const Section& s : sections) far.push_back(std::abs(s.z - z));
-        std::ranges::nth_element(far, far.begin() + 2);
-        window = std::max(window, 1.01 * far[2]);
+        const double window = std::max(count * step, 1.01 * far[2]);
         const auto low = std::ranges::upper_bound(sections, z - window, {}, &Section::z);
         const auto high = std::ranges::lower_bound(sections, z + window, {}, &Section::z);
         line = fit_local_line({low, high}, z, window);
@@ -114,14 +113,22 @@ LocalLine find_local_line(std::span<const Section> sections, double z, double st
     return line;
 }
 
-/// The axis at a height, its ends beyond it.
-Vec3d place_at(const StemAxis& stem, double z) {
+/// A place on an axis.
+struct AxisPlace {
+    Vec3d center;
+    double radius;
+    bool inside;  ///< between both ends
+};
+
+/// The axis at a height; beyond its ends, they.
+AxisPlace place_at(const StemAxis& stem, double z) {
     const auto& at = stem.position;
     const auto above = std::ranges::upper_bound(at, z, {}, &Vec3d::z);
-    if (above == at.begin()) return at.front();
-    if (above == at.end()) return at.back();
-    const Vec3d a = *(above - 1), b = *above;
-    return lerp(a, b, (z - a.z) / (b.z - a.z));
+    if (above == at.begin()) return {at.front(), stem.radius.front(), false};
+    if (above == at.end()) return {at.back(), stem.radius.back(), false};
+    const auto i = static_cast<std::size_t>(above - at.begin());
+    const double t = (z - at[i - 1].z) / (at[i].z - at[i - 1].z);
+    return {lerp(at[i - 1], at[i], t), std::lerp(stem.radius[i - 1], stem.radius[i], t), true};
 }
 
 /// How well a stem was seen: the sum of the coverage of its sections, and points inside per point on them.
@@ -149,14 +156,9 @@ void make_monotone(std::vector<double>& radius, std::span<const double> weight) 
 
 bool is_on_stem(std::span<const StemAxis> stems, Vec3d p, double spacing) {
     return std::ranges::any_of(stems, [&](const StemAxis& stem) {
-        const auto& at = stem.position;
-        const auto above = std::ranges::upper_bound(at, p.z, {}, &Vec3d::z);
-        if (above == at.begin() || above == at.end()) return false;
-        const auto i = static_cast<std::size_t>(above - at.begin());
-        const double t = (p.z - at[i - 1].z) / (at[i].z - at[i - 1].z);
-        const Vec3d d = p - lerp(at[i - 1], at[i], t);
-        return std::hypot(d.x, d.y) <=
-               reach_of_stem(std::lerp(stem.radius[i - 1], stem.radius[i], t), spacing);
+        const AxisPlace at = place_at(stem, p.z);
+        const Vec3d d = p - at.center;
+        return at.inside && std::hypot(d.x, d.y) <= reach_of_stem(at.radius, spacing);
     });
 }
 
@@ -180,8 +182,8 @@ Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const Ste
             best = from;
         };
         for (const StemAxis& stem : stems) {
-            const Vec3d at = place_at(stem, p.z);
-            look(at, place_at(stem, p.z - std::hypot(p.x - at.x, p.y - at.y)));
+            const Vec3d at = place_at(stem, p.z).center;
+            look(at, place_at(stem, p.z - std::hypot(p.x - at.x, p.y - at.y)).center);
         }
         for (const Vec3d foot : feet) look(foot, foot);
         out[i] = Vec3(normalized(p - best, {0, 0, 1}));
@@ -194,7 +196,7 @@ StemAxis make_stem_axis(const StemForm& form) {
     StemAxis axis;
     if (sections.size() < kFewestSections) return axis;
     const double rise = sections.back().z - sections.front().z;
-    const double step = std::max(rise / static_cast<double>(sections.size() - 1), kLeastStep);
+    const double step = std::max(rise / static_cast<double>(sections.size() - 1), kMinStep);
     std::vector<double> weight;
     const auto add = [&](double z, const LocalLine& line, double w) {
         axis.position.push_back({line.value[0], line.value[1], z});
@@ -234,7 +236,7 @@ std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain
             trace.foot = search.root->z;
         }
         const Evidence evidence = evidence_of(track);
-        if (!found.empty() && (evidence.seen < kAsWellSeen * best || evidence.inside > kMostInside ||
+        if (!found.empty() && (evidence.seen < kAsWellSeen * best || evidence.inside > kMaxInside ||
                                track.radius < kOther * found.front().radius))
             continue;
         StemAxis axis = make_stem_axis(measure_stem(scene.wood, track, trace, {}));

@@ -16,9 +16,9 @@ constexpr double kInCommon = 0.5;      // of the errors of radii, to all branche
 constexpr double kOfCones = 0.03;      // [volume] standard deviation of what cones leave out
 constexpr double kMeasured = 0.5;      // evidence of a radius that was measured
 constexpr double kDiameterOff = 0.05;  // between skeleton and points
-constexpr double kLeastForm = 0.5, kMostForm = 1.8;
-constexpr double kMostInferred = 0.5;
-constexpr double kLeastHeight = 2 * kBreastHeight;  // [m] of a tree that has a form
+constexpr double kMinForm = 0.5, kMaxForm = 1.8;
+constexpr double kMaxInferred = 0.5;
+constexpr double kMinHeight = 2 * kBreastHeight;  // [m] of a tree that has a form
 
 /// Sums over the segments of one tree.
 struct Sums {
@@ -39,7 +39,7 @@ void add_segment(Sums& sums, const Segment& s, const NodeConfidence& c) {
 }
 
 void add_doubts(TreeFigures& t) {
-    if (!(t.height > kLeastHeight)) return;
+    if (!(t.height > kMinHeight)) return;
     if (!(t.dbh_of_points > 0)) {
         t.doubts.emplace_back(kNoCircle);
     } else if (std::abs(t.dbh - t.dbh_of_points) > kDiameterOff * t.dbh_of_points) {
@@ -47,11 +47,11 @@ void add_doubts(TreeFigures& t) {
             fmt::format("the diameter at breast height is {:.1f} cm, but {:.1f} cm in the points",
                         100 * t.dbh, 100 * t.dbh_of_points));
     }
-    if (t.form > 0 && (t.form < kLeastForm || t.form > kMostForm)) {
+    if (t.form > 0 && (t.form < kMinForm || t.form > kMaxForm)) {
         t.doubts.push_back(
             fmt::format("its volume is {:.2g} times what its diameter and height suggest", t.form));
     }
-    if (t.inferred > kMostInferred)
+    if (t.inferred > kMaxInferred)
         t.doubts.push_back(fmt::format("{:.0f} % of its volume is inferred", 100 * t.inferred));
 }
 
@@ -87,7 +87,7 @@ std::vector<TreeFigures> tree_figures(const Skeleton& s, std::span<const NodeCon
         t.volume_high = of.volume * factor;
         t.inferred = of.volume > 0 ? of.inferred / of.volume : 0;
         const double d = t.dbh_of_points > 0 ? t.dbh_of_points : t.dbh;
-        if (d > 0 && t.height > kLeastHeight) {
+        if (d > 0 && t.height > kMinHeight) {
             const double above = 1 - kBreastHeight / t.height;
             t.form = of.volume * above * above / (0.5 * std::numbers::pi / 4 * d * d * t.height);
         }
