@@ -202,8 +202,10 @@ def make(coppice, folder, index):
     points = points[seen(points, scanners, 0.7 * spacing)]
     points += random.normal(0, 0.008 if trap == "noise" else 0.002, points.shape)
     if trap == "strip":
+        # Of the stem, a side and a band; of the crown, the band alone: no method could find what has no points.
         z, side = random.uniform(1.6, 3), random.uniform(0, 2 * np.pi)
-        gone = (np.abs(points[:, 2] - z) < 0.25) | (points[:, :2] @ [np.cos(side), np.sin(side)] > 0.3 * diameter) & (points[:, 2] < 0.6 * height)
+        beside = points[:, :2] @ [np.cos(side), np.sin(side)]
+        gone = (np.abs(points[:, 2] - z) < 0.25) | (beside > 0.3 * diameter) & (beside < diameter) & (points[:, 2] < 0.6 * height)
         points = points[~gone]
     if trap == "strays":
         box = points.min(0), points.max(0)

@@ -1,3 +1,4 @@
+#include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 
 #include <gtest/gtest.h>

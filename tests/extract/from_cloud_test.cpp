@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stop_token>
 #include <string>
 
@@ -144,6 +145,50 @@ TEST(FromCloud, BridgesGapsUpToTheirWidth) {
     EXPECT_EQ(narrow.cleaning.unreached, 1600u);
 }
 
+/// A stem with limbs that lean out, and nothing seen in a band across all of them.
+PointSet limbs_with_a_band() {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 1.5}, 0.06, 0.06, 3000, 0.002);
+    for (int k = 0; k < 5; ++k) {
+        const double turn = 0.4 * std::numbers::pi * k;
+        strew_cone(set, {0, 0, 1.2}, {1.2 * std::cos(turn), 1.2 * std::sin(turn), 4}, 0.03, 0.02, 2500,
+                   0.002);
+    }
+    std::erase_if(set.positions, [](Vec3 p) { return std::abs(p.z - 2.4f) < 0.25f; });
+    return set;
+}
+
+TEST(FromCloud, LeadsLimbsStraightOverAGap) {
+    const CloudExtraction found = extract_from_cloud(limbs_with_a_band());
+    const SkeletonMeasures m = measure(found.skeleton);
+    EXPECT_EQ(m.trees, 1u);
+    EXPECT_EQ(found.cleaning.unreached, 0u);
+    for (int k = 0; k < 5; ++k) {
+        const double turn = 0.4 * std::numbers::pi * k, out = 1.2 * 1.2 / 2.8;
+        EXPECT_LT(distance_to_axis(found.skeleton, {out * std::cos(turn), out * std::sin(turn), 2.4}), 0.05);
+    }
+}
+
+TEST(FromCloud, TakesNoTreesForWhatHangsInACrown) {
+    PointSet set = limbs_with_a_band();
+    strew_cone(set, {0.1, 0.1, 6}, {0.4, 0.1, 8}, 0.03, 0.03, 2500, 0.002);  // beyond any gap
+    const CloudExtraction found = extract_from_cloud(set);
+    EXPECT_EQ(found.skeleton.tree_count(), 1u);
+    EXPECT_EQ(found.cleaning.unreached, 2500u);
+}
+
+TEST(FromCloud, GivesFewTwigsToNeedles) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 5}, 0.08, 0.05, 3000, 0.002);
+    for (int k = 0; k < 6; ++k) {
+        const Vec3d from{0, 0, 2 + 0.4 * k}, to = from + Vec3d{2 * std::cos(k), 2 * std::sin(k), 1};
+        strew_cone(set, from, to, 0.02, 0.01, 300, 0.002, false, 2 + k);
+        strew_cone(set, from, to, 0.01, 0.01, 600, 0.1, false, 9 + k);
+    }
+    // There are 18.4 m; 28 m are found where needles count as any points do.
+    EXPECT_LT(measure(extract_from_cloud(set).skeleton).length, 25);
+}
+
 PointSet tree_on_ground() {
     PointSet set = fork_cloud();
     const CounterRandom random(9, 1);
@@ -163,6 +208,23 @@ TEST(FromCloud, LeavesTheGroundOut) {
     EXPECT_EQ(extract_from_cloud(set, {.ground = GroundRule::none}).cleaning.ground, 0u);
     // A tree alone has none.
     EXPECT_EQ(extract_from_cloud(fork_cloud()).cleaning.ground, 0u);
+}
+
+TEST(FromCloud, LeavesOutWhatGrowsBesideTheStem) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.08, 0.05, 6000, 0.002);
+    const CounterRandom random(9, 1);
+    for (std::uint64_t i = 0; i < 12000; ++i)
+        set.positions.push_back(Vec3(Vec3d{random.uniform(3 * i, -2, 2), random.uniform(3 * i + 1, -2, 2),
+                                           random.uniform(3 * i + 2, -0.01, 0.01)}));
+    const CloudExtraction alone = extract_from_cloud(set);
+    const std::size_t before = set.size();
+    for (int k = 0; k < 6; ++k)
+        strew_cone(set, {1.2, 0.3 * k - 0.6, 0}, {1 + 0.1 * k, 0.3 * k - 0.6, 0.7}, 0.02, 0.02, 300, 0.01);
+    const CloudExtraction found = extract_from_cloud(set);
+    EXPECT_EQ(alone.cleaning.understorey, 0u);
+    EXPECT_GT(found.cleaning.understorey, 0.7 * static_cast<double>(set.size() - before));
+    EXPECT_NEAR(measure(found.skeleton).length, measure(alone.skeleton).length, 0.1);
 }
 
 TEST(FromCloud, LeavesOutWhatLiesBelowAHeight) {

@@ -85,7 +85,7 @@ TEST(Evidence, IsNoneWithoutPoints) {
 TEST(Radii, GrowNowhereAndKeepWhatIsSeen) {
     Scene s = trunk();
     s.add_axis(10, {2, 0, 6}, 8, 0.06, 0.06, 40, true);
-    const RadiusBelief belief = believe_radii(s.tree, s.evidence());
+    const RadiusBelief belief = believe_radii(s.tree, s.evidence(), 0);
     for (std::uint32_t n = 1; n < s.tree.size(); ++n) {
         EXPECT_LE(s.tree.radius[n], s.tree.radius[s.tree.parent[n]]);
         EXPECT_LT(belief.low[n], s.tree.radius[n]);
@@ -101,11 +101,36 @@ TEST(Radii, OfClustersAreThoseOfWhatBearsLittle) {
     // A ball of leaves half a metre wide at the end of a twig that nothing is seen of.
     const std::uint32_t twig = s.add_axis(10, {1, 0, 6}, 4, 0.05, 0.05, 0, true);
     const std::uint32_t ball = s.add_axis(twig, {1.5, 0, 6.2}, 3, 0.25, 0.3, 40, false);
-    const RadiusBelief belief = believe_radii(s.tree, s.evidence());
+    const RadiusBelief belief = believe_radii(s.tree, s.evidence(), 0);
     EXPECT_LT(s.tree.radius[ball], 0.18);
     EXPECT_LT(belief.measured[ball], 0.9);
     EXPECT_GT(belief.high[ball] / belief.low[ball], 2);
     EXPECT_NEAR(s.tree.radius[5], 0.2, 0.004);
+}
+
+TEST(Radii, AreThoseThatAMeasuredStemCanBear) {
+    Scene s = trunk();
+    const std::uint32_t top = s.tree.size() - 1;
+    std::vector<std::uint32_t> tips;
+    for (int k = 0; k < 12; ++k)
+        tips.push_back(s.add_axis(top, {4 * std::cos(k), 4 * std::sin(k), 7}, 8, 0.15, 0.15, 60, true));
+    const DraftTree wide = s.tree;
+    believe_radii(s.tree, s.evidence(), 2);
+    EXPECT_NEAR(s.tree.radius[tips[5]], 0.15, 0.01) << "the stem was not measured";
+    s.tree = wide;
+    for (std::uint32_t n = 0; n <= top; ++n) s.tree.fixed[n] = 1;
+    const RadiusBelief belief = believe_radii(s.tree, s.evidence(), 2);
+    double area = 0;
+    for (const std::uint32_t tip : tips) {
+        const std::uint32_t n = tip - 4;
+        area += s.tree.radius[n] * s.tree.radius[n];
+        EXPECT_TRUE(belief.limited[n]);
+        EXPECT_EQ(belief.measured[n], 0);
+        EXPECT_LE(s.tree.radius[tip], s.tree.radius[n]);
+    }
+    EXPECT_NEAR(area, 2 * 0.2 * 0.2, 0.02 * 0.2 * 0.2);
+    EXPECT_FALSE(belief.limited[top]);
+    EXPECT_NEAR(s.tree.radius[top], 0.2, 1e-3);
 }
 
 TEST(Radii, FollowWhatMostWoodShows) {

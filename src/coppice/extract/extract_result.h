@@ -29,6 +29,7 @@ struct ExtractReport {
         0;                ///< ends moved along their axis to where the surface ends, less a radius
     float residual = 0;   ///< [radius] mean over all samples of the distance from the surface
     double presumed = 0;  ///< [m] of the length, where the radius is more what trees are like than measured
+    double limited = 0;   ///< [m] of the length, where the radius was lowered to what the stem can bear
     friend bool operator==(const ExtractReport&, const ExtractReport&) = default;  ///< member by member
 };
 
@@ -44,6 +45,7 @@ void visit_figures(const ExtractReport& r, Visitor&& visit) {
     visit("repaired_tips", r.repaired_tips);
     visit("residual", r.residual);
     visit("presumed_m", r.presumed);
+    visit("limited_m", r.limited);
 }
 
 /// A skeleton read off a surface or a cloud of points.

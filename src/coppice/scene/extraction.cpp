@@ -25,10 +25,13 @@ std::string text_of_points_left_out(const CloudReport& cleaning) {
         out += fmt::format(", {} points thinned by {}", grouped(cleaning.points - cleaning.duplicates),
                            grouped(cleaning.downsampled));
     }
-    if (cleaning.leaves > 0) {
-        out += fmt::format(", {} of {} points left out as leaves", grouped(cleaning.leaves),
-                           grouped(cleaning.points));
-    }
+    const auto add = [&](std::uint64_t count, std::string_view why) {
+        if (count > 0)
+            out += fmt::format(", {} of {} points {}", grouped(count), grouped(cleaning.points), why);
+    };
+    add(cleaning.leaves, "left out as leaves");
+    add(cleaning.understorey, "left out as understorey");
+    add(cleaning.unreached, "left out beyond gaps");
     return out;
 }
 

@@ -9,6 +9,7 @@
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
+#include "coppice/extract/prior/evidence_internal.h"
 #include "coppice/extract/stem/stem_axis_internal.h"
 #include "coppice/spatial/box_tree.h"
 
@@ -80,9 +81,10 @@ struct NearestBranches {
     float gain = 0;
 };
 
-/// Looks up the segments about a point; `branch` names the branch of each.
-NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32_t> branch, double noise,
-                                 Vec3 point, double spacing) {
+/// Looks up the segments about a point; `branch` names the branch of each, `margin` [m] is how far off it
+/// points lie by chance.
+NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32_t> branch,
+                                 std::span<const double> margin, Vec3 point, double spacing) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Vec3d p(point);
     double best = kInfinity, next = kInfinity, best_radius = 0, next_radius = 0;
@@ -110,7 +112,7 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
         out.gain = 1;
         return out;
     }
-    const double slack = std::max({kSigmas * noise, kSecondSpacing * spacing,
+    const double slack = std::max({margin[out.second], kSecondSpacing * spacing,
                                    std::min(kSecondRadius * next_radius, kOwnRadius * best_radius)});
     const auto cost = [&](double d) { return std::min(1.0, d * d / (slack * slack)); };
     out.gain = static_cast<float>(cost(std::max(next, 0.0)) - cost(best));
@@ -221,10 +223,13 @@ std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<co
     const DraftLinks links(tree);
     const Cones cones(tree, links, 0, ctx);
     const auto branch = branches_of(tree, links);
+    std::vector<double> margin;
+    for (const NodeEvidence& e : gather_evidence(tree, samples, spacing, ctx))
+        margin.push_back(std::max(kSigmas * noise, e.margin()));
     std::vector<NearestBranches> nearest(samples.positions.size());
     std::vector<std::uint32_t> key(nearest.size(), kNone);
     parallel_for(ctx, nearest.size(), kAssignmentGrain, [&](std::size_t i) {
-        nearest[i] = nearest_branches(cones, branch, noise, samples.positions[i], spacing[i]);
+        nearest[i] = nearest_branches(cones, branch, margin, samples.positions[i], spacing[i]);
         if (nearest[i].first != kNone) key[i] = branch[nearest[i].first];
     });
     const auto members = group_by(key, tree.size());

@@ -4,6 +4,7 @@
 #include "coppice/base/kernel/round_cone.h"
 #include "coppice/extract/cloud/centerline_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
+#include "coppice/extract/prior/evidence_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -34,6 +35,21 @@ std::vector<std::uint32_t> points_with_nodes(const FitSamples& samples) {
     return out;
 }
 
+/// [m] How far a tip rises at least above the branch that it leaves.
+double least_rise(const Centerline& branch, const DraftOptions& options, double radius, double margin) {
+    const double above_bark =
+        std::min({kHigh * radius, kHighSpacings * branch.spacing, kSteep * line_length(branch)});
+    return std::max({options.reach * branch.spacing, above_bark, margin});
+}
+
+/// [m] How far off a new branch its points may lie by chance.
+double margin_of_branch(const Centerline& branch) {
+    const auto count = static_cast<double>(branch.members.size());
+    double squared = 0;
+    for (const BranchPoint& m : branch.members) squared += m.squared / count;
+    return margin_of(count, std::sqrt(std::max(0.0, squared - branch.radius * branch.radius)));
+}
+
 /// Marks the points about a narrow branch that need none of their own.
 void mark_covered(const Centerline& branch, BranchPoints& points, const DraftCloud& cloud,
                   std::vector<std::uint8_t>& dead) {
@@ -50,6 +66,9 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
                                        cloud.cost(samples.positions), ctx);
     BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
                         samples.node,      cloud.options.step, cloud.options.narrow};
+    std::vector<double> margin;
+    for (const NodeEvidence& e : gather_evidence(tree, samples, cloud.spacing, ctx))
+        margin.push_back(e.margin());
     Centerline branch;
     std::vector<std::uint8_t> dead(samples.node.size(), 0);  // no branch starts there
     for (std::size_t i = paths.order.size(); i-- > 0;) {
@@ -57,9 +76,8 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
         if (dead[tip] || samples.node[tip] != kNone) continue;
         ctx.throw_if_cancelled();
         const std::uint32_t owner = samples.node[trace_path(branch, points, tip, paths)];
-        const double least = std::max(cloud.options.reach * branch.spacing,
-                                      std::min({kHigh * tree.radius[owner], kHighSpacings * branch.spacing,
-                                                kSteep * line_length(branch)}));
+        const double least =
+            least_rise(branch, cloud.options, tree.radius[owner], owner < margin.size() ? margin[owner] : 0);
         bool good = rise_of(tree, distances, tip, Vec3d(samples.positions[tip]), owner) >= least;
         if (good) {
             fit_centerline(branch, points, tree.radius[owner]);
@@ -68,6 +86,7 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
         if (good) {
             if (cloud.options.narrow) mark_covered(branch, points, cloud, dead);
             add_branch(branch, tree, samples.node, owner);
+            margin.resize(tree.size(), cloud.options.narrow ? 0 : margin_of_branch(branch));
         } else {
             for (const std::uint32_t p : branch.path) dead[p] = 1;
         }

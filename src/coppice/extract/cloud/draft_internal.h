@@ -19,11 +19,12 @@ inline constexpr int kShortFit = 4;             // iterations of a fit of what w
 inline constexpr double kNodeTolerance = 0.02;  // [radius] to which nodes are needed
 
 struct DraftOptions {
-    double step = 1;      ///< [spacing] between nodes
-    double reach = 0.75;  ///< [spacing] least height of a tip above the surface of what is there
-    double detail = 0;    ///< [m] from all surfaces, up to which leaves get no twig
-    double cover = 1;     ///< [spacing] the same of other points, for narrow branches
-    bool narrow = false;  ///< branches follow their paths and are thin, however their points spread
+    double step = 1;        ///< [spacing] between nodes
+    double reach = 0.75;    ///< [spacing] least height of a tip above the surface of what is there
+    double detail = 0;      ///< [m] from all surfaces, up to which leaves get no twig
+    double cover = 1;       ///< [spacing] the same of other points, for narrow branches
+    double area_limit = 0;  ///< see believe_radii
+    bool narrow = false;    ///< branches follow their paths and are thin, however their points spread
 };
 
 /// What a draft is made from.

@@ -1,6 +1,8 @@
 #include "coppice/extract/cloud/from_cloud.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -11,7 +13,9 @@
 #include "coppice/extract/cloud/clean_cloud_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
 #include "coppice/extract/cloud/tubes_internal.h"
+#include "coppice/extract/plot/segments_internal.h"
 #include "coppice/extract/points/clean_internal.h"
+#include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/points/leaves_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
@@ -24,7 +28,9 @@ using namespace extract_internal;
 constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is taken for the spacing
 constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
 constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
-constexpr double kWidestGap = 1.5, kWidestOfHeight = 0.1;  // [m], of the height: to what is large for it
+constexpr double kWidestGap = 1.5, kWidestOfHeight = 0.15;  // [m], of the height: to what is large for it
+constexpr double kSteep = 0.5;    // way aside per height, at which crowns widen and no slope rises
+constexpr double kHanging = 0.5;  // [reach of the crown] above the foot: what begins higher stands nowhere
 constexpr double kDetailHeight = 0.02;  // of the height, clusters of leaves that get a twig
 // The share of the time that has gone by then, on clouds of trees.
 constexpr float kCleaned = 0.005f, kNeighboursFound = 0.04f, kLeavesSplit = 0.1f, kDrafted = 0.8f;
@@ -55,9 +61,10 @@ ExtractResult result_of(const CloudDraft& draft, Vec3d origin, const Context& ct
         c.radius_high = static_cast<float>(draft.belief.high[n]);
         c.evidence = static_cast<float>(draft.belief.measured[n]);
         out.report.samples += c.samples;
-        if (draft.tree.parent[n] != kNone && draft.belief.measured[n] < 0.5)
-            out.report.presumed +=
-                distance(draft.tree.position[n], draft.tree.position[draft.tree.parent[n]]);
+        if (draft.tree.parent[n] == kNone) continue;
+        const double length = distance(draft.tree.position[n], draft.tree.position[draft.tree.parent[n]]);
+        if (draft.belief.measured[n] < 0.5) out.report.presumed += length;
+        if (draft.belief.limited[n]) out.report.limited += length;
     }
     out.report.trees = out.skeleton.tree_count();
     out.report.components = out.report.trees;
@@ -79,6 +86,33 @@ struct PathCloud {
     ConnectedGraph graph;
     double gap = 0;  ///< [m] greatest length of a link between neighbours
 };
+
+/// Marks what grows on the ground beside the stems.
+std::uint64_t mark_understorey(Cloud& cloud, const Terrain& terrain, std::span<const StemAxis> stems,
+                               double spacing, double gap, const Context& ctx) {
+    constexpr double kFinest = 0.02;  // [m] voxels
+    if (!terrain.is_ground || stems.empty()) return 0;
+    Buffer<float> height(cloud.points.size());
+    for (std::size_t i = 0; i < height.size(); ++i) {
+        const Vec3 p = cloud.points[i];
+        height[i] = static_cast<float>(double{p.z} - terrain.height(p.x, p.y));
+    }
+    std::vector<TreeStems> trees;
+    for (const StemAxis& stem : stems) {
+        const Vec3d foot = stem.position.front();
+        trees.push_back({{stem.track}});
+        trees.back().stems.front().raise(-terrain.height(foot.x, foot.y));
+    }
+    const auto tree_of = give_points_to_trees(cloud.points, height, terrain, trees,
+                                              {std::max(2 * spacing, kFinest), gap}, ctx);
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < tree_of.size(); ++i) {
+        if (tree_of[i] != kNoTree || cloud.outlier[i]) continue;
+        cloud.outlier[i] = 1;
+        ++count;
+    }
+    return count;
+}
 
 PathCloud make_path_cloud(const Cloud& cloud, const CloudOptions& options, const Context& ctx) {
     PathCloud out{local_spacing(cloud.near, kSpacingRank), {}};
@@ -112,18 +146,63 @@ struct Rough {
     CloudDraft draft;
 };
 
-/// The bases of trees whose stem is not among those that were measured.
+/// Which components hold points of a measured stem.
+std::vector<std::uint8_t> parts_with_stems(const Cloud& cloud, const PathCloud& paths,
+                                           std::span<const StemAxis> stems) {
+    std::vector<std::uint8_t> out(paths.graph.components.size.size(), 0);
+    for (std::uint32_t p = 0; p < cloud.points.size(); ++p)
+        if (is_on_stem(stems, Vec3d(cloud.points[p]), double{paths.spacing[p]}))
+            out[paths.graph.components.of[p]] = 1;
+    return out;
+}
+
+/// Whether nothing that stands on the ground begins at a place: it is above a stem, within its crown.
+class Hanging {
+  public:
+    Hanging(const Cloud& cloud, const Components& parts, std::span<const std::uint8_t> has_stem,
+            std::span<const StemAxis> stems)
+        : stems_(stems), reach_(stems.size(), 0) {
+        for (std::uint32_t p = 0; p < cloud.points.size() && !stems.empty(); ++p) {
+            if (!has_stem[parts.of[p]]) continue;
+            const auto [s, off] = nearest(Vec3d(cloud.points[p]));
+            reach_[s] = std::max(reach_[s], off);
+        }
+    }
+    bool operator()(Vec3d at) const {
+        if (stems_.empty()) return false;
+        const auto [s, off] = nearest(at);
+        const double above = at.z - stems_[s].position.front().z;
+        return above > kHanging * reach_[s] && off < reach_[s] + kSteep * above;
+    }
+
+  private:
+    /// The stem whose foot is closest, seen level, and how far off that is [m].
+    std::pair<std::size_t, double> nearest(Vec3d at) const {
+        std::pair<std::size_t, double> best{0, std::numeric_limits<double>::infinity()};
+        for (std::size_t s = 0; s < stems_.size(); ++s) {
+            const Vec3d d = at - stems_[s].position.front();
+            const double off = std::hypot(d.x, d.y);
+            if (off < best.second) best = {s, off};
+        }
+        return best;
+    }
+    std::span<const StemAxis> stems_;
+    std::vector<double> reach_;  // [m] of the crown of each stem
+};
+
+/// The bases of trees that stand on the ground and whose stem is not among those that were measured.
 std::vector<std::vector<std::uint32_t>> other_bases(const Cloud& cloud, const PathCloud& paths,
                                                     std::span<const StemAxis> stems,
                                                     const RootOptions& options, const Context& ctx) {
     const Components& parts = paths.graph.components;
     if (!stems.empty() && options.given) return {};
-    std::vector<std::uint8_t> has_stem(parts.size.size(), 0);
-    for (std::uint32_t p = 0; p < cloud.points.size(); ++p)
-        if (is_on_stem(stems, Vec3d(cloud.points[p]), double{paths.spacing[p]})) has_stem[parts.of[p]] = 1;
+    const std::vector<std::uint8_t> has_stem = parts_with_stems(cloud, paths, stems);
     const Graph near = make_graph(cloud.near, cloud.outlier, paths.graph.bridges, ctx, paths.gap);
     auto bases = find_roots(cloud.points, near, parts, options, ctx);
-    std::erase_if(bases, [&](const auto& base) { return has_stem[parts.of[base[0]]] != 0; });
+    const Hanging hangs(cloud, parts, has_stem, stems);
+    std::erase_if(bases, [&](const auto& base) {
+        return has_stem[parts.of[base[0]]] != 0 || hangs(Vec3d(cloud.points[base[0]]));
+    });
     if (options.most_trees > 0) {
         const auto left = static_cast<std::size_t>(options.most_trees);
         bases.resize(std::min(bases.size(), left - std::min(left, stems.size())));
@@ -186,10 +265,12 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
 
     std::optional<Vec3d> root;
     if (options.root) root = *options.root - set.origin;
-    const PathCloud paths = make_path_cloud(cloud, options, ctx);
-    cleaning.spacing = median(paths.spacing);
+    cleaning.spacing = median(local_spacing(cloud.near, kSpacingRank));
     const std::vector<StemAxis> stems =
         find_stem_axes(cloud.points, clean.terrain, {cleaning.spacing, root, options.max_trees}, ctx);
+    cleaning.understorey = mark_understorey(cloud, clean.terrain, stems, cleaning.spacing,
+                                            gap_of(cloud.points, cleaning.spacing, options).widest, ctx);
+    const PathCloud paths = make_path_cloud(cloud, options, ctx);
     std::vector<std::uint8_t> leaf;
     if (options.leaves != LeafRule::keep) {
         const GapRule gap = gap_of(cloud.points, cleaning.spacing, options);
@@ -211,11 +292,14 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
                             part_of(ctx, kLeavesSplit, kDrafted));
         place_among(rough, cloud.points, wood.place);
     }
-    const DraftOptions wanted{options.step, options.twig, detail_of(cloud.points, options)};
+    const DraftOptions wanted{.step = options.step,
+                              .reach = options.twig,
+                              .detail = detail_of(cloud.points, options),
+                              .area_limit = options.area_limit};
     const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases);
     settle_draft(rough.draft, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf},
                  part_of(ctx, kDrafted, 1));
-    cleaning.unreached = cloud.points.size() - cleaning.outliers - rough.draft.reached;
+    cleaning.unreached = cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.draft.reached;
     CloudExtraction out{result_of(rough.draft, set.origin, ctx), cleaning, {}, {{}, set.origin}};
     std::vector<SeenStem> seen;
     for (const StemAxis& stem : stems) seen.push_back({set.origin + stem.position.front(), stem.breast});

@@ -55,7 +55,9 @@ struct CloudOptions {
     float step = 1;      ///< [spacing] between nodes on the thinnest twigs; in [0.25, 20]
     int fit_passes = 4;  ///< times that circles are fitted and axes smoothed; in [0, 50]
     float twig = 0.75f;  ///< [spacing] what rises less above the rest of the surface is no twig; in [0, 100]
-    int max_trees = 0;   ///< the thickest so many are kept; 0 = all; in [0, 100000]
+    float area_limit =
+        2;              ///< what branches as far from the foot have together, over the measured stem; 0 = any
+    int max_trees = 0;  ///< the thickest so many are kept; 0 = all; in [0, 100000]
     std::optional<Vec3d> root;  ///< [m] world: there is one tree, and it stands at the point nearest to this
 };
 
@@ -94,6 +96,11 @@ constexpr void visit_fields(Self& o, Visitor&& visit) {
     visit(Field{"twig", "Height above the rest of the surface that makes a twig, in spacings of the points",
                 Unit::none, 0, 100},
           o.twig);
+    visit(Field{"area_limit",
+                "Maximum cross-section of all branches as far from the foot, over that of the measured stem; "
+                "0 sets no limit",
+                Unit::none, 0, 1000},
+          o.area_limit);
     visit(common_field("max_trees", "Maximum number of trees to keep; 0 keeps all", Unit::none, 0, 100000),
           o.max_trees);
     visit(Field{"root", "the root is where the tree is nearest to this place; else it is the lowest end",
@@ -108,6 +115,7 @@ struct CloudReport {
     std::uint64_t downsampled = 0;  ///< the mean of their voxel stands for them
     std::uint64_t ground = 0;       ///< of the ground
     std::uint64_t outliers = 0;     ///< far from all others
+    std::uint64_t understorey = 0;  ///< that grow on the ground beside the stems
     std::uint64_t leaves = 0;       ///< taken for leaves
     std::uint64_t unreached = 0;    ///< beyond gaps too wide to bridge
     double spacing = 0;             ///< [m] median distance of the points used to their fourth neighbour
@@ -121,6 +129,7 @@ void visit_figures(const CloudReport& r, Visitor&& visit) {
     visit("downsampled", r.downsampled);
     visit("ground", r.ground);
     visit("outliers", r.outliers);
+    visit("understorey", r.understorey);
     visit("leaves", r.leaves);
     visit("unreached", r.unreached);
     visit("spacing", r.spacing);

@@ -74,13 +74,13 @@ PointDistances cover_points(CloudDraft& draft, const DraftCloud& cloud, const Co
 /// believed.
 void lead_through_unresolved(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx) {
     const auto evidence = evidence_of(draft, cloud, ctx);
-    const RadiusBelief belief = believe_radii(draft.tree, evidence);
+    const RadiusBelief belief = believe_radii(draft.tree, evidence, cloud.options.area_limit);
     const std::vector<std::uint32_t> roots = cut_out(draft, hollow_nodes(draft.tree, evidence, belief));
     // Paths start at the stem bases, which therefore belong to the trees that stand there.
     for (const auto& base : cloud.bases)
         for (const std::uint32_t p : base) draft.samples.node[p] = kNone;
     assign_stem_bases(draft, cloud.bases, roots);
-    // Where points are sparse, steps are no cheaper for it: wood is where they are dense.
+    // Where points are sparse, twigs are as short as elsewhere.
     Buffer<float> spacing(cloud.spacing.begin(), cloud.spacing.end());
     const float most = median(cloud.spacing);
     for (float& s : spacing) s = std::min(s, most);
@@ -112,7 +112,7 @@ void settle_draft(CloudDraft& draft, const DraftCloud& cloud, const Context& ctx
     draft.pruned += prune_redundant(draft.tree, draft.samples, cloud.spacing, distances.noise, ctx);
     lead_through_unresolved(draft, cloud, ctx);
     smooth(draft, cloud, ctx);
-    draft.belief = believe_radii(draft.tree, evidence_of(draft, cloud, ctx));
+    draft.belief = believe_radii(draft.tree, evidence_of(draft, cloud, ctx), cloud.options.area_limit);
     assign_wood(draft, cloud, ctx);
 }
 

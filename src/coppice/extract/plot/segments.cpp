@@ -11,6 +11,7 @@
 #include "coppice/base/progress.h"
 #include "coppice/extract/plot/segments_internal.h"
 #include "coppice/extract/points/clean_internal.h"
+#include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/points/neighbours_internal.h"
 

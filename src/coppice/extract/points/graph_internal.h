@@ -43,30 +43,9 @@ struct Components {
 };
 Components components(const Graph& graph, const Context& ctx);
 
-/// The shortest links that join what lies nearer together than `limit` [m] into one component, as a minimal
-/// spanning tree does: Boruvka's rounds over a hierarchy of boxes. O(n log n) per round.
-std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
-                              const Components& parts, double limit, const Context& ctx);
-
-/// Gaps that are bridged.
-struct GapRule {
-    double usual = 0;   ///< [m] between anything
-    double widest = 0;  ///< [m] between large components, as far as a third of their extent
-};
-
-/// The points joined to their neighbours, with gaps between components bridged by the shortest links, and by
-/// those between the closest of ever larger voxels: paths choose among them.
-struct ConnectedGraph {
-    Graph graph;
-    Components components;
-    std::vector<Link> bridges;  ///< the shortest ones over the usual gaps
-    std::uint32_t wide = 0;     ///< gaps wider than usual that were bridged
-};
-ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
-                              std::span<const std::uint8_t> ignored, const GapRule& gap, const Context& ctx);
-
-/// Shortest paths from sources, where a link costs the square of its length in spacings: many short steps go
-/// before one long jump, which keeps paths on the wood, and a cost is about a number of points passed.
+/// Shortest paths from sources, where a link costs the square of its length in spacings, no more than the
+/// median one: many short steps go before one long jump, which keeps paths on the wood where points are
+/// dense, and a cost is about a number of points passed.
 struct Paths {
     Buffer<std::uint32_t> parent;      ///< of each point; kNone for sources and what is not reached
     Buffer<float> distance;            ///< the cost; infinite for what is not reached

@@ -7,6 +7,7 @@
 #include "coppice/base/box.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
+#include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/points/normal_dispersion_internal.h"
 

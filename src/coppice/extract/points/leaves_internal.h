@@ -8,6 +8,7 @@
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
+#include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 
 namespace coppice::extract_internal {

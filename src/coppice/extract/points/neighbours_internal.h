@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,6 +19,9 @@ struct Neighbours {
 
     std::span<const std::uint32_t> of(std::size_t i) const { return {index.data() + i * count, count}; }
     std::span<const float> distances(std::size_t i) const { return {distance.data() + i * count, count}; }
+    bool lists(std::size_t row, std::uint32_t point) const {
+        return std::ranges::find(of(row), point) != of(row).end();
+    }
 };
 
 /// At least one point, at most 2^32 - 2. Points that are near in memory should be near in space. O(n log n).

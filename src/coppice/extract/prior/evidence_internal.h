@@ -9,6 +9,14 @@
 
 namespace coppice::extract_internal {
 
+/// [m] How far off a surface a point may lie by chance, among bark, needles or noise, when so many points
+/// have this standard deviation [m]; 0 where too few tell.
+inline double margin_of(double points, double scatter) {
+    // Points farther off are not among those that show the scatter: it is half as much again.
+    constexpr double kScatters = 3 * 1.5, kEnough = 12;
+    return points > kEnough ? kScatters * scatter : 0;
+}
+
 /// What the points about a node say of it, with those of its neighbours on the axis.
 struct NodeEvidence {
     double own = 0;  ///< points that lie nearer to this node than to the others of their segments, by share
@@ -23,6 +31,8 @@ struct NodeEvidence {
     double filled() const;
     /// Inverse variance of the logarithm of the radius.
     double precision() const;
+    /// [m] How far off the surface a point may lie by chance; see `margin_of`.
+    double margin() const { return margin_of(points, scatter); }
 };
 
 /// The evidence of every node, from the samples that its segments have. O(samples + nodes).

@@ -76,6 +76,69 @@ Allometry measure_feet(const DraftTree& tree, std::span<const NodeEvidence> evid
     return out;
 }
 
+/// The cross-sections of trees by the way from the root.
+class CrossSections {
+  public:
+    CrossSections(const DraftTree& tree, std::span<const double> log_radius)
+        : way_(tree.size(), 0), root_(tree.size()), far_(tree.size(), 0), area_(tree.size()) {
+        for (std::uint32_t n = 0; n < tree.size(); ++n) {
+            const std::uint32_t q = tree.parent[n];
+            root_[n] = q == kNone ? n : root_[q];
+            if (q != kNone) way_[n] = way_[q] + distance(tree.position[n], tree.position[q]);
+            far_[root_[n]] = std::max(far_[root_[n]], way_[n]);
+        }
+        for (std::uint32_t n = 0; n < tree.size(); ++n) {
+            if (tree.parent[n] == kNone) continue;
+            std::vector<double>& area = area_[root_[n]];
+            area.resize(kSteps, 0);
+            const double from = step(n, way_[tree.parent[n]]), to = step(n, way_[n]);
+            for (auto k = static_cast<std::size_t>(from); k < kSteps && static_cast<double>(k) < to; ++k) {
+                const auto low = static_cast<double>(k);
+                area[k] += (std::min(to, low + 1) - std::max(from, low)) * std::exp(2 * log_radius[n]);
+            }
+        }
+    }
+
+    /// Of all branches as far from the root as a node, over the largest of the lowest eighth of its tree.
+    double over_base(std::uint32_t n) const {
+        const std::vector<double>& area = area_[root_[n]];
+        if (area.empty()) return 1;
+        const double base = *std::max_element(area.begin(), area.begin() + kSteps / 8);
+        return area[std::min(kSteps - 1, static_cast<std::size_t>(step(n, way_[n])))] / base;
+    }
+
+  private:
+    static constexpr std::size_t kSteps = 64;  // of the longest way of a tree
+
+    double step(std::uint32_t n, double way) const {
+        const double far = far_[root_[n]];
+        return far > 0 ? static_cast<double>(kSteps) * way / far : 0;
+    }
+
+    std::vector<double> way_;  // [m] from the root
+    std::vector<std::uint32_t> root_;
+    std::vector<double> far_;                // [m] per root
+    std::vector<std::vector<double>> area_;  // [m2 / pi] per root and step
+};
+
+/// Lowers logarithms of radii to what measured stems can bear, but for what was measured as they were.
+std::vector<char> limit_to_stems(const DraftTree& tree, double area_limit, std::vector<double>& log_radius) {
+    std::vector<char> limited(tree.size(), 0);
+    if (!(area_limit > 0)) return limited;
+    const CrossSections sections(tree, log_radius);
+    std::vector<char> on_stem(tree.size(), 0);  // per node: its root was measured
+    for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        const std::uint32_t q = tree.parent[n];
+        on_stem[n] = q == kNone ? tree.fixed[n] : on_stem[q];
+        if (!on_stem[n] || tree.fixed[n] || q == kNone) continue;
+        const double over = sections.over_base(n) / area_limit;
+        limited[n] = over > 1;
+        if (limited[n]) log_radius[n] -= 0.5 * std::log(over);
+        log_radius[n] = std::min(log_radius[n], log_radius[q]);
+    }
+    return limited;
+}
+
 /// Wood with about the same share of its tree beyond.
 struct Kind {
     struct Piece {
@@ -131,12 +194,14 @@ Allometry fit_allometry(const DraftTree& tree, std::span<const NodeEvidence> evi
     return out;
 }
 
-RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> evidence) {
+RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> evidence, double area_limit) {
     const Allometry allometry = fit_allometry(tree, evidence);
     const double prior = 1 / (kError * kError);
     std::vector<double> value(tree.size()), weight(tree.size());
-    RadiusBelief out{std::vector<double>(tree.size()), std::vector<double>(tree.size()),
-                     std::vector<double>(tree.size())};
+    RadiusBelief out{std::vector<double>(tree.size()),
+                     std::vector<double>(tree.size()),
+                     std::vector<double>(tree.size()),
+                     {}};
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         const double usual = allometry.log_radius(n);
         const double off = evidence[n].precision() > 0 ? std::log(evidence[n].radius) - usual : 0;
@@ -146,7 +211,12 @@ RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> eviden
         out.measured[n] = seen / weight[n];
     }
     value = isotonic_on_tree(tree.parent, value, weight);
+    out.limited = limit_to_stems(tree, area_limit, value);
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
+        if (out.limited[n]) {
+            weight[n] = prior;
+            out.measured[n] = 0;
+        }
         const double factor = std::exp(kNineOfTen * std::max(1 / std::sqrt(weight[n]), kMinDeviation));
         tree.radius[n] = std::exp(value[n]);
         out.low[n] = tree.radius[n] / factor;

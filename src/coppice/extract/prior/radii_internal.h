@@ -28,11 +28,14 @@ Allometry fit_allometry(const DraftTree& tree, std::span<const NodeEvidence> evi
 struct RadiusBelief {
     std::vector<double> low, high;  ///< [m] nine of ten lie between
     std::vector<double> measured;   ///< share of the measure against the prior, in [0, 1]
+    std::vector<char> limited;      ///< whether the stem could not bear what was measured
 };
 
 /// Gives every node the most likely radius: what its points say, by their precision, with what trees are like
 /// elsewhere: as thick as what hangs on them wants, and never thicker than what bears them. Points that would
-/// make a branch far thicker than that are leaves or several twigs, and count little.
-RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> evidence);
+/// make a branch far thicker than that are leaves or several twigs, and count little. On measured stems all
+/// branches as far from the root have together at most `area_limit` times the cross-section of the lowest
+/// eighth of the tree, as pipes would [Shinozaki1964]; 0 = no limit. O(n log n).
+RadiusBelief believe_radii(DraftTree& tree, std::span<const NodeEvidence> evidence, double area_limit);
 
 }  // namespace coppice::extract_internal

@@ -241,6 +241,7 @@ std::vector<StemAxis> find_stem_axes(std::span<const Vec3> points, const Terrain
             continue;
         StemAxis axis = make_stem_axis(measure_stem(scene.wood, track, trace, {}));
         if (axis.position.empty()) continue;
+        axis.track = track;
         const Vec3d foot = axis.position.front();
         const double low = foot_of(scene.wood, track), above_ground = low - scene.ground(terrain, foot);
         const auto is_same = [&](const Found& other) {

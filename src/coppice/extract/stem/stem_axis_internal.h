@@ -11,6 +11,7 @@
 #include "coppice/extract/plot/terrain.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/stem/stem_form.h"
+#include "coppice/extract/stem/stem_search_internal.h"
 
 namespace coppice::extract_internal {
 
@@ -19,6 +20,7 @@ struct StemAxis {
     std::vector<Vec3d> position;  ///< [m] upward; the first one on the ground
     std::vector<double> radius;   ///< [m] never growing upward
     StemDiameter breast;          ///< at breast height, as circles show it
+    StemTrack track;              ///< the circles by which it was found
 };
 
 /// [m] From the axis of a stem, up to which points are its own: bark, moss and what stands off it.
