@@ -98,6 +98,7 @@ void Statement::bind(int parameter, std::string_view text) {
 void Statement::bind(int parameter, std::span<const std::byte> blob) {
     sqlite3_bind_blob64(statement_, parameter, blob.data(), blob.size(), SQLITE_STATIC);
 }
+void Statement::bind_null(int parameter) { sqlite3_bind_null(statement_, parameter); }
 
 bool Statement::step() {
     const int code = sqlite3_step(statement_);

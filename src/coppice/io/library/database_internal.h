@@ -49,6 +49,7 @@ class Statement {
     /// Has to live until the next step.
     void bind(int parameter, std::string_view text);
     void bind(int parameter, std::span<const std::byte> blob);
+    void bind_null(int parameter);
 
     /// Whether there is a row.
     bool step();
