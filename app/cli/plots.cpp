@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -13,14 +12,17 @@
 #include "coppice/base/error.h"
 #include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
+#include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/render/colors.h"
 #include "coppice/scene/extraction.h"
+#include "csv_file.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
 #include "surfaces.h"
+#include "tree_tables.h"
 
 namespace coppice::cli {
 namespace {
@@ -28,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTable = "trees.csv";
+constexpr const char* kTaperTable = "taper.csv";
 constexpr Rgb kGroundColor{110, 95, 80}, kNoTreeColor{150, 150, 150};
 
 /// The path without the slash at its end.
@@ -118,34 +121,83 @@ Figures figures_of_tree(const PlotTree& tree) {
     out["volume_high_m3"] = tree.figures.volume_high;
     out["inferred"] = tree.figures.inferred;
     out["form"] = tree.figures.form;
-    out["crown_area_m2"] = tree.crown_area;
+    out["crown_area_m2"] = tree.crown.area;
     out["crown_base_m"] = tree.crown_base;
+    out["crown_volume_m3"] = tree.crown.hull_volume;
     out["points"] = tree.points;
     return out;
 }
 
-/// A number of the table: whole, or in tenths of a millimetre.
-std::string cell_of(const Figure& figure) {
-    if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.4f}", *number);
-    return fmt::format("{}", std::get<std::uint64_t>(figure.value));
+/// The rows of the table, which are what a map says of each tree too.
+std::vector<Figures> rows_of(const std::vector<PlotTree>& trees, const std::string& ending) {
+    std::vector<Figures> rows;
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+        Figures& row = rows.emplace_back();
+        row["tree"] = t + 1;
+        row["file"] = trees[t].result ? name_of_tree(t, ending) : "";
+        row.append(figures_of_tree(trees[t]));
+        const Rgb color = numbered_color(t);
+        row["color"] = fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
+        row["warnings"] = fmt::format("{}", fmt::join(trees[t].warnings, "; "));
+    }
+    return rows;
 }
 
-std::string table_of(const std::vector<PlotTree>& trees, const std::string& ending) {
-    std::string out;
-    for (std::size_t t = 0; t < trees.size(); ++t) {
-        const Figures figures = figures_of_tree(trees[t]);
-        if (t == 0) {
-            out += "tree,file";
-            for (const auto& [name, figure] : figures.entries()) out.append(1, ',').append(name);
-            out += ",color,warnings\n";
-        }
-        out += fmt::format("{},{}", t + 1, trees[t].result ? name_of_tree(t, ending) : "");
-        for (const auto& [name, figure] : figures.entries()) out.append(1, ',').append(cell_of(figure));
-        const Rgb color = numbered_color(t);
-        fmt::format_to(std::back_inserter(out), ",#{:02x}{:02x}{:02x},{}\n", color[0], color[1], color[2],
-                       csv_cell(fmt::format("{}", fmt::join(trees[t].warnings, "; "))));
+/// A cell of the table: numbers in tenths of a millimetre.
+std::string cell_of(const Figure& figure) {
+    if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.4f}", *number);
+    return csv_cell_of(figure);
+}
+
+std::string table_of(const std::vector<Figures>& rows) {
+    std::vector<std::string> names;
+    for (const auto& [name, figure] : rows.front().entries()) names.push_back(name);
+    std::string out = fmt::format("{}\n", fmt::join(names, ","));
+    for (const Figures& row : rows) {
+        std::vector<std::string> cells;
+        for (const auto& [name, figure] : row.entries()) cells.push_back(cell_of(figure));
+        out += fmt::format("{}\n", fmt::join(cells, ","));
     }
     return out;
+}
+
+/// The sections of all stems as circles through the points show them.
+void write_taper(const fs::path& path, const std::vector<PlotTree>& trees) {
+    CsvFile out(path);
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+        Figures begin;
+        begin["tree"] = t + 1;
+        add_taper(out, begin, trees[t].form);
+    }
+    out.commit();
+}
+
+MapValue map_value_of(const Figure& figure) {
+    if (const auto* number = std::get_if<double>(&figure.value)) return *number;
+    if (const auto* count = std::get_if<std::uint64_t>(&figure.value))
+        return static_cast<std::int64_t>(*count);
+    return std::get<std::string>(figure.value);
+}
+
+/// Stems as points and crowns as polygons, both with what the table says of the tree.
+std::vector<MapLayer> layers_of(const std::vector<PlotTree>& trees, const std::vector<Figures>& rows) {
+    MapLayer stems{"stems", MapGeometry::points, {}, {}}, crowns{"crowns", MapGeometry::polygons, {}, {}};
+    for (const auto& [name, figure] : rows.front().entries()) stems.columns.push_back(name);
+    crowns.columns = stems.columns;
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+        std::vector<MapValue> values;
+        for (const auto& [name, figure] : rows[t].entries()) values.push_back(map_value_of(figure));
+        stems.features.push_back({{trees[t].form.foot}, values});
+        if (!trees[t].crown.outline.empty()) crowns.features.push_back({trees[t].crown.outline, values});
+    }
+    return {std::move(stems), std::move(crowns)};
+}
+
+void write_crowns(Run& run, const fs::path& path, const std::vector<PlotTree>& trees, const Context& ctx) {
+    TriMesh crowns;
+    for (const PlotTree& tree : trees) add_hull(crowns, tree.crown.hull);
+    if (crowns.triangles.empty()) return run.warn("there are no crowns to write");
+    write_mesh(path, crowns, {}, ctx);
 }
 
 /// The surface of each tree; what cannot be made is said in its row.
@@ -264,6 +316,13 @@ void check_plot_files(const PlotFiles& files) {
                             ending));
     }
     if (!files.leaf_points.empty()) check_points_output(files.leaf_points);
+    if (!files.crowns.empty()) check_mesh_output(files.crowns);
+    if (!files.map.empty()) {
+        if (!map_format_of_name(files.map))
+            throw UsageError(fmt::format("'{}' is no name of a map; use the ending .geojson or .gpkg",
+                                         files.map.string()));
+        check_output_folder(files.map);
+    }
     if (files.tree_points.empty()) return;
     check_painted_output(files.tree_points);
 }
@@ -287,13 +346,19 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
         }
     });
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
+    run.stage("write tables", [&](const Context& ctx) {
+        const std::vector<Figures> rows = rows_of(trees, ending);
+        write_file(folder / kTable, table_of(rows));
+        write_taper(folder / kTaperTable, trees);
+        if (!files.map.empty()) write_map(files.map, layers_of(trees, rows), files.crs, ctx);
+        if (!files.crowns.empty()) write_crowns(run, files.crowns, trees, ctx);
+    });
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
             write_painted_points(files.tree_points, painted(points, plot.segments.tree_of),
                                  "each tree in a colour of its own, as trees.csv has it", ctx);
         }
         if (!files.leaf_points.empty()) write_leaves(files.leaf_points, trees, points.origin, ctx);
-        write_file(folder / kTable, table_of(trees, ending));
         folder.commit();
     });
     warn_of_leftovers(run, trimmed(files.folder), trees.size());

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "coppice/extract/plot/plot.h"
+#include "coppice/io/map/map_file.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "run.h"
@@ -15,6 +16,9 @@ struct PlotFiles {
     std::filesystem::path mesh;         ///< ".ply": each tree as a surface; or none
     std::filesystem::path tree_points;  ///< all points, in the colours of their trees; or none
     std::filesystem::path leaf_points;  ///< of all trees; or none
+    std::filesystem::path map;          ///< places of stems and outlines of crowns; or none
+    std::filesystem::path crowns;       ///< the convex hulls of all crowns, a mesh; or none
+    MapCrs crs;                         ///< of the coordinates, for the map
     WriteSkeletonOptions write;
     MeshOptions surface = options_of_written_surface();
 };
@@ -27,9 +31,9 @@ bool is_plot_folder(const std::filesystem::path& output, SkeletonFormat format);
 /// folder is missing.
 void check_plot_files(const PlotFiles& files);
 
-/// Writes tree_001.swc and so on, trees.csv, and what else is asked for, as stages of the run; fills its
-/// counts, and says what came out, then `summary`. The folder appears whole, or what is new in it does;
-/// nothing of it where that fails. A tree of which no surface can be made says so in its row.
+/// Writes tree_001.swc and so on, trees.csv, taper.csv, and what else is asked for, as stages of the run;
+/// fills its counts, and says what came out, then `summary`. The folder appears whole, or what is new in it
+/// does; nothing of it where that fails. A tree of which no surface can be made says so in its row.
 void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files,
                 const std::string& summary);
 

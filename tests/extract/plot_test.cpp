@@ -107,8 +107,9 @@ TEST(Plot, ExtractsEachTreeFromTheGroundUp) {
         EXPECT_LT(tree.figures.length, 35);
         EXPECT_GT(tree.crown_base, 2);
         EXPECT_LT(tree.crown_base, 4);
-        EXPECT_GT(tree.crown_area, 4);  // branches of 1.5 m all around make at most 7.1 m2
-        EXPECT_LT(tree.crown_area, 10);
+        EXPECT_GT(tree.crown.area, 4);  // branches of 1.5 m all around make at most 7.1 m2
+        EXPECT_LT(tree.crown.area, 10);
+        EXPECT_GT(tree.crown.hull_volume, 4);
         EXPECT_GT(tree.points, 10'000u);
     }
 }

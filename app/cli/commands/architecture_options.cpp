@@ -11,22 +11,24 @@
 
 namespace coppice::cli {
 
-std::vector<double> ArchitectureFlags::limits() const {
+std::vector<double> rising_numbers(const std::filesystem::path& list, std::string_view option) {
     std::vector<double> out;
-    std::istringstream words(diameters.string());
+    std::istringstream words(list.string());
     for (std::string word; std::getline(words, word, ',');) {
         double number = 0;
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
         const bool rises = number > (out.empty() ? 0 : out.back()) && std::isfinite(number);
         if (error != std::errc{} || end != word.data() + word.size() || !rises)
             throw UsageError(
-                fmt::format("--diameters takes numbers above 0 that rise, with commas between them, as in "
+                fmt::format("{} takes numbers above 0 that rise, with commas between them, as in "
                             "0.01,0.05,0.1, and not {}",
-                            quote(diameters.string())));
+                            option, quote(list.string())));
         out.push_back(number);
     }
     return out;
 }
+
+std::vector<double> ArchitectureFlags::limits() const { return rising_numbers(diameters, "--diameters"); }
 
 void add_architecture_options(OptionList& options, ArchitectureFlags& flags) {
     options.file("--diameters", "LIST", flags.diameters,

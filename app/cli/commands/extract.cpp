@@ -31,7 +31,8 @@ constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 
 struct ExtractFlags {
     std::vector<std::string> wood_classes;
-    std::filesystem::path input, output, mesh_output, leaf_output, tree_points, mapping;
+    std::filesystem::path input, output, mesh_output, leaf_output, tree_points, mapping, map, crowns;
+    std::filesystem::path crs;  ///< a name, no file
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     PlotOptions from_plot;
@@ -215,9 +216,27 @@ void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
                     flags.output.string(), flags.input.string()));
 }
 
+/// The coordinate reference system of the map.
+MapCrs crs_of(const ExtractFlags& flags) {
+    if (flags.crs.empty()) return {};
+    if (flags.map.empty()) throw UsageError("--crs says where a map is; add --map FILE");
+    try {
+        return parse_crs(flags.crs.string());
+    } catch (const InvalidInput& error) {
+        throw UsageError(fmt::format("--crs: {}", error.what()));
+    }
+}
+
 ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
-    const PlotFiles files{flags.output,      flags.mesh_output, flags.tree_points,
-                          flags.leaf_output, flags.write,       flags.mesh};
+    const PlotFiles files{.folder = flags.output,
+                          .mesh = flags.mesh_output,
+                          .tree_points = flags.tree_points,
+                          .leaf_points = flags.leaf_output,
+                          .map = flags.map,
+                          .crowns = flags.crowns,
+                          .crs = crs_of(flags),
+                          .write = flags.write,
+                          .surface = flags.mesh};
     check_plot_files(files);
     check_plot_options(given, flags);
     check_groups(given, flags.input, FileKind::points);
@@ -306,6 +325,15 @@ Command extract_command() {
     options.fields(flags->from_plot, kPlotGroup);
     options.output("--tree-points", "PLY", flags->tree_points,
                    "also write all points, those of each tree in a colour of its own",
+                   {.group = kPlotGroup, .common = false});
+    options.output("--map", "MAP", flags->map,
+                   "also write a map of stems and crowns, with what the table says of them (.gpkg, .geojson)",
+                   {.group = kPlotGroup, .common = false});
+    options.file("--crs", "EPSG:NUMBER", flags->crs,
+                 "coordinate reference system of the cloud, which the map names, as EPSG:32632",
+                 {.group = kPlotGroup, .common = false});
+    options.output("--crowns", "MESH", flags->crowns,
+                   "also write the convex hulls of all crowns (.ply, .obj)",
                    {.group = kPlotGroup, .common = false});
     options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());

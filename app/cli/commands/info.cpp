@@ -16,6 +16,7 @@
 #include "options.h"
 #include "streams.h"
 #include "sums.h"
+#include "timber.h"
 
 namespace coppice::cli {
 namespace {
@@ -24,6 +25,7 @@ struct InfoFlags {
     std::filesystem::path file;
     bool json = false;
     bool forestry = false;
+    TimberFlags timber;
     ReadSkeletonOptions read;
 };
 
@@ -179,22 +181,33 @@ std::string forestry_text(const Figures& figures) {
     return text;
 }
 
-/// Adds the form of the stem to what is said of points, of each tree to what is said of a skeleton.
-std::string forestry(Figures figures, std::vector<StemForm> forms, bool json) {
-    if (forms.size() == 1) {
-        figures["forestry"] = describe(forms.front());
-    } else {
-        Figure::List list;
-        for (const StemForm& form : forms) list.emplace_back(describe(form));
-        figures["forestry"] = list;
+/// Adds what forestry wants to know of each tree to what is said of points or of a skeleton.
+std::string forestry(Figures figures, const std::vector<Figures>& trees, bool json) {
+    if (!json) {
+        std::string text = figures_text(figures);
+        for (const Figures& tree : trees) text += "\nforestry\n" + forestry_text(tree);
+        return text;
     }
-    if (json) return figures_json(figures);
-    Figures others;
-    for (const auto& [name, figure] : figures.entries())
-        if (name != "forestry") others[name] = figure;
-    std::string text = figures_text(others);
-    for (const StemForm& form : forms) text += "\nforestry\n" + forestry_text(describe(form));
-    return text;
+    figures["forestry"] =
+        trees.size() == 1 ? Figure(trees.front()) : Figure(Figure::List(trees.begin(), trees.end()));
+    return figures_json(figures);
+}
+
+/// What forestry wants to know of each tree of a skeleton in metres.
+std::vector<Figures> describe_trees(const Skeleton& s, const TimberFlags& flags) {
+    const BranchTable table = list_branches(s);
+    const Timber timber(s, table, flags);
+    std::vector<double> volumes(s.tree_count(), 0);
+    for (const Branch& branch : table.branches) volumes[branch.tree] += branch.volume;
+    std::vector<Figures> out;
+    for (const StemForm& form : stem_forms(s)) {
+        const std::size_t tree = out.size();
+        Figures& figures = out.emplace_back(describe(form));
+        timber.add_tree(figures, tree,
+                        [](std::string_view name, int power) { return in_unit(name, LengthUnit::m, power); });
+        if (flags.wood_density > 0) figures["biomass_kg"] = double{flags.wood_density} * volumes[tree];
+    }
+    return out;
 }
 
 /// With --forestry; of a mesh no stem can be told.
@@ -203,6 +216,12 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
         throw UsageError(
             fmt::format("--forestry is for points and skeletons, and '{0}' is a mesh; make a skeleton of it "
                         "with coppice extract {0} -o SKELETON",
+                        flags.file.string()));
+    }
+    if (kind == FileKind::points && flags.timber.any()) {
+        throw UsageError(
+            fmt::format("the volume of timber and biomass are those of a skeleton; make one of "
+                        "'{0}' with coppice extract {0} -o SKELETON",
                         flags.file.string()));
     }
     std::string text;
@@ -216,13 +235,13 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
                             flags.file.string(), name_of(file.units)));
         }
         text = run.stage("measure", [&](const Context& ctx) {
-            return forestry(describe(file, ctx), stem_forms(file.skeleton), flags.json);
+            return forestry(describe(file, ctx), describe_trees(file.skeleton, flags.timber), flags.json);
         });
     } else {
         const PointSet points = load_points(run, flags.file, flags.read.up);
         text = run.stage("measure", [&](const Context& ctx) {
             const Figures figures = describe(points, ctx);
-            return forestry(figures, {stem_form(points, ctx)}, flags.json);
+            return forestry(figures, {describe(stem_form(points, ctx))}, flags.json);
         });
     }
     print(text);
@@ -232,6 +251,9 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
 
 ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.file.empty()) throw UsageError("name the file: coppice info FILE");
+    if (!flags.forestry && flags.timber.any())
+        throw UsageError("timber and biomass are among what --forestry says; add that");
+    (void)flags.timber.tops();  // what is wrong with them is told before any work
     Figures figures;
     const FileKind kind = kind_of_input(flags.file, flags.read.format);
     if (flags.forestry) return info_of_stems(run, flags, kind);
@@ -259,6 +281,7 @@ Command info_command() {
     options.flag("--json", flags->json, "Print JSON instead of a table");
     options.flag("--forestry", flags->forestry,
                  "Also print the height of the tree, its diameter at breast height (1.3 m) and its taper");
+    add_timber_options(options, flags->timber);
     options.fields(flags->read, "Reading a skeleton");
     return {"info", "Print what a skeleton, mesh or point file contains", options,
             [flags](Run& run, const GivenOptions&) { return info(run, *flags); }};

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "architecture_options.h"
 #include "command.h"
@@ -22,6 +21,8 @@
 #include "options.h"
 #include "streams.h"
 #include "sums.h"
+#include "timber.h"
+#include "tree_tables.h"
 
 namespace coppice::cli {
 namespace {
@@ -33,17 +34,23 @@ struct TableFlags {
     fs::path output;
     bool no_surfaces = false;
     ArchitectureFlags architecture;
+    TreeTableFlags parts;
+    TimberFlags timber;
     ReadSkeletonOptions read;
+
+    /// Whether the table with a row for each file is wanted.
+    bool rows() const { return !output.empty() || !parts.any(); }
 };
 
 /// The height of a tree, the stem at breast height, and the crown; breast height is 1.3 m, so in metres only.
-void add_forestry(Figures& row, const StemForm& form, double crown, double base) {
+void add_forestry(Figures& row, const StemForm& form, const Crown& crown, double base) {
     row["height"] = form.height;
     if (form.breast.diameter > 0) row["dbh"] = form.breast.diameter;
     row["stems"] = form.stems;
-    row["crown_area"] = crown;
-    row["crown_diameter"] = 2 * std::sqrt(crown / std::numbers::pi);
+    row["crown_area"] = crown.area;
+    row["crown_diameter"] = crown.diameter();
     row["crown_base"] = base;
+    row["crown_volume"] = crown.hull_volume;
 }
 
 void add_crown(Figures& row, const Skeleton& s) {
@@ -51,10 +58,17 @@ void add_crown(Figures& row, const Skeleton& s) {
     if (forms.size() != 1) return;  // a crown is that of a tree
     // Below its root a root system has no height, but a depth, which its extent says.
     if (forms.front().height < 0.5 * double{s.bounds().size().z}) return;
-    const double base = crown_base(s, forms.front());
-    PointSet points{{}, s.origin()};
-    points.positions.assign(s.positions().begin(), s.positions().end());
-    add_forestry(row, forms.front(), crown_area(points, forms.front().foot.z + base), base);
+    const double base = crown_bases(s, forms).front(), above = forms.front().foot.z + base;
+    add_forestry(row, forms.front(), measure_crowns(s, {&above, 1}).front(), base);
+}
+
+void add_timber(Figures& row, const SkeletonFile& file, double volume, const TimberFlags& flags) {
+    const Skeleton& s = file.skeleton;
+    Timber(s, list_branches(s), flags).add_all(row, [](std::string_view name, int) {
+        return std::string(name);
+    });
+    if (flags.wood_density > 0 && file.units == LengthUnit::m)
+        row["biomass_kg"] = double{flags.wood_density} * volume;
 }
 
 void add_architecture(Figures& row, const Skeleton& s, const TableFlags& flags,
@@ -127,19 +141,21 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
             row, file, m, [](std::string_view name, int) { return std::string(name); }, ctx);
     });
     if (file.units == LengthUnit::m) add_crown(row, s);
+    add_timber(row, file, m.volume, flags.timber);
     add_architecture(row, s, flags, limits);
     add_surface(run, row, s, flags);
 }
 
-void describe(Run& run, Figures& row, const PointSet& points) {
+StemForm describe(Run& run, Figures& row, const PointSet& points) {
     row["units"] = std::string(name_of(LengthUnit::m));
     row["points"] = points.size();
     add_extent(row, bounds(points));
-    run.stage("measure", [&](const Context& ctx) {
+    return run.stage("measure", [&](const Context& ctx) {
         row["spacing"] = median_spacing(points, ctx);
-        const StemForm form = stem_form(points, ctx);
+        StemForm form = stem_form(points, ctx);
         // The lowest branch is not known before there is a skeleton.
-        add_forestry(row, form, crown_area(points, form.foot.z + kBreastHeight), 0);
+        add_forestry(row, form, measure_crown(points, form.foot.z + kBreastHeight, ctx), 0);
+        return form;
     });
 }
 
@@ -173,11 +189,14 @@ std::vector<fs::path> files_of(const std::vector<fs::path>& named) {
 }
 
 /// Adds the rows of a file: one for each of its models.
-void add_rows(Run& run, std::vector<Figures>& rows, const fs::path& path, const TableFlags& flags,
-              std::span<const double> limits) {
+void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs::path& path,
+              const TableFlags& flags, std::span<const double> limits) {
     const FileKind kind = kind_of_input(path, flags.read.format);
     rows.back()["kind"] = std::string(name_of(kind));
-    if (kind == FileKind::points) return describe(run, rows.back(), load_points(run, path, flags.read.up));
+    if (kind == FileKind::points) {
+        const PointSet points = load_points(run, path, flags.read.up);
+        return parts.add(run, path.string(), points, describe(run, rows.back(), points));
+    }
     if (kind == FileKind::mesh) return describe(run, rows.back(), load_mesh(run, path, flags.read.up));
     const Figures begun = rows.back();
     ReadSkeletonOptions read = flags.read;
@@ -186,34 +205,29 @@ void add_rows(Run& run, std::vector<Figures>& rows, const fs::path& path, const 
         const SkeletonFile file = load_skeleton(run, path, read);
         if (flags.read.model == 0) models = file.models;
         if (file.models > 1) rows.back()["model"] = read.model;
-        describe(run, rows.back(), file, flags, limits);
+        parts.add(run, path.string(), read.model, file);
+        if (flags.rows()) describe(run, rows.back(), file, flags, limits);
         if (static_cast<std::size_t>(read.model) >= models) return;
         rows.push_back(begun);
     }
 }
 
 /// The rows of all files. What cannot be read or measured says why in its row.
-std::vector<Figures> rows_of(Run& run, const TableFlags& flags, std::span<const double> limits) {
+std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flags,
+                             std::span<const double> limits) {
     std::vector<Figures> rows;
     for (const fs::path& path : files_of(flags.files)) {
         rows.emplace_back()["file"] = path.string();
         try {
-            add_rows(run, rows, path, flags, limits);
+            add_rows(run, rows, parts, path, flags, limits);
         } catch (const Cancelled&) {
             throw;
         } catch (const Error& error) {
             rows.back()["error"] = std::string(error.what());
+            if (!flags.rows()) run.warn(error.what());
         }
     }
     return rows;
-}
-
-std::string cell_of(const Figure& figure) {
-    if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.7g}", *number);
-    if (const auto* yes = std::get_if<bool>(&figure.value)) return *yes ? "true" : "false";
-    if (const auto* count = std::get_if<std::uint64_t>(&figure.value)) return fmt::format("{}", *count);
-    if (const auto* count = std::get_if<std::int64_t>(&figure.value)) return fmt::format("{}", *count);
-    return csv_cell(std::get<std::string>(figure.value));
 }
 
 /// Columns in the order in which rows bring them, `error` last.
@@ -230,36 +244,33 @@ std::string csv_of(const std::vector<Figures>& rows) {
     std::string out = fmt::format("{}\n", fmt::join(columns, ","));
     for (const Figures& row : rows) {
         std::vector<std::string> cells(columns.size());
-        for (const auto& [name, figure] : row.entries()) cells[place[name]] = cell_of(figure);
+        for (const auto& [name, figure] : row.entries()) cells[place[name]] = csv_cell_of(figure);
         out += fmt::format("{}\n", fmt::join(cells, ","));
     }
     return out;
 }
 
+void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
+    if (path.empty()) return print(csv_of(rows));
+    if (path.extension() == ".csv") return write_file(path, csv_of(rows));
+    Figures all;
+    all["files"] = Figure::List(rows.begin(), rows.end());
+    write_file(path, figures_json(all));
+}
+
 ExitCode table(Run& run, const TableFlags& flags) {
     if (flags.files.empty()) throw UsageError("name the files: coppice table FILES... -o TABLE.csv");
-    const bool json = flags.output.extension() == ".json";
-    if (!flags.output.empty() && !json && flags.output.extension() != ".csv")
+    if (!flags.output.empty() && flags.output.extension() != ".json" && flags.output.extension() != ".csv")
         throw UsageError(
             fmt::format("'{}' is no name of a table; use the ending .csv or .json", flags.output.string()));
     if (!flags.output.empty()) check_output_folder(flags.output);
     const std::vector<double> limits = flags.architecture.limits();
-    const std::vector<Figures> rows = rows_of(run, flags, limits);
+    TreeTables parts(flags.parts, flags.timber);
+    const std::vector<Figures> rows = rows_of(run, parts, flags, limits);
+    parts.commit(run);
     const auto failed = static_cast<std::uint64_t>(std::ranges::count_if(
         rows, [](const Figures& row) { return row.entries().back().first == "error"; }));
-    std::string text;
-    if (json) {
-        Figures all;
-        all["files"] = Figure::List(rows.begin(), rows.end());
-        text = figures_json(all);
-    } else {
-        text = csv_of(rows);
-    }
-    if (flags.output.empty()) {
-        print(text);
-    } else {
-        write_file(flags.output, text);
-    }
+    if (flags.rows()) write_rows(flags.output, rows);
     run.counts()["rows"] = rows.size();
     run.counts()["failed"] = failed;
     run.finish(fmt::format("{}: {} rows, {} of them with an error",
@@ -275,9 +286,11 @@ Command table_command() {
     OptionList options;
     options.files("files", "FILES", flags->files, "Skeletons, points and meshes, or folders of them");
     options.output("-o,--output", "TABLE", flags->output,
-                   "Table to write (.csv, .json); by default CSV is printed");
+                   "Table to write (.csv, .json); by default CSV is printed, unless another table is named");
+    add_tree_table_options(options, flags->parts);
     options.flag("--no-surfaces", flags->no_surfaces,
                  "Do not compute surfaces, which takes most of the time");
+    add_timber_options(options, flags->timber);
     add_architecture_options(options, flags->architecture);
     options.fields(flags->read, "Reading a skeleton");
     return {"table", "Measure many files: one row each, with lengths, volumes, forks, orders and crown",

@@ -1,49 +1,57 @@
+#include "coppice/extract/plot/crown.h"
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <numbers>
 #include <vector>
 
-#include "coppice/extract/plot/crown.h"
 #include "coppice/extract/stem/stem_form_internal.h"
+#include "coppice/measure/convex_hull.h"
+#include "coppice/mesh/shape.h"
 
 namespace coppice {
 namespace {
 
 constexpr double kLargeBranch = 0.1;  // of the height of the tree
 
-/// Twice the area of the triangle, positive where it turns left.
-double turn(Vec3d a, Vec3d b, Vec3d c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
-
-}  // namespace
-
-double crown_base(const Skeleton& s, const StemForm& form) {
-    std::vector<double> longest(s.size(), 0.0);  // path below each node, with the segment to its parent
-    for (std::uint32_t i = s.size(); i-- > 1;) {
+/// [m] Per node the longest path below it, with the segment to its parent.
+std::vector<double> longest_paths(const Skeleton& s) {
+    std::vector<double> longest(s.size(), 0.0);
+    for (std::uint32_t i = s.size(); i-- > 0;) {
         const NodeId n(i);
         if (s.is_root(n)) continue;
         longest[i] += double{distance(s.position(n), s.position(s.parent(n)))};
         double& above = longest[s.parent(n).index()];
         above = std::max(above, longest[i]);
     }
-    const std::vector<NodeId> axis =
-        extract_internal::main_axis(s, NodeId(0), extract_internal::highest_below(s));
+    return longest;
+}
+
+double crown_base(const Skeleton& s, std::span<const NodeId> axis, std::span<const double> longest,
+                  const StemForm& form) {
     for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
-        const NodeId n = axis[i];
-        for (const NodeId child : s.children(n)) {
+        for (const NodeId child : s.children(axis[i])) {
             if (child != axis[i + 1] && longest[child.index()] > kLargeBranch * form.height)
-                return std::max(0.0, s.origin().z + double{s.position(n).z} - form.foot.z);
+                return std::max(0.0, s.origin().z + double{s.position(axis[i]).z} - form.foot.z);
         }
     }
     return form.height;
 }
 
-double crown_area(const PointSet& points, double above) {
+/// Twice the area of the triangle, positive where it turns left.
+double turn(Vec3d a, Vec3d b, Vec3d c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+
+double distance_seen_from_above(Vec3d a, Vec3d b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+/// The convex hull seen from above, by Andrew's monotone chain: the lower half, then the upper one back.
+std::vector<Vec3d> outline_of(std::span<const Vec3> points) {
     std::vector<Vec3d> plan;
-    for (const Vec3 p : points.positions)
-        if (points.origin.z + double{p.z} >= above) plan.emplace_back(p);
+    for (const Vec3 p : points) plan.emplace_back(p);
     std::ranges::sort(plan, [](Vec3d a, Vec3d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    if (plan.size() < 3) return 0;
-    // Andrew's monotone chain: the lower hull, then the upper one back.
     std::vector<Vec3d> hull;
+    if (plan.size() < 3) return hull;
     const auto add = [&](Vec3d p, std::size_t first) {
         while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
         hull.push_back(p);
@@ -51,9 +59,84 @@ double crown_area(const PointSet& points, double above) {
     for (const Vec3d p : plan) add(p, 0);
     const std::size_t lower = hull.size() - 1;
     for (auto p = plan.rbegin() + 1; p != plan.rend(); ++p) add(*p, lower);
-    double area = 0;
-    for (std::size_t i = 1; i + 1 < hull.size(); ++i) area += 0.5 * turn(hull[0], hull[i], hull[i + 1]);
-    return area;
+    hull.pop_back();  // the first one again
+    if (hull.size() < 3) hull.clear();
+    return hull;
+}
+
+double area_of(std::span<const Vec3d> outline) {
+    double twice = 0;
+    for (std::size_t i = 1; i + 1 < outline.size(); ++i)
+        twice += turn(outline[0], outline[i], outline[i + 1]);
+    return 0.5 * twice;
+}
+
+/// The greatest distance of two corners, by going round with an edge and the corner farthest from it.
+double greatest_width(std::span<const Vec3d> outline) {
+    const auto after = [&](std::size_t i) { return (i + 1) % outline.size(); };
+    double width = 0;
+    std::size_t far = 1;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const Vec3d a = outline[i], b = outline[after(i)];
+        const auto measure = [&](Vec3d c) {
+            width = std::max({width, distance_seen_from_above(a, c), distance_seen_from_above(b, c)});
+        };
+        measure(b);
+        measure(outline[far]);
+        while (turn(a, b, outline[after(far)]) > turn(a, b, outline[far])) {
+            far = after(far);
+            measure(outline[far]);
+        }
+    }
+    return width;
+}
+
+}  // namespace
+
+std::vector<double> crown_bases(const Skeleton& s, std::span<const StemForm> forms) {
+    const std::vector<double> longest = longest_paths(s);
+    const std::vector<float> reach = extract_internal::highest_below(s);
+    std::vector<double> out;
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n) && out.size() < forms.size())
+            out.push_back(
+                crown_base(s, extract_internal::main_axis(s, n, reach), longest, forms[out.size()]));
+    }
+    return out;
+}
+
+double Crown::diameter() const { return 2 * std::sqrt(area / std::numbers::pi); }
+
+Crown measure_crown(const PointSet& points, double above, const Context& ctx) {
+    std::vector<Vec3> part;
+    for (const Vec3 p : points.positions)
+        if (points.origin.z + double{p.z} >= above) part.push_back(p);
+    Crown out{.outline = outline_of(part), .hull = convex_hull(part, ctx)};
+    out.area = area_of(out.outline);
+    out.greatest_width = greatest_width(out.outline);
+    for (Vec3d& corner : out.outline)
+        corner = {points.origin.x + corner.x, points.origin.y + corner.y, above};
+    out.hull.origin = points.origin;
+    if (!out.hull.triangles.empty()) {
+        const ShapeReport s = shape(to_polygons(out.hull), ctx);
+        out.hull_area = s.area;
+        out.hull_volume = s.signed_volume;
+    }
+    return out;
+}
+
+std::vector<Crown> measure_crowns(const Skeleton& s, std::span<const double> above, const Context& ctx) {
+    std::vector<PointSet> points;
+    std::vector<std::uint32_t> tree(s.size());
+    for (const NodeId n : nodes(s)) {
+        if (s.is_root(n)) points.push_back({{}, s.origin()});
+        tree[n.index()] =
+            s.is_root(n) ? static_cast<std::uint32_t>(points.size()) - 1 : tree[s.parent(n).index()];
+        points[tree[n.index()]].positions.push_back(s.position(n));
+    }
+    std::vector<Crown> out;
+    for (std::size_t t = 0; t < points.size(); ++t) out.push_back(measure_crown(points[t], above[t], ctx));
+    return out;
 }
 
 }  // namespace coppice

@@ -10,7 +10,6 @@
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
-#include "coppice/extract/plot/crown.h"
 #include "coppice/extract/plot/segments_internal.h"
 #include "coppice/extract/stem/stem_form_internal.h"
 #include "coppice/points/spacing.h"
@@ -171,12 +170,12 @@ void extract_tree(PlotTree& tree, const PointSet& points, CloudOptions options, 
         if (result.skeleton.tree_count() == 1) stand_on_ground(result, tree.form.foot);
         SeenStem stem{tree.form.foot, tree.form.breast};
         tree.figures = std::move(tree_figures(result.skeleton, result.confidence, {&stem, 1}).front());
-        tree.crown_base = crown_base(result.skeleton, tree.form);
+        tree.crown_base = crown_bases(result.skeleton, {&tree.form, 1}).front();
         tree.result = std::move(result);
     } catch (const InvalidInput& error) {
         tree.warnings.push_back(fmt::format("no skeleton: {}", error.what()));
     }
-    tree.crown_area = crown_area(points, tree.form.foot.z + tree.crown_base);
+    tree.crown = measure_crown(points, tree.form.foot.z + tree.crown_base, ctx);
 }
 
 }  // namespace

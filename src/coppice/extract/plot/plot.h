@@ -9,6 +9,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/extract/cloud/from_cloud.h"
+#include "coppice/extract/plot/crown.h"
 #include "coppice/extract/plot/terrain.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/extract/stem/tree_figures.h"
@@ -74,7 +75,7 @@ struct PlotTree {
     std::uint64_t points = 0;               ///< that belong to it
     std::optional<CloudExtraction> result;  ///< its skeleton; none where `warnings` say why
     TreeFigures figures;                    ///< of the skeleton; its doubts are among the warnings
-    double crown_area = 0;  ///< [m^2] of the convex hull, seen from above, of what is above crown_base
+    Crown crown;                            ///< of its points above crown_base
     double crown_base = 0;  ///< [m] above the ground, where the lowest large branch leaves the stem
     std::vector<std::string> warnings;  ///< what to look at
 };

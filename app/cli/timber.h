@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "coppice/skeleton/branches.h"
+#include "figures.h"
+#include "options.h"
+
+namespace coppice::cli {
+
+/// What is asked of the wood of trees besides its volume.
+struct TimberFlags {
+    std::filesystem::path top_diameters;  ///< a list, no file
+    float stump_height = 0;               ///< [m]
+    float wood_density = 0;               ///< [kg/m^3] 0: none was given
+
+    /// Whether anything is asked for.
+    bool any() const { return !top_diameters.empty() || stump_height > 0 || wood_density > 0; }
+    /// Throws UsageError where the list is none, does not rise, or is missing although there is a stump.
+    std::vector<double> tops() const;
+};
+
+void add_timber_options(OptionList& options, TimberFlags& flags);
+
+/// The timber of the trees of one skeleton.
+class Timber {
+  public:
+    Timber(const Skeleton& skeleton, const BranchTable& table, const TimberFlags& flags);
+
+    /// Adds the figures of one tree, or of all together; `name` completes the name of a figure that is the
+    /// given power of a length.
+    using Name = std::function<std::string(std::string_view name, int power)>;
+    void add_tree(Figures& out, std::size_t tree, const Name& name) const;
+    void add_all(Figures& out, const Name& name) const;
+
+  private:
+    void add(Figures& out, std::span<const TimberVolume> of_tops, const Name& name) const;
+
+    std::vector<double> tops_;
+    std::vector<std::vector<TimberVolume>> volumes_;  // [top][tree]
+};
+
+}  // namespace coppice::cli
