@@ -1,5 +1,7 @@
-"""What can be said of files without the program: of pictures and of texts."""
+"""What can be said of files without the program: of pictures, texts, tables and maps."""
 
+import csv
+import sqlite3
 import struct
 import zlib
 
@@ -67,4 +69,25 @@ def look_at_text(name):
     return {"lines": len(lines), "first": lines[0]}
 
 
-LOOKS = {"picture": look_at_picture, "size": look_at_size, "text": look_at_text}
+def look_at_table(name):
+    """The rows of a table as they are numbered, and their number; cells are numbers where they look so."""
+    with open(name, encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return [{"rows": len(rows)}] + [{key: number_or_text(cell) for key, cell in row.items()} for row in rows]
+
+
+def number_or_text(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def look_at_geopackage(name):
+    """How many features each layer of a GeoPackage has, and which coordinate reference system."""
+    database = sqlite3.connect(f"file:{name}?mode=ro", uri=True)
+    return {table: {"features": database.execute(f'SELECT count(geom) FROM "{table}"').fetchone()[0], "srs": srs}
+            for table, srs in database.execute("SELECT table_name, srs_id FROM gpkg_contents")}
+
+
+LOOKS = {"picture": look_at_picture, "size": look_at_size, "text": look_at_text, "table": look_at_table, "geopackage": look_at_geopackage}

@@ -4,7 +4,8 @@ and files.
 
 CASES has one JSON object a line, written by cli_test() in CMakeLists.txt. Conditions on JSON (conditions.py) are on the output where
 OUT begins with "json:", on a file by REPORT FILE:conditions, and on what was written by THEN "COMMAND => conditions": the command of
-the program (check, info, compare) is run with --json in the same folder; `picture FILE`, `size FILE` and `text FILE` look at a file (looks.py).
+the program (check, info, compare) is run with --json in the same folder; `picture FILE`, `table FILE` and
+the other LOOKS look at a file (looks.py).
 """
 
 import argparse

@@ -220,7 +220,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
     }
     if (kind == FileKind::points && flags.timber.any()) {
         throw UsageError(
-            fmt::format("the volume of timber and biomass are those of a skeleton; make one of "
+            fmt::format("timber and biomass are those of a skeleton; make one of "
                         "'{0}' with coppice extract {0} -o SKELETON",
                         flags.file.string()));
     }

@@ -42,10 +42,10 @@ struct MapFeature {
 
 /// Features of one kind with the same columns.
 struct MapLayer {
-    std::string name;
-    MapGeometry geometry = MapGeometry::points;
-    std::vector<std::string> columns;
-    std::vector<MapFeature> features;
+    std::string name;                            ///< none twice in a map
+    MapGeometry geometry = MapGeometry::points;  ///< of all features
+    std::vector<std::string> columns;  ///< their names, none of them twice, `fid`, `geom` or `layer`
+    std::vector<MapFeature> features;  ///< with a value for each column
 };
 
 /// Formats of maps.
