@@ -1,8 +1,12 @@
 #include "csv_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
+#include <concepts>
+#include <string_view>
+#include <vector>
 
 namespace coppice::cli {
 namespace {
@@ -10,12 +14,15 @@ namespace {
 struct Cell {
     std::string operator()(const NotChecked&) const { return {}; }
     std::string operator()(bool yes) const { return yes ? "true" : "false"; }
-    std::string operator()(std::uint64_t count) const { return fmt::format("{}", count); }
-    std::string operator()(std::int64_t count) const { return fmt::format("{}", count); }
     std::string operator()(double number) const {
         return fmt::format("{:.{}g}", number, std::abs(number) >= 1000 ? 10 : 7);
     }
     std::string operator()(const std::string& text) const { return csv_cell(text); }
+    template <std::integral Count>
+    std::string operator()(Count count) const {
+        return fmt::format("{}", count);
+    }
+    // Rows are flat.
     std::string operator()(const Figure::List&) const { return {}; }
     std::string operator()(const Figures&) const { return {}; }
 };
@@ -25,14 +32,14 @@ struct Cell {
 std::string csv_cell_of(const Figure& figure) { return std::visit(Cell(), figure.value); }
 
 void CsvFile::add(const Figures& row) {
-    std::string names, cells;
+    std::vector<std::string_view> names;
+    std::vector<std::string> cells;
     for (const auto& [name, figure] : row.entries()) {
-        const char* separator = cells.empty() && names.empty() ? "" : ",";
-        names += fmt::format("{}{}", separator, name);
-        cells += fmt::format("{}{}", separator, csv_cell_of(figure));
+        names.emplace_back(name);
+        cells.push_back(csv_cell_of(figure));
     }
-    if (rows_++ == 0) file_.write(fmt::format("{}\n", names));
-    file_.write(fmt::format("{}\n", cells));
+    if (rows_++ == 0) file_.write(fmt::format("{}\n", fmt::join(names, ",")));
+    file_.write(fmt::format("{}\n", fmt::join(cells, ",")));
 }
 
 }  // namespace coppice::cli

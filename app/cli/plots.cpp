@@ -10,9 +10,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
-#include "coppice/io/file.h"
 #include "coppice/io/mesh/format.h"
-#include "coppice/io/mesh/writer.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/format.h"
 #include "coppice/render/colors.h"
@@ -143,22 +141,10 @@ std::vector<Figures> rows_of(const std::vector<PlotTree>& trees, const std::stri
     return rows;
 }
 
-/// A cell of the table: numbers in tenths of a millimetre.
-std::string cell_of(const Figure& figure) {
-    if (const auto* number = std::get_if<double>(&figure.value)) return fmt::format("{:.4f}", *number);
-    return csv_cell_of(figure);
-}
-
-std::string table_of(const std::vector<Figures>& rows) {
-    std::vector<std::string> names;
-    for (const auto& [name, figure] : rows.front().entries()) names.push_back(name);
-    std::string out = fmt::format("{}\n", fmt::join(names, ","));
-    for (const Figures& row : rows) {
-        std::vector<std::string> cells;
-        for (const auto& [name, figure] : row.entries()) cells.push_back(cell_of(figure));
-        out += fmt::format("{}\n", fmt::join(cells, ","));
-    }
-    return out;
+void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
+    CsvFile out(path);
+    for (const Figures& row : rows) out.add(row);
+    out.commit();
 }
 
 /// The sections of all stems as circles through the points show them.
@@ -193,11 +179,10 @@ std::vector<MapLayer> layers_of(const std::vector<PlotTree>& trees, const std::v
     return {std::move(stems), std::move(crowns)};
 }
 
-void write_crowns(Run& run, const fs::path& path, const std::vector<PlotTree>& trees, const Context& ctx) {
-    TriMesh crowns;
-    for (const PlotTree& tree : trees) add_hull(crowns, tree.crown.hull);
-    if (crowns.triangles.empty()) return run.warn("there are no crowns to write");
-    write_mesh(path, crowns, {}, ctx);
+TriMesh crowns_of(const std::vector<PlotTree>& trees) {
+    TriMesh out;
+    for (const PlotTree& tree : trees) add_hull(out, tree.crown.hull);
+    return out;
 }
 
 /// The surface of each tree; what cannot be made is said in its row.
@@ -348,11 +333,11 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
     run.stage("write tables", [&](const Context& ctx) {
         const std::vector<Figures> rows = rows_of(trees, ending);
-        write_file(folder / kTable, table_of(rows));
+        write_rows(folder / kTable, rows);
         write_taper(folder / kTaperTable, trees);
         if (!files.map.empty()) write_map(files.map, layers_of(trees, rows), files.crs, ctx);
-        if (!files.crowns.empty()) write_crowns(run, files.crowns, trees, ctx);
     });
+    if (!files.crowns.empty()) write_crowns(run, files.crowns, crowns_of(trees));
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
             write_painted_points(files.tree_points, painted(points, plot.segments.tree_of),

@@ -1,11 +1,13 @@
 #include "tree_tables.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "coppice/io/mesh/writer.h"
 #include "coppice/skeleton/frustum.h"
@@ -90,6 +92,15 @@ void add_hull(TriMesh& out, const TriMesh& hull) {
     const Vec3d shift = hull.origin - out.origin;
     for (const Vec3 p : hull.positions) out.positions.push_back(Vec3(Vec3d(p) + shift));
     for (const auto& [a, b, c] : hull.triangles) out.triangles.push_back({first + a, first + b, first + c});
+}
+
+bool write_crowns(Run& run, const std::filesystem::path& path, const TriMesh& hulls) {
+    if (hulls.triangles.empty()) {
+        run.warn("there are no crowns to write");
+        return false;
+    }
+    run.stage("write crowns", [&](const Context& ctx) { write_mesh(path, hulls, {}, ctx); });
+    return true;
 }
 
 TreeTables::TreeTables(const TreeTableFlags& flags, const TimberFlags& timber)
@@ -244,20 +255,23 @@ void TreeTables::add_cylinders(const Figures& begin, const SkeletonFile& file, c
     }
 }
 
-void TreeTables::commit(Run& run) {
-    const auto finish = [&](std::optional<CsvFile>& table, std::string_view what) {
+std::string TreeTables::commit(Run& run) {
+    std::vector<std::string> written;
+    const auto finish = [&](std::optional<CsvFile>& table, const std::filesystem::path& path,
+                            std::string_view what) {
         if (!table) return;
         if (table->rows() == 0) run.warn(fmt::format("there are no {} to list", what));
         table->commit();
         run.counts()[what] = table->rows();
+        written.push_back(fmt::format("{}: {} {}", path.string(), grouped(table->rows()), what));
     };
-    finish(trees_, "trees");
-    finish(branches_, "branches");
-    finish(cylinders_, "cylinders");
-    finish(taper_, "sections");
-    if (flags_.crowns.empty()) return;
-    if (crowns_.triangles.empty()) return run.warn("there are no crowns to write");
-    run.stage("write", [&](const Context& ctx) { write_mesh(flags_.crowns, crowns_, {}, ctx); });
+    finish(trees_, flags_.trees, "trees");
+    finish(branches_, flags_.branches, "branches");
+    finish(cylinders_, flags_.cylinders, "cylinders");
+    finish(taper_, flags_.taper, "sections");
+    if (!flags_.crowns.empty() && write_crowns(run, flags_.crowns, crowns_))
+        written.push_back(flags_.crowns.string());
+    return fmt::format("{}", fmt::join(written, "; "));
 }
 
 }  // namespace coppice::cli

@@ -32,6 +32,9 @@ void add_taper(CsvFile& out, const Figures& begin, const StemForm& form, LengthU
 /// Adds the hull of a crown to those of others; the first one's origin is that of all.
 void add_hull(TriMesh& out, const TriMesh& hull);
 
+/// Writes hulls as a stage of the run; warns, and returns false, where there are none.
+bool write_crowns(Run& run, const std::filesystem::path& path, const TriMesh& hulls);
+
 /// Tables with a row for each tree, branch, cylinder or section of a stem, and the hulls of the crowns, of
 /// all files that are added. Everything appears when it is committed.
 class TreeTables {
@@ -43,8 +46,8 @@ class TreeTables {
     void add(Run& run, const std::string& path, int model, const SkeletonFile& file);
     /// Of points there are only the sections of their stem, and what is above breast height as crown.
     void add(Run& run, const std::string& path, const PointSet& points, const StemForm& form);
-    /// Writes what there is, and warns of what there is nothing of.
-    void commit(Run& run);
+    /// Writes what there is, warns of what there is nothing of, and returns what was written.
+    std::string commit(Run& run);
 
   private:
     void check_units(const std::string& path, LengthUnit units);

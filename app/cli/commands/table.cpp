@@ -39,7 +39,7 @@ struct TableFlags {
     ReadSkeletonOptions read;
 
     /// Whether the table with a row for each file is wanted.
-    bool rows() const { return !output.empty() || !parts.any(); }
+    bool wants_rows() const { return !output.empty() || !parts.any(); }
 };
 
 /// The height of a tree, the stem at breast height, and the crown; breast height is 1.3 m, so in metres only.
@@ -146,6 +146,7 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     add_surface(run, row, s, flags);
 }
 
+/// Returns the form of the stem, which the row tells in part.
 StemForm describe(Run& run, Figures& row, const PointSet& points) {
     row["units"] = std::string(name_of(LengthUnit::m));
     row["points"] = points.size();
@@ -197,7 +198,10 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
         const PointSet points = load_points(run, path, flags.read.up);
         return parts.add(run, path.string(), points, describe(run, rows.back(), points));
     }
-    if (kind == FileKind::mesh) return describe(run, rows.back(), load_mesh(run, path, flags.read.up));
+    if (kind == FileKind::mesh) {
+        if (flags.wants_rows()) describe(run, rows.back(), load_mesh(run, path, flags.read.up));
+        return;
+    }
     const Figures begun = rows.back();
     ReadSkeletonOptions read = flags.read;
     read.model = std::max(read.model, 1);
@@ -206,7 +210,7 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
         if (flags.read.model == 0) models = file.models;
         if (file.models > 1) rows.back()["model"] = read.model;
         parts.add(run, path.string(), read.model, file);
-        if (flags.rows()) describe(run, rows.back(), file, flags, limits);
+        if (flags.wants_rows()) describe(run, rows.back(), file, flags, limits);
         if (static_cast<std::size_t>(read.model) >= models) return;
         rows.push_back(begun);
     }
@@ -224,7 +228,7 @@ std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flag
             throw;
         } catch (const Error& error) {
             rows.back()["error"] = std::string(error.what());
-            if (!flags.rows()) run.warn(error.what());
+            if (!flags.wants_rows()) run.warn(error.what());
         }
     }
     return rows;
@@ -267,15 +271,18 @@ ExitCode table(Run& run, const TableFlags& flags) {
     const std::vector<double> limits = flags.architecture.limits();
     TreeTables parts(flags.parts, flags.timber);
     const std::vector<Figures> rows = rows_of(run, parts, flags, limits);
-    parts.commit(run);
+    std::string written = parts.commit(run);
     const auto failed = static_cast<std::uint64_t>(std::ranges::count_if(
         rows, [](const Figures& row) { return row.entries().back().first == "error"; }));
-    if (flags.rows()) write_rows(flags.output, rows);
+    if (flags.wants_rows()) {
+        write_rows(flags.output, rows);
+        written += fmt::format("{}{}: {} rows, {} of them with an error", written.empty() ? "" : "; ",
+                               flags.output.empty() ? "table" : flags.output.string(), grouped(rows.size()),
+                               grouped(failed));
+    }
     run.counts()["rows"] = rows.size();
     run.counts()["failed"] = failed;
-    run.finish(fmt::format("{}: {} rows, {} of them with an error",
-                           flags.output.empty() ? "table" : flags.output.string(), grouped(rows.size()),
-                           grouped(failed)));
+    run.finish(written);
     return kDone;
 }
 
