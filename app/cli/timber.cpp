@@ -6,6 +6,14 @@
 #include "coppice/pipeline/json.h"
 
 namespace coppice::cli {
+namespace {
+
+void add_stem(Figures& out, double top, const TimberVolume& of, const Timber::Name& name) {
+    out[name(fmt::format("stem_length_to_{:g}", top), 1)] = of.stem_length;
+    out[name(fmt::format("stem_volume_to_{:g}", top), 3)] = of.stem_volume;
+}
+
+}  // namespace
 
 std::vector<double> TimberFlags::tops() const {
     if (top_diameters.empty() && stump_height > 0)
@@ -32,30 +40,31 @@ Timber::Timber(const Skeleton& skeleton, const BranchTable& table, const TimberF
 }
 
 void Timber::add_tree(Figures& out, std::size_t tree, const Name& name) const {
-    std::vector<TimberVolume> of_tops;
-    for (const auto& trees : volumes_) of_tops.push_back(trees[tree]);
-    add(out, of_tops, name);
+    for (std::size_t k = 0; k < tops_.size(); ++k) {
+        add_stem(out, tops_[k], volumes_[k][tree], name);
+        out[name(fmt::format("timber_from_{:g}", tops_[k]), 3)] = volumes_[k][tree].volume;
+    }
 }
 
 void Timber::add_all(Figures& out, const Name& name) const {
-    std::vector<TimberVolume> of_tops;
-    for (const auto& trees : volumes_) {
-        TimberVolume& sum = of_tops.emplace_back();
-        for (const TimberVolume& tree : trees) {
+    for (std::size_t k = 0; k < tops_.size(); ++k) {
+        TimberVolume sum;
+        for (const TimberVolume& tree : volumes_[k]) {
             sum.stem_length += tree.stem_length;
             sum.stem_volume += tree.stem_volume;
             sum.volume += tree.volume;
         }
+        add_stem(out, tops_[k], sum, name);
+        out[name(fmt::format("timber_from_{:g}", tops_[k]), 3)] = sum.volume;
     }
-    add(out, of_tops, name);
 }
 
-void Timber::add(Figures& out, std::span<const TimberVolume> of_tops, const Name& name) const {
-    for (std::size_t k = 0; k < tops_.size(); ++k) {
-        out[name(fmt::format("stem_length_to_{:g}", tops_[k]), 1)] = of_tops[k].stem_length;
-        out[name(fmt::format("stem_volume_to_{:g}", tops_[k]), 3)] = of_tops[k].stem_volume;
-        out[name(fmt::format("timber_from_{:g}", tops_[k]), 3)] = of_tops[k].volume;
-    }
+void add_stem_timber(Figures& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name) {
+    const auto stem = stem_skeleton(form);
+    if (!stem) return;
+    const BranchTable table = list_branches(*stem);
+    for (const double top : flags.tops())
+        add_stem(out, top, timber_volumes(*stem, table, top, shortest(flags.stump_height)).front(), name);
 }
 
 }  // namespace coppice::cli

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coppice/extract/stem/stem_form.h"
 #include "coppice/skeleton/branches.h"
 #include "figures.h"
 #include "options.h"
@@ -38,10 +39,11 @@ class Timber {
     void add_all(Figures& out, const Name& name) const;
 
   private:
-    void add(Figures& out, std::span<const TimberVolume> of_tops, const Name& name) const;
-
     std::vector<double> tops_;
     std::vector<std::vector<TimberVolume>> volumes_;  // [top][tree]
 };
+
+/// Adds the figures of a stem that only its sections tell, which are those of Timber but for other wood.
+void add_stem_timber(Figures& out, const StemForm& form, const TimberFlags& flags, const Timber::Name& name);
 
 }  // namespace coppice::cli

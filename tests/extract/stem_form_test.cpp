@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "coppice/base/error.h"
+#include "coppice/skeleton/branches.h"
+#include "coppice/skeleton/measure.h"
 #include "extract/cloud_support.h"
 
 namespace coppice {
@@ -33,6 +36,21 @@ void add_ground(PointSet& set, double slope, double wide = 4) {
 
 // At 1.3 m above the foot the stem has a radius of 0.15 - 0.1 * 1.3 / 8 = 0.13375 m.
 constexpr double kBreast = 0.2675;
+
+TEST(StemForm, StemAloneHasTheVolumeOfItsCone) {
+    PointSet points = leaning_stem();
+    points.origin = {500000, 5400000, 300};
+    const auto stem = stem_skeleton(stem_form(points));
+    ASSERT_TRUE(stem);
+    EXPECT_EQ(measure(*stem).tips, 1u);
+    // Up to a diameter of 0.15 m it is a cone from 0.15 to 0.075 m in radius, 6 m high and 0.6 m aside.
+    const TimberVolume timber = timber_volumes(*stem, list_branches(*stem), 0.15)[0];
+    const double length = std::hypot(6, 0.6);
+    EXPECT_NEAR(timber.stem_length, length, 0.02 * length);
+    const double volume = std::numbers::pi / 3 * length * (0.0225 + 0.01125 + 0.005625);
+    EXPECT_NEAR(timber.stem_volume, volume, 0.02 * volume);
+    EXPECT_FALSE(stem_skeleton({}));
+}
 
 TEST(StemForm, ReadsDiameterAndHeightOfALeaningStem) {
     const StemForm form = stem_form(leaning_stem());

@@ -193,6 +193,8 @@ std::string forestry(Figures figures, const std::vector<Figures>& trees, bool js
     return figures_json(figures);
 }
 
+std::string in_metres(std::string_view name, int power) { return in_unit(name, LengthUnit::m, power); }
+
 /// What forestry wants to know of each tree of a skeleton in metres.
 std::vector<Figures> describe_trees(const Skeleton& s, const TimberFlags& flags) {
     const BranchTable table = list_branches(s);
@@ -203,8 +205,7 @@ std::vector<Figures> describe_trees(const Skeleton& s, const TimberFlags& flags)
     for (const StemForm& form : stem_forms(s)) {
         const std::size_t tree = out.size();
         Figures& figures = out.emplace_back(describe(form));
-        timber.add_tree(figures, tree,
-                        [](std::string_view name, int power) { return in_unit(name, LengthUnit::m, power); });
+        timber.add_tree(figures, tree, in_metres);
         if (flags.wood_density > 0) figures["biomass_kg"] = double{flags.wood_density} * volumes[tree];
     }
     return out;
@@ -218,10 +219,10 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
                         "with coppice extract {0} -o SKELETON",
                         flags.file.string()));
     }
-    if (kind == FileKind::points && flags.timber.any()) {
+    if (kind == FileKind::points && flags.timber.wood_density > 0) {
         throw UsageError(
-            fmt::format("timber and biomass are those of a skeleton; make one of "
-                        "'{0}' with coppice extract {0} -o SKELETON",
+            fmt::format("biomass is that of a skeleton; make one of '{0}' with coppice extract {0} "
+                        "-o SKELETON",
                         flags.file.string()));
     }
     std::string text;
@@ -241,7 +242,10 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
         const PointSet points = load_points(run, flags.file, flags.read.up);
         text = run.stage("measure", [&](const Context& ctx) {
             const Figures figures = describe(points, ctx);
-            return forestry(figures, {describe(stem_form(points, ctx))}, flags.json);
+            const StemForm form = stem_form(points, ctx);
+            Figures tree = describe(form);
+            add_stem_timber(tree, form, flags.timber, in_metres);
+            return forestry(figures, {tree}, flags.json);
         });
     }
     print(text);

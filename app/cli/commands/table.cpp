@@ -62,11 +62,12 @@ void add_crown(Figures& row, const Skeleton& s) {
     add_forestry(row, forms.front(), measure_crowns(s, {&above, 1}).front(), base);
 }
 
+/// Figures of a row are in its units.
+std::string plain_name(std::string_view name, int) { return std::string(name); }
+
 void add_timber(Figures& row, const SkeletonFile& file, double volume, const TimberFlags& flags) {
     const Skeleton& s = file.skeleton;
-    Timber(s, list_branches(s), flags).add_all(row, [](std::string_view name, int) {
-        return std::string(name);
-    });
+    Timber(s, list_branches(s), flags).add_all(row, plain_name);
     if (flags.wood_density > 0 && file.units == LengthUnit::m)
         row["biomass_kg"] = double{flags.wood_density} * volume;
 }
@@ -136,10 +137,7 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     row["radius_max"] = m.greatest_radius;
     row["length"] = m.length;
     row["longest_path"] = m.longest_path;
-    run.stage("measure", [&](const Context& ctx) {
-        add_sums(
-            row, file, m, [](std::string_view name, int) { return std::string(name); }, ctx);
-    });
+    run.stage("measure", [&](const Context& ctx) { add_sums(row, file, m, plain_name, ctx); });
     if (file.units == LengthUnit::m) add_crown(row, s);
     add_timber(row, file, m.volume, flags.timber);
     add_architecture(row, s, flags, limits);
@@ -147,7 +145,7 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
 }
 
 /// Returns the form of the stem, which the row tells in part.
-StemForm describe(Run& run, Figures& row, const PointSet& points) {
+StemForm describe(Run& run, Figures& row, const PointSet& points, const TimberFlags& timber) {
     row["units"] = std::string(name_of(LengthUnit::m));
     row["points"] = points.size();
     add_extent(row, bounds(points));
@@ -156,6 +154,7 @@ StemForm describe(Run& run, Figures& row, const PointSet& points) {
         StemForm form = stem_form(points, ctx);
         // The lowest branch is not known before there is a skeleton.
         add_forestry(row, form, measure_crown(points, form.foot.z + kBreastHeight, ctx), 0);
+        add_stem_timber(row, form, timber, plain_name);
         return form;
     });
 }
@@ -196,7 +195,7 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
     rows.back()["kind"] = std::string(name_of(kind));
     if (kind == FileKind::points) {
         const PointSet points = load_points(run, path, flags.read.up);
-        return parts.add(run, path.string(), points, describe(run, rows.back(), points));
+        return parts.add(run, path.string(), points, describe(run, rows.back(), points, flags.timber));
     }
     if (kind == FileKind::mesh) {
         if (flags.wants_rows()) describe(run, rows.back(), load_mesh(run, path, flags.read.up));

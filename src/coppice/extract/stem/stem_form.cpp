@@ -8,6 +8,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
 #include "coppice/extract/plot/terrain.h"
+#include "coppice/extract/stem/stem_axis_internal.h"
 #include "coppice/extract/stem/stem_form_internal.h"
 #include "coppice/points/spacing.h"
 #include "coppice/skeleton/measure.h"
@@ -255,6 +256,21 @@ std::vector<StemForm> stem_forms(const Skeleton& skeleton) {
             ++form.stems;
     }
     return out;
+}
+
+std::optional<Skeleton> stem_skeleton(const StemForm& form) {
+    constexpr double kThinnest = 1e-4;  // [m]
+    const StemAxis axis = make_stem_axis(form);
+    if (axis.position.empty()) return std::nullopt;
+    std::vector<NodeId> parent;
+    std::vector<Vec3> position;
+    std::vector<float> radius;
+    for (std::size_t i = 0; i < axis.position.size(); ++i) {
+        parent.push_back(i == 0 ? NodeId::none() : NodeId(static_cast<std::uint32_t>(i) - 1));
+        position.emplace_back(Vec3d(axis.position[i]) - form.foot);
+        radius.push_back(static_cast<float>(std::max(axis.radius[i], kThinnest)));
+    }
+    return Skeleton(std::move(parent), std::move(position), std::move(radius), form.foot);
 }
 
 }  // namespace coppice

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "coppice/base/context.h"
@@ -49,5 +50,10 @@ StemForm stem_form(const PointSet& points, const Context& ctx = {});
 /// highest, by children at least 0.4 times as thick as the thickest one, at breast height their mean from 1.1
 /// to 1.5 m above the root. Deviations, residuals and coverage are 0. O(n).
 std::vector<StemForm> stem_forms(const Skeleton& skeleton);
+
+/// The stem alone, from its foot as far as sections show it, its places and radii by local lines in which
+/// sections that lie off do not count, radii never growing upward. Its origin is the foot. Nothing where
+/// there are fewer than four sections. O(sections).
+std::optional<Skeleton> stem_skeleton(const StemForm& form);
 
 }  // namespace coppice
