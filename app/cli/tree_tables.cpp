@@ -148,20 +148,16 @@ void TreeTables::add(Run& run, const std::string& path, int model, const Skeleto
     });
 }
 
-void TreeTables::add(Run& run, const std::string& path, const PointSet& points, const StemForm& form) {
-    if (!taper_ && flags_.crowns.empty()) return;
-    check_units(path, LengthUnit::m);
+void TreeTables::add(const std::string& path, const StemForm& form, const Crown& crown) {
     if (taper_) {
+        check_units(path, LengthUnit::m);
         Figures begin;
         begin["file"] = path;
         begin["model"] = 1;
         begin["tree"] = 1;
         add_taper(*taper_, begin, form);
     }
-    if (flags_.crowns.empty()) return;
-    run.stage("crowns", [&](const Context& ctx) {
-        add_hull(crowns_, measure_crown(points, form.foot.z + kBreastHeight, ctx).hull);
-    });
+    add_hull(crowns_, crown.hull);
 }
 
 void TreeTables::add_trees(const Figures& begin, const SkeletonFile& file, const BranchTable& table,

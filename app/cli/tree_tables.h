@@ -44,8 +44,8 @@ class TreeTables {
 
     /// Throws UsageError where the file is in other units than those before it.
     void add(Run& run, const std::string& path, int model, const SkeletonFile& file);
-    /// Of points there are only the sections of their stem, and what is above breast height as crown.
-    void add(Run& run, const std::string& path, const PointSet& points, const StemForm& form);
+    /// Of points there are only the sections of their stem, and a crown.
+    void add(const std::string& path, const StemForm& form, const Crown& crown);
     /// Writes what there is, warns of what there is nothing of, and returns what was written.
     std::string commit(Run& run);
 

@@ -144,18 +144,23 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     add_surface(run, row, s, flags);
 }
 
-/// Returns the form of the stem, which the row tells in part.
-StemForm describe(Run& run, Figures& row, const PointSet& points, const TimberFlags& timber) {
+/// What a row tells of the tree of a cloud in part.
+struct CloudTree {
+    StemForm form;
+    Crown crown;  ///< above breast height: the lowest branch is not known before there is a skeleton
+};
+
+CloudTree describe(Run& run, Figures& row, const PointSet& points, const TimberFlags& timber) {
     row["units"] = std::string(name_of(LengthUnit::m));
     row["points"] = points.size();
     add_extent(row, bounds(points));
     return run.stage("measure", [&](const Context& ctx) {
         row["spacing"] = median_spacing(points, ctx);
-        StemForm form = stem_form(points, ctx);
-        // The lowest branch is not known before there is a skeleton.
-        add_forestry(row, form, measure_crown(points, form.foot.z + kBreastHeight, ctx), 0);
-        add_stem_timber(row, form, timber, plain_name);
-        return form;
+        CloudTree out{stem_form(points, ctx), {}};
+        out.crown = measure_crown(points, out.form.foot.z + kBreastHeight, ctx);
+        add_forestry(row, out.form, out.crown, 0);
+        add_stem_timber(row, out.form, timber, plain_name);
+        return out;
     });
 }
 
@@ -195,7 +200,8 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
     rows.back()["kind"] = std::string(name_of(kind));
     if (kind == FileKind::points) {
         const PointSet points = load_points(run, path, flags.read.up);
-        return parts.add(run, path.string(), points, describe(run, rows.back(), points, flags.timber));
+        const CloudTree tree = describe(run, rows.back(), points, flags.timber);
+        return parts.add(path.string(), tree.form, tree.crown);
     }
     if (kind == FileKind::mesh) {
         if (flags.wants_rows()) describe(run, rows.back(), load_mesh(run, path, flags.read.up));
