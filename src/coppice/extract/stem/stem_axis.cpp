@@ -20,6 +20,7 @@ constexpr double kMinStep = 0.02;              // [m]
 constexpr int kPasses = 4;                     // of robust weights
 constexpr double kOutlier = 4.685 * 1.4826;    // [median deviation] of a section that does not count
 constexpr double kMinDeviation = 0.01;         // [radius] of any section
+constexpr double kBreastSections = 13;         // that the diameter at breast height is made of
 constexpr double kOther = 0.4;       // of the radius of the thickest stem, that another one has at least
 constexpr double kApart = 1.5;       // [sum of radii] between the feet of stems of different trees
 constexpr double kHanging = 0.3;     // [m] of a tree of ten metres: what ends so much higher than that hangs
@@ -212,7 +213,10 @@ StemAxis make_stem_axis(const StemForm& form) {
     }
     for (const Section& s : sections) {
         if (!axis.position.empty() && s.z - axis.position.back().z < 1e-3) continue;
-        add(s.z, find_local_line(sections, s.z, step), s.weight);
+        LocalLine line = find_local_line(sections, s.z, step);
+        const bool at_breast = form.breast.diameter > 0 && s.z == form.breast.center.z;
+        if (at_breast) line.value[2] = s.radius;
+        add(s.z, line, at_breast ? kBreastSections * s.weight : s.weight);
     }
     make_monotone(axis.radius, weight);
     axis.breast = form.breast;
