@@ -6,7 +6,7 @@
 
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/mesh/reader.h"
-#include "coppice/io/points/reader.h"
+#include "coppice/io/points/writer.h"
 #include "coppice/io/sketch/sketch_file.h"
 #include "coppice/points/spacing.h"
 #include "options.h"
@@ -83,17 +83,19 @@ void check_skeleton_output(const std::filesystem::path& path) {
 
 void check_points_output(const std::filesystem::path& path) {
     if (!point_format_of_name(path)) {
-        throw UsageError(fmt::format(
-            "'{}' is no name of points; use the ending .ply, .xyz, .txt, .asc or .csv", path.string()));
+        throw UsageError(
+            fmt::format("'{}' is no name of points; {}", path.string(), remedy_for_points_name(path)));
     }
     check_output_folder(path);
 }
 
 void check_painted_output(const std::filesystem::path& path) {
-    if (path.extension() != ".ply")
+    check_points_output(path);
+    if (!keeps_columns(path))
         throw UsageError(
-            fmt::format("points keep their colours in PLY alone; '{}' needs the ending .ply", path.string()));
-    check_output_folder(path);
+            fmt::format("'{}' would hold the places of the points alone; use .las, .ply, .txt, "
+                        ".csv or .asc",
+                        path.string()));
 }
 
 std::string in_unit(std::string_view name, LengthUnit unit, int power) {
@@ -139,19 +141,33 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up) {
     return mesh;
 }
 
-PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns,
-                                  FileUp up) {
-    PaintedPoints painted =
-        run.stage("read", [&](const Context& ctx) { return read_painted_points(path, columns, ctx); });
-    turn_from_file(painted.points, up);
-    run.counts()["points"] = painted.points.size();
-    if (const auto warning = warning_of_extent(painted.points))
+PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,
+                          const ReadPointsOptions& options) {
+    PointFile file =
+        run.stage("read", [&](const Context& ctx) { return read_point_file(path, columns, options, ctx); });
+    PointSet& points = file.painted.points;
+    turn_from_file(points, up);
+    run.counts()["points"] = points.size();
+    if (file.without_return > 0) run.counts()["rays_without_return"] = file.without_return;
+    if (file.missing > 0) {
+        run.counts()["points_missing"] = file.missing;
+        run.warn(
+            fmt::format("{}: the file is cut off: its header names {} points more than the {} that are there",
+                        path.string(), grouped(file.missing), grouped(points.size())));
+    }
+    if (const auto warning = warning_of_extent(points))
         run.warn(fmt::format("{}: {}", path.string(), *warning));
-    return painted;
+    return file;
 }
 
-PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up) {
-    return load_painted_points(run, path, kNoColumns, up).points;
+PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up,
+                     const ReadPointsOptions& options) {
+    return load_point_file(run, path, kNoColumns, up, options).painted.points;
+}
+
+std::string text_of_rays_left_out(const PointFile& file) {
+    if (file.without_return == 0) return {};
+    return fmt::format(", {} rays without return left out", grouped(file.without_return));
 }
 
 }  // namespace coppice::cli

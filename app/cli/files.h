@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coppice/io/file_kind.h"
+#include "coppice/io/points/reader.h"
 #include "coppice/io/skeleton/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/mesh/mesh.h"
@@ -34,7 +35,7 @@ void check_mesh_output(const std::filesystem::path& path);
 void check_skeleton_output(const std::filesystem::path& path);
 /// The same for points.
 void check_points_output(const std::filesystem::path& path);
-/// The same for points that have colours, which PLY alone keeps.
+/// The same for points of which more is known than their places.
 void check_painted_output(const std::filesystem::path& path);
 
 /// Reads as a stage of the run; fills its counts and repairs, and warns of points that are odd. `up` is the
@@ -42,9 +43,16 @@ void check_painted_output(const std::filesystem::path& path);
 /// the command that makes a skeleton of it.
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
-PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
-PaintedPoints load_painted_points(Run& run, const std::filesystem::path& path, const PointColumns& columns,
-                                  FileUp up = FileUp::z);
+PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z,
+                     const ReadPointsOptions& options = {});
+PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,
+                          const ReadPointsOptions& options);
+
+/// Heading of the options that say how points are read.
+inline constexpr const char* kReadPointsGroup = "Reading points";
+
+/// ", 12 rays without return left out" for the summary, or nothing.
+std::string text_of_rays_left_out(const PointFile& file);
 
 /// The name of a figure with its unit, "length_um" or "volume_um3"; `power` is 1 for lengths.
 std::string in_unit(std::string_view name, LengthUnit unit, int power = 1);

@@ -89,13 +89,22 @@ std::string name_of_tree(std::size_t tree, const std::string& ending) {
     return fmt::format("tree_{:03}{}", tree + 1, ending);
 }
 
-PaintedPoints painted(const PointSet& points, const std::vector<std::uint32_t>& tree_of) {
+/// The number of a tree in its file of points, or else in the table.
+std::uint32_t id_of_tree(const PlotSegments& segments, std::size_t tree) {
+    return segments.ids.empty() ? static_cast<std::uint32_t>(tree + 1) : segments.ids[tree];
+}
+
+/// Colours, ids as the table has them, and classes of LAS.
+PaintedPoints painted(const PointSet& points, const PlotSegments& segments) {
+    constexpr std::uint8_t kUnclassified = 1, kGround = 2, kHighVegetation = 5;
     PaintedPoints out{points, {}, {}};
-    out.colors.reserve(points.size());
-    for (const std::uint32_t tree : tree_of) {
-        out.colors.push_back(tree == kPointOfGround   ? kGroundColor
-                             : tree == kPointOfNoTree ? kNoTreeColor
-                                                      : numbered_color(tree));
+    for (const std::uint32_t tree : segments.tree_of) {
+        const bool none = tree == kPointOfGround || tree == kPointOfNoTree;
+        out.tree_ids.push_back(none ? 0 : id_of_tree(segments, tree));
+        out.classes.push_back(tree == kPointOfGround ? kGround : none ? kUnclassified : kHighVegetation);
+        out.colors.push_back(tree == kPointOfGround ? kGroundColor
+                             : none                 ? kNoTreeColor
+                                                    : numbered_color(tree));
     }
     return out;
 }
@@ -127,11 +136,13 @@ Figures figures_of_tree(const PlotTree& tree) {
 }
 
 /// The rows of the table, which are what a map says of each tree too.
-std::vector<Figures> rows_of(const std::vector<PlotTree>& trees, const std::string& ending) {
+std::vector<Figures> rows_of(const std::vector<PlotTree>& trees, const PlotSegments& segments,
+                             const std::string& ending) {
     std::vector<Figures> rows;
     for (std::size_t t = 0; t < trees.size(); ++t) {
         Figures& row = rows.emplace_back();
         row["tree"] = t + 1;
+        if (!segments.ids.empty()) row["tree_id"] = segments.ids[t];
         row["file"] = trees[t].result ? name_of_tree(t, ending) : "";
         row.append(figures_of_tree(trees[t]));
         const Rgb color = numbered_color(t);
@@ -206,15 +217,18 @@ void write_surfaces(Run& run, std::vector<PlotTree>& trees, const PlotFiles& fil
     });
 }
 
-void write_leaves(const fs::path& path, const std::vector<PlotTree>& trees, Vec3d origin,
-                  const Context& ctx) {
-    PointSet leaves{{}, origin};
-    for (const PlotTree& tree : trees) {
-        if (!tree.result) continue;
-        const auto& of = tree.result->leaves.positions;
-        leaves.positions.insert(leaves.positions.end(), of.begin(), of.end());
+void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, const PlotSegments& segments,
+                  Vec3d origin, const Context& ctx) {
+    PaintedPoints leaves{{{}, origin}, {}, {}};
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+        if (!trees[t].result) continue;
+        const auto& of = trees[t].result->leaves.positions;
+        auto& all = leaves.points.positions;
+        all.insert(all.end(), of.begin(), of.end());
+        leaves.tree_ids.resize(all.size(), id_of_tree(segments, t));
     }
-    if (!leaves.empty()) write_points(path, leaves, ctx);
+    if (!leaves.points.empty())
+        write_painted_points(files.leaf_points, leaves, {.system = files.system}, ctx);
 }
 
 void count(Run& run, const PointSet& points, const PlotExtraction& plot, const std::vector<PlotTree>& trees) {
@@ -332,7 +346,7 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
     });
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
     run.stage("write tables", [&](const Context& ctx) {
-        const std::vector<Figures> rows = rows_of(trees, ending);
+        const std::vector<Figures> rows = rows_of(trees, plot.segments, ending);
         write_rows(folder / kTable, rows);
         write_taper(folder / kTaperTable, trees);
         if (!files.map.empty()) write_map(files.map, layers_of(trees, rows), files.crs, ctx);
@@ -340,10 +354,12 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
     if (!files.crowns.empty()) write_crowns(run, files.crowns, crowns_of(trees));
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
-            write_painted_points(files.tree_points, painted(points, plot.segments.tree_of),
-                                 "each tree in a colour of its own, as trees.csv has it", ctx);
+            write_painted_points(
+                files.tree_points, painted(points, plot.segments),
+                {.note = "each tree in a colour of its own, as trees.csv has it", .system = files.system},
+                ctx);
         }
-        if (!files.leaf_points.empty()) write_leaves(files.leaf_points, trees, points.origin, ctx);
+        if (!files.leaf_points.empty()) write_leaves(files, trees, plot.segments, points.origin, ctx);
         folder.commit();
     });
     warn_of_leftovers(run, trimmed(files.folder), trees.size());

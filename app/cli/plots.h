@@ -1,14 +1,24 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <string_view>
 
+#include "coppice/base/fields.h"
 #include "coppice/extract/plot/plot.h"
 #include "coppice/io/map/map_file.h"
+#include "coppice/io/points/reader.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "run.h"
 
 namespace coppice::cli {
+
+/// What tells the trees of a plot apart.
+enum class TreeRule {
+    stems,  ///< what hangs on each stem
+    ids     ///< the ids that the points have
+};
 
 /// What is written of a plot.
 struct PlotFiles {
@@ -19,6 +29,7 @@ struct PlotFiles {
     std::filesystem::path map;          ///< places of stems and outlines of crowns; or none
     std::filesystem::path crowns;       ///< the convex hulls of all crowns, a mesh; or none
     MapCrs crs;                         ///< of the coordinates, for the map
+    CoordinateSystem system;            ///< of the points
     WriteSkeletonOptions write;
     MeshOptions surface = options_of_written_surface();
 };
@@ -38,3 +49,8 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
                 const std::string& summary);
 
 }  // namespace coppice::cli
+
+template <>
+struct coppice::EnumNames<coppice::cli::TreeRule> {
+    static constexpr std::array<std::string_view, 2> names{"stems", "ids"};
+};

@@ -104,6 +104,7 @@ add("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1
                        CUBE) + "".join(CUBE_FACES))
 add("stem.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 2 0.1 1\n")  # what these points were laid around
 add("stem.xyz", "\n".join(rows))
+add("slice.xyz", "\n".join(rows[400:448]))
 # Three balls of leaves next to the stem's top, of 150 points each, along a spiral that fills them evenly.
 leaves = []
 for x, y, z in ((0.5, 0, 1.8), (-0.4, 0.3, 1.6), (0, -0.5, 2.1)):
@@ -119,6 +120,22 @@ for x, y, r in ((1.5, 1.5, 0.1), (4.5, 2, 0.12), (3, 4.5, 0.08)):
     plot += ["%.4f %.4f %.4f" % (x + 0.02 * k * side, y + 0.03 * math.sin(k), 0.2 * x + 3 + 0.01 * k + 0.03 * math.cos(k))
              for k in range(40) for side in (-1, 1)]
 add("plot.xyz", "\n".join(plot))
+
+
+def las_of(points, ids):
+    """LAS 1.4 of point format 6, in millimetres, with the extra dimension PredInstance and a coordinate system."""
+    def record(user, number, data):
+        return struct.pack("<H16sHH32x", 0, user, number, len(data)) + data
+    records = record(b"LASF_Projection", 2112, b'PROJCS["UTM 32N",AUTHORITY["EPSG","25832"]]\0')
+    records += record(b"LASF_Spec", 4, struct.pack("<2xBB32s156x", 5, 0, b"PredInstance"))
+    head = struct.pack("<4s2xH16xBB64x4xHIIBHI20x6d48x8x8xIQ120x", b"LASF", 16, 1, 4, 375, 375 + len(records), 2, 6, 34, 0,
+                       0.001, 0.001, 0.001, 0, 0, 0, 0, len(points))
+    return head + records + b"".join(
+        struct.pack("<3iHBBBBhHdI", *(round(1000 * float(c)) for c in p.split()), 0, 17, 0, 1, 0, 0, 0, 0, i) for p, i in zip(points, ids))
+
+
+# The same, with the ids 7, 4 and 12 for these trees.
+add("plot_ids.las", las_of(plot, [0] * 825 + [i for i in (7, 4, 12) for _ in range(len(stem) + 80)]))
 add("old/tree_099.swc", TREE)
 add("distances.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float distance\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 -0.1 250 20 20\n1 0 0 0.1 20 250 20\n0 1 0 0.1 20 20 250\n")
@@ -150,7 +167,37 @@ add("cell.asc", "; a cell\n( (Color Blue)\n  (Axon)\n  (1 2 3 0.5)\n)\n")
 add("grid.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n3 4\n")
 add("cell.h5", b"\x89HDF\r\n\x1a\n points structure")
 add("comma.swc", "1 1 0,0 0,5 0,0 0,1 -1\n2 1 0,0 0,5 1,0 0,1 1\n")
-add("scan.e57", b"ASTM-E57\1\0\0\0")
+
+
+def e57_of(points):
+    """E57 of one scan in doubles, in one packet."""
+    def crc32c(data):
+        crc = 0xffffffff
+        for byte in data:
+            crc ^= byte
+            for _ in range(8):
+                crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
+        return crc ^ 0xffffffff
+    streams = [struct.pack("<%dd" % len(points), *axis) for axis in zip(*points)]
+    packet = struct.pack("<BBHH3H", 1, 0, 12 + 3 * len(streams[0]) - 1, 3, *map(len, streams)) + b"".join(streams)
+    section = struct.pack("<B7xQQQ", 1, 32 + len(packet), 48 + 32, 0) + packet
+    fields = "".join('<cartesian%s type="Float"/>' % axis for axis in "XYZ")
+    xml = ('<e57Root><data3D><vectorChild><points type="CompressedVector" fileOffset="48" recordCount="%d"><prototype>%s'
+           "</prototype></points></vectorChild></data3D></e57Root>" % (len(points), fields)).encode()
+    size = -(-(48 + len(section) + len(xml)) // 1020)  # pages
+    head = struct.pack("<8sII4Q", b"ASTM-E57", 1, 0, 1024 * size, 48 + len(section), len(xml), 1024)
+    content = (head + section + xml).ljust(1020 * size, b"\0")
+    pages = [content[i:i + 1020] for i in range(0, len(content), 1020)]
+    return b"".join(page + struct.pack(">I", crc32c(page)) for page in pages)
+
+
+add("scan.e57", e57_of([(0, 0, 0), (1, 0, 0), (1, 2, 3)]))
+add("cut.e57", e57_of([(0, 0, 0)])[:-1])
+add("rays.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" +
+    "".join("property double %s\n" % name for name in ("x", "y", "z", "time", "nx", "ny", "nz")) +
+    "".join("property uchar %s\n" % name for name in ("red", "green", "blue", "alpha")) +
+    "end_header\n0 0 0 1 0 0 5 9 9 9 255\n1 0 0 2 0 0 5 9 9 9 0\n1 2 3 3 0 0 5 9 9 9 128\n")
+add("cut.las", las_of(plot[:10], [1] * 10)[:-40])
 add("scan.las.gz", b"\x1f\x8b\x08\0")
 add("scan.pts", "3\n0 0 0 -700 1 2 3\n1 0 0 800 1 2 3\n1 2 3 0 1 2 3\n")
 add("scan.ptx", "1\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 0 0 1\n0 0 0 0.5\n1 0 0 0.5\n1 2 3 0.5\n")

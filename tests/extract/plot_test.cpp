@@ -93,6 +93,32 @@ TEST(Plot, FindsTreesOnASlopeAndGivesThemTheirPoints) {
     EXPECT_GT(ground_right / ground, 0.98);
 }
 
+TEST(Plot, TakesTreesByTheIdsOfTheirPoints) {
+    const TruePlot plot = make_plot();
+    // Ids out of order; the bush is a tree too, if whoever made the ids says so, and 30 points of ground are
+    // none.
+    constexpr std::array<std::uint32_t, 4> kIds{9, 2, 70000, 4};
+    std::vector<std::uint32_t> ids;
+    for (const std::uint32_t owner : plot.owner) ids.push_back(owner < 4 ? kIds[owner] : owner == 11 ? 5 : 0);
+    std::fill(ids.end() - 30, ids.end(), 6);
+    const PlotSegments found = segment_plot_by_ids(plot.points, ids);
+    EXPECT_EQ(found.ids, (std::vector<std::uint32_t>{2, 4, 5, 9, 70000}));
+    ASSERT_EQ(found.trees.size(), 5u);
+    const StemForm& thickest = found.trees[3];
+    const double dbh = 2 * kTrees[0].radius * (1 - 0.7 * 1.3 / kTrees[0].height);
+    EXPECT_NEAR(thickest.breast.diameter, dbh, 0.03 * dbh);
+    EXPECT_NEAR(thickest.foot.z, slope(kTrees[0].x, kTrees[0].y), 0.1);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const std::uint32_t given = found.tree_of[i];
+        if (given < 5) {
+            ASSERT_EQ(found.ids[given], ids[i]) << i;
+        }
+        ASSERT_FALSE(plot.owner[i] < 4 && given == kPointOfNoTree) << i;
+    }
+    EXPECT_THROW(segment_plot_by_ids(plot.points, std::span(ids).first(5)), InvalidInput);
+    EXPECT_TRUE(segment_plot_by_ids(plot.points, std::vector<std::uint32_t>(ids.size(), 0)).trees.empty());
+}
+
 TEST(Plot, ExtractsEachTreeFromTheGroundUp) {
     const TruePlot plot = make_plot();
     const PlotExtraction found = extract_plot(plot.points);

@@ -162,5 +162,33 @@ TEST(StemForm, TheStemOfASkeletonPassesByButtresses) {
     EXPECT_NEAR(forms[0].height, 8.1, 1e-5);
 }
 
+TEST(StemForm, SlicesOfAPlotHaveDiametersAndNoHeight) {
+    PointSet slice;
+    slice.origin = {5e5, 5e6, 300};
+    // Three stems cut 10 cm thick, the last seen from one side only, and a bush that is none.
+    strew_cone(slice, {0, 0, 0}, {0, 0, 0.1}, 0.1, 0.1, 900, 0.004);
+    strew_cone(slice, {2, 1, 0}, {2, 1, 0.1}, 0.2, 0.2, 1500, 0.004, false, 2);
+    strew_cone(slice, {4, 0, 0}, {4, 0, 0.1}, 0.15, 0.15, 700, 0.004, true, 3);
+    const CounterRandom random(4, 4);
+    for (std::uint64_t i = 0; i < 300; ++i)
+        slice.positions.push_back(Vec3(Vec3d{random.uniform(3 * i, 5, 6), random.uniform(3 * i + 1, 0, 1),
+                                             random.uniform(3 * i + 2, 0, 0.1)}));
+    const std::vector<StemForm> found = slice_forms(slice);
+    ASSERT_EQ(found.size(), 3u);
+    constexpr double kDiameters[] = {0.4, 0.3, 0.2};
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(found[i].breast.diameter, kDiameters[i], 0.03 * kDiameters[i]);
+        EXPECT_EQ(found[i].height, 0);
+        EXPECT_FALSE(found[i].on_ground);
+    }
+    EXPECT_LT(distance(found[0].foot, {5e5 + 2, 5e6 + 1, 300}), 0.01);
+    EXPECT_TRUE(slice_forms(leaning_stem()).empty());
+    PointSet flat;  // level ground
+    for (std::uint64_t i = 0; i < 3000; ++i)
+        flat.positions.push_back(Vec3(
+            Vec3d{random.uniform(2 * i, 0, 5), random.uniform(2 * i + 1, 0, 5), 0.01 * random.uniform(i)}));
+    EXPECT_TRUE(slice_forms(flat).empty());
+}
+
 }  // namespace
 }  // namespace coppice

@@ -153,12 +153,111 @@ TEST(LasReader, RefusesCountsBeyondTheFile) {
     put<std::uint64_t>(bytes, 247, std::uint64_t{1} << 62);
     EXPECT_EQ(
         error_of(bytes),
-        "p.las: the file is cut off or damaged: its header names 4611686018427387904 points, but it holds 3");
+        "p.las: the file is cut off or damaged: its header names 4611686018427387904 points, but it holds 3; "
+        "--allow-truncated reads the points that are there");
     bytes = las_file({2, 3, 34});
     put<std::uint32_t>(bytes, 96, 0xffffffffu);
     EXPECT_NE(error_of(bytes).find("but it holds 0"), std::string::npos);
     put<std::uint32_t>(bytes, 96, 4);  // points within the header
     EXPECT_NE(error_of(bytes).find("cut off or damaged"), std::string::npos);
+}
+
+TEST(LasReader, TakesWhatIsThereOfATruncatedFile) {
+    const std::string bytes =
+        las_file({2, 3, 34}).substr(0, 227 + 34 + 33);  // the second lacks its last byte
+    const PointFile file = parse_point_file(bytes, "p.las", {}, {.allow_truncated = true});
+    ASSERT_EQ(file.painted.points.size(), 1u);
+    EXPECT_EQ(file.missing, 2u);
+    EXPECT_EQ(file.format, "LAS 1.2, point format 3");
+    EXPECT_LT(distance(file.painted.points.world(0), {1e6 + 1, 2e6 + 2, 103}), 1e-6);
+    const auto none = [&] { parse_point_file(bytes.substr(0, 228), "p.las", {}, {.allow_truncated = true}); };
+    EXPECT_THROW(none(), InvalidInput);
+    EXPECT_EQ(parse_point_file(las_file({2, 3, 34}), "p.las", {}, {.allow_truncated = true}).missing, 0u);
+}
+
+/// An entry of the record about extra bytes.
+std::string dimension(std::string_view name, std::uint8_t type, std::uint8_t options = 0) {
+    std::string entry(192, '\0');
+    put(entry, 2, type);
+    put(entry, 3, options);
+    entry.replace(4, name.size(), name);
+    return entry;
+}
+
+/// Inserts a variable length record before the points of a file without any.
+void add_record(std::string& bytes, std::string_view user, std::uint16_t id, std::string_view data) {
+    std::string record(54, '\0');
+    record.replace(2, user.size(), user);
+    put(record, 18, id);
+    put(record, 20, static_cast<std::uint16_t>(data.size()));
+    record += data;
+    std::uint32_t at = 0, count = 0;
+    std::memcpy(&at, bytes.data() + 96, 4);
+    std::memcpy(&count, bytes.data() + 100, 4);
+    bytes.insert(at, record);
+    put(bytes, 96, static_cast<std::uint32_t>(at + record.size()));
+    put(bytes, 100, count + 1);
+}
+
+TEST(LasReader, ReadsExtraDimensions) {
+    // 2 raw bytes, then i16 height with scale 0.5 and offset 10, f32 wood, i32 PredInstance with -1 for none.
+    std::string bytes = las_file({4, 6, 42});
+    const std::int16_t height[3] = {2, 4, 8};
+    const float wood[3] = {0.25f, std::nanf(""), 0.75f};
+    const std::int32_t tree[3] = {7, -1, 70000};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t at = 375 + 42 * i + 30;
+        put(bytes, at + 2, height[i]);
+        put(bytes, at + 4, wood[i]);
+        put(bytes, at + 8, tree[i]);
+    }
+    std::string scaled = dimension("height", 4, 8 | 16), predicted = dimension("PredInstance", 6, 1);
+    put(scaled, 112, 0.5);
+    put(scaled, 136, 10.0);
+    put<std::int64_t>(predicted, 40, -1);
+    add_record(bytes, "LASF_Spec", 4, dimension("", 0, 2) + scaled + dimension("wood", 9) + predicted);
+    const PointFile file = parse_point_file(bytes, "p.las", {.ranges = true});
+    EXPECT_EQ(file.painted.tree_ids, (std::vector<std::uint32_t>{7, 0, 70000}));
+    ASSERT_EQ(file.dimensions.size(), 3u);
+    EXPECT_EQ(file.dimensions[0].name, "height");
+    EXPECT_EQ(file.dimensions[0].low, 11);
+    EXPECT_EQ(file.dimensions[0].high, 14);
+    EXPECT_EQ(file.dimensions[1].low, 0.25);
+    EXPECT_EQ(file.dimensions[1].high, 0.75);
+    EXPECT_EQ(file.dimensions[2].name, "PredInstance");
+    EXPECT_EQ(file.dimensions[2].low, 7);
+    EXPECT_TRUE(parse_point_file(bytes, "p.las", kNoColumns).painted.tree_ids.empty());
+    EXPECT_TRUE(parse_point_file(bytes, "p.las").dimensions.empty());
+}
+
+TEST(LasReader, PassesOverDimensionsBeyondTheRecord) {
+    std::string bytes = las_file({4, 6, 34});
+    put<std::uint32_t>(bytes, 375 + 30, 5);
+    add_record(bytes, "LASF_Spec", 4, dimension("label", 5) + dimension("treeID", 5));
+    const PointFile file = parse_point_file(bytes, "p.las", {.ranges = true});
+    EXPECT_EQ(file.painted.tree_ids, (std::vector<std::uint32_t>{5, 0, 0}));
+    EXPECT_EQ(file.dimensions.size(), 1u);
+}
+
+TEST(LasReader, NamesTheCoordinateSystem) {
+    const auto named = [](std::uint16_t id, std::string_view data) {
+        std::string bytes = las_file({4, 6, 30});
+        add_record(bytes, "LASF_Projection", id, data);
+        return parse_point_file(bytes, "p.las").system.name();
+    };
+    EXPECT_EQ(named(2112, std::string_view(
+                              "PROJCS[\"ETRS89 / UTM zone 32N\",AUTHORITY[\"EPSG\",\"25832\"]]\0", 61)),
+              "EPSG:25832");
+    EXPECT_EQ(
+        named(2112, "PROJCS[\"Local grid\",UNIT[\"metre\",1,AUTHORITY[\"EPSG\",\"9001\"]],AXIS[\"X\",EAST]]"),
+        "Local grid");
+    EXPECT_EQ(named(2112, "COMPD_CS[\"a b\",PROJCS[\"x\"],VERT_CS[\"y\",AUTHORITY[\"EPSG\",\"5783\"]]]"),
+              "a b");
+    std::string keys(16, '\0');
+    put<std::uint16_t>(keys, 8, 3072);
+    put<std::uint16_t>(keys, 14, 25832);
+    EXPECT_EQ(named(34735, keys), "EPSG:25832");
+    EXPECT_EQ(parse_point_file(las_file({4, 6, 30}), "p.las").system.name(), "");
 }
 
 TEST(LasReader, RefusesEveryTruncation) {

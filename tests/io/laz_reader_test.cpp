@@ -239,6 +239,67 @@ TEST(LazReader, RefusesLayersBeyondTheFile) {
     EXPECT_EQ(error_of(other), "p.laz: its compressed points are damaged: chunk 1 of 4 cannot be unpacked");
 }
 
+/// With a record that calls the first own bytes of the points `label`, a number of that type.
+std::string with_label(std::string bytes, std::uint8_t type) {
+    std::string record(54 + 192, '\0');
+    record.replace(2, 9, "LASF_Spec");
+    put<std::uint16_t>(record, 18, 4);
+    put<std::uint16_t>(record, 20, 192);
+    put(record, 54 + 2, type);
+    record.replace(54 + 4, 5, "label");
+    const auto data = get<std::uint32_t>(bytes, 96);
+    const auto size = static_cast<std::uint32_t>(record.size());
+    put(bytes, data, get<std::int64_t>(bytes, data) + size);
+    bytes.insert(data, record);
+    put(bytes, 96, data + size);
+    put(bytes, 100, get<std::uint32_t>(bytes, 100) + 1);
+    return bytes;
+}
+
+TEST(LazReader, ReadsExtraBytes) {
+    struct Case {
+        const char* name;
+        std::uint8_t type;
+    };
+    constexpr std::uint8_t kByte = 1, kTwoBytes = 3;
+    for (const Case& c : {Case{"format2", kTwoBytes}, Case{"format5", kByte}, Case{"format7", kTwoBytes},
+                          Case{"format10", kTwoBytes}, Case{"format3_version1", kTwoBytes}}) {
+        SCOPED_TRACE(c.name);
+        const PaintedPoints found = parse_painted_points(with_label(laz_file(c.name), c.type), "p.laz");
+        ASSERT_EQ(found.tree_ids.size(), kKept);
+        std::size_t k = 0;
+        for (std::uint32_t i = 0; i < made::kCount; ++i) {
+            if (i % 50 == 49) continue;  // withheld
+            const auto byte = [&](std::uint32_t n) { return made::scatter(i / 3, 20 + n) & 255u; };
+            ASSERT_EQ(found.tree_ids[k++], c.type == kByte ? byte(0) : byte(0) | byte(1) << 8) << i;
+        }
+    }
+}
+
+TEST(LazReader, TakesWholeChunksOfATruncatedFile) {
+    for (const char* name : {"format1", "format7"}) {
+        SCOPED_TRACE(name);
+        const std::string bytes = laz_file(name);
+        const auto table = static_cast<std::size_t>(get<std::int64_t>(bytes, get<std::uint32_t>(bytes, 96)));
+        const PaintedPoints all = parse_painted_points(bytes, "p.laz");
+        const auto cut = [&](std::size_t size) {
+            return parse_point_file(std::string_view(bytes).substr(0, size), "p.laz", {},
+                                    {.allow_truncated = true});
+        };
+        EXPECT_EQ(cut(table + 4).missing, 0u);  // the table alone is gone
+        const PointFile found = cut(table - 40);
+        EXPECT_EQ(found.missing, made::kCount - 3 * made::kChunk);
+        ASSERT_EQ(found.painted.points.size(), 3 * made::kChunk - 3);  // 3 of 192 are withheld
+        for (std::size_t i = 0; i < found.painted.points.size(); ++i)
+            ASSERT_LT(distance(found.painted.points.world(i), all.points.world(i)), 1e-3) << i;
+        EXPECT_THROW(cut(table / 4), InvalidInput);
+    }
+    const std::string varying = laz_file("format7_varying");
+    EXPECT_THROW(parse_point_file(std::string_view(varying).substr(0, varying.size() - 30), "p.laz", {},
+                                  {.allow_truncated = true}),
+                 InvalidInput);
+}
+
 TEST(LazReader, RefusesEveryTruncation) {
     for (const char* name : {"format1", "format7", "format1_whole"}) {
         SCOPED_TRACE(name);

@@ -49,7 +49,7 @@ TEST_F(PointFiles, PlyHasDistancesAndColoursWhereThereAreAny) {
     }
     for (const Vec3d origin : {Vec3d{}, Vec3d{500000, 4.5e6, 0.5}}) {
         painted.points.origin = origin;
-        write_painted_points(folder_ / "a.ply", painted, "a note");
+        write_painted_points(folder_ / "a.ply", painted, {.note = "a note"});
         const PaintedPoints back = read_painted_points(folder_ / "a.ply");
         EXPECT_EQ(back.distances, painted.distances);
         EXPECT_EQ(back.colors, painted.colors);
@@ -60,7 +60,74 @@ TEST_F(PointFiles, PlyHasDistancesAndColoursWhereThereAreAny) {
     write_painted_points(folder_ / "a.ply", painted, {});
     EXPECT_TRUE(read_painted_points(folder_ / "a.ply").distances.empty());
     EXPECT_EQ(read_painted_points(folder_ / "a.ply").colors, painted.colors);
-    EXPECT_THROW(write_painted_points(folder_ / "a.xyz", painted, {}), Unsupported);
+}
+
+/// Points with everything that is known of points, but distances.
+PaintedPoints known_points(std::size_t count) {
+    PaintedPoints out{many(count), {}, {}};
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto byte = [&](std::size_t n) { return static_cast<std::uint8_t>(n % 256); };
+        out.colors.push_back({byte(i), byte(i / 256), 255});
+        out.classes.push_back(byte(i / 7));
+        out.intensities.push_back(static_cast<float>(i % 65536));
+        out.return_counts.push_back(byte(1 + i % 5));
+        out.return_numbers.push_back(byte(1 + i % 3));
+        out.tree_ids.push_back(static_cast<std::uint32_t>(i % 11 * 400000000));
+    }
+    return out;
+}
+
+void expect_same_columns(const PaintedPoints& a, const PaintedPoints& b) {
+    EXPECT_EQ(a.colors, b.colors);
+    EXPECT_EQ(a.classes, b.classes);
+    EXPECT_EQ(a.intensities, b.intensities);
+    EXPECT_EQ(a.return_counts, b.return_counts);
+    EXPECT_EQ(a.return_numbers, b.return_numbers);
+    EXPECT_EQ(a.tree_ids, b.tree_ids);
+}
+
+TEST_F(PointFiles, KeepWhatIsKnownOfPoints) {
+    PaintedPoints points = known_points(20000);
+    for (const Vec3d origin : {Vec3d{}, Vec3d{500000, 4.5e6, 0.5}}) {
+        points.points.origin = origin;
+        for (const char* name : {"a.ply", "a.txt", "a.csv", "a.asc", "a.las"}) {
+            SCOPED_TRACE(name);
+            write_painted_points(folder_ / name, points);
+            const PaintedPoints back = read_painted_points(folder_ / name);
+            expect_same_columns(back, points);
+            ASSERT_EQ(back.points.size(), points.points.size());
+            // Half a step of 0.1 mm along each axis, and what doubles lose at 4.5e6.
+            for (std::size_t i = 0; i < back.points.size(); i += 99)
+                EXPECT_LT(distance(back.points.world(i), points.points.world(i)), 0.87e-4 + 1e-6);
+        }
+    }
+    write_painted_points(folder_ / "a.xyz", points);
+    EXPECT_TRUE(read_painted_points(folder_ / "a.xyz").classes.empty());
+}
+
+TEST_F(PointFiles, LasIsAsFineAs32BitsAllow) {
+    PaintedPoints points{many(3), {}, {}};
+    points.points.positions[0] = {-3e5f, 0, 0};  // 6e5 m: 0.1 mm would take 33 bits
+    points.points.positions[1] = {3e5f, 0.002f, 0.25f};
+    points.intensities = {-1, 0, 1};
+    write_painted_points(folder_ / "a.las", points);
+    const PaintedPoints back = read_painted_points(folder_ / "a.las");
+    EXPECT_NEAR(back.points.world(1).y, 0.002, 1e-7);
+    EXPECT_NEAR(back.points.world(0).x, -3e5, 1e-3);
+    EXPECT_EQ(back.intensities, (std::vector<float>{0, 32768, 65535}));  // 32767.5 goes up
+}
+
+TEST_F(PointFiles, LasKeepsTheCoordinateSystem) {
+    const CoordinateSystem system{{{34735, std::string("\1\0\1\0", 4)}, {2112, "PROJCS[\"here\"]"}}};
+    write_painted_points(folder_ / "a.las", known_points(10), {.system = system});
+    const PointFile back = read_point_file(folder_ / "a.las", {.ranges = true});
+    EXPECT_EQ(back.system.records, system.records);
+    EXPECT_EQ(back.system.name(), "here");
+    EXPECT_EQ(back.format, "LAS 1.4, point format 7");
+    ASSERT_EQ(back.dimensions.size(), 1u);
+    EXPECT_EQ(back.dimensions[0].name, "tree_id");
+    EXPECT_EQ(back.dimensions[0].high, 3.6e9);
+    expect_same_columns(back.painted, known_points(10));
 }
 
 TEST_F(PointFiles, OnlyColoursOfBytesAreTaken) {
@@ -93,7 +160,7 @@ TEST_F(PointFiles, KeepTheDigitsOfPointsFarFromZero) {
 
 TEST_F(PointFiles, HoldTheSameBytesForAnyNumberOfThreads) {
     const PointSet set = many(30000);
-    for (const char* name : {"a.xyz", "a.ply"}) {
+    for (const char* name : {"a.xyz", "a.ply", "a.las"}) {
         write_points(folder_ / name, set, {.threads = 1});
         const std::string one = read_file(folder_ / name);
         write_points(folder_ / name, set, {.threads = 7});
@@ -104,10 +171,51 @@ TEST_F(PointFiles, HoldTheSameBytesForAnyNumberOfThreads) {
 TEST_F(PointFiles, WhatCannotBeWrittenLeavesNothing) {
     PointSet set = many(3);
     EXPECT_THROW(write_points(folder_ / "a.obj", set), Unsupported);
+    EXPECT_THROW(write_points(folder_ / "a.laz", set), Unsupported);
+    EXPECT_EQ(remedy_for_points_name("a.LAZ"), "LAZ is read only; use .las, and pack that file with laszip");
     EXPECT_THROW(write_points(folder_ / "none" / "a.xyz", set), IoError);
     set.positions[1].y = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(write_points(folder_ / "a.xyz", set), InvalidInput);
     EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+/// Rays of a ray cloud: the first and the third have a return. `nx` is the last number that varies.
+std::string rays(std::string_view nx, std::string_view last = "property uchar alpha") {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 3\n";
+    for (const char* name : {"x", "y", "z", "time", "nx", "ny", "nz"})
+        text += std::string("property double ") + name + "\n";
+    text += "property uchar red\nproperty uchar green\nproperty uchar blue\n" + std::string(last) +
+            "\nend_header\n";
+    const char* const tails[] = {" 0 0 1 2 3 255\n", " 0 0 4 5 6 0\n", " 0 0 7 8 9 1\n"};
+    for (int i = 0; i < 3; ++i) text += std::to_string(i) + " 5 6 0.5 " + std::string(nx) + tails[i];
+    return text;
+}
+
+TEST(PointPly, LeavesOutRaysWithoutReturn) {
+    const PointFile found = parse_point_file(rays("2.5"), "p.ply");
+    EXPECT_EQ(found.without_return, 1u);
+    EXPECT_EQ(found.format, "ray cloud (PLY)");
+    EXPECT_EQ(found.painted.points.positions, (Buffer<Vec3>{{0, 5, 6}, {2, 5, 6}}));
+    EXPECT_EQ(found.painted.colors, (std::vector<Rgb>{{1, 2, 3}, {7, 8, 9}}));
+}
+
+TEST(PointPly, KeepsTransparentPointsWithNormals) {
+    for (const std::string& text :
+         {rays("1"), rays("0"), rays("2.5", "property uchar a"), rays("2.5", "property float alpha")}) {
+        const PointFile found = parse_point_file(text, "p.ply");
+        EXPECT_EQ(found.painted.points.size(), 3u);
+        EXPECT_EQ(found.without_return, 0u);
+        EXPECT_EQ(found.format, "PLY");
+    }
+}
+
+TEST(PointText, ReadsIdsOfTrees) {
+    const PaintedPoints found = parse_painted_points(
+        "x,y,z,label,treeID\n1,2,3,9,4\n2,2,3,9,NA\n3,2,3,9,-1\n4,2,3,9,4294967295\n", "p.csv");
+    EXPECT_EQ(found.tree_ids, (std::vector<std::uint32_t>{4, 0, 0, 4294967295}));
+    EXPECT_EQ(parse_painted_points("//X Y Z scalar_PredInstance\n1 2 3 8.000\n", "p.asc").tree_ids,
+              (std::vector<std::uint32_t>{8}));
+    EXPECT_TRUE(parse_painted_points("x y z height_of_tree\n1 2 3 8\n", "p.txt").tree_ids.empty());
 }
 
 TEST(PointText, IsReadInAllItsWritings) {
@@ -232,9 +340,6 @@ TEST(PointFormats, OthersAreRefusedWithWhatToDo) {
         }
         return "none";
     };
-    EXPECT_EQ(
-        refusal("ASTM-E57"),
-        "p: it is an E57 file, which is not read; save it as LAZ, LAS or PLY, for one with CloudCompare");
     EXPECT_EQ(refusal("\x1f\x8b\x08"), "p: it is packed by gzip; unpack it first: gunzip FILE");
     EXPECT_NE(refusal("PK\3\4").find("a ZIP archive"), std::string::npos);
 }

@@ -45,6 +45,7 @@ struct ChartFlags {
     ChartOf of = ChartOf::length;
     int width = 800, height = 500;
     ReadSkeletonOptions read;
+    ReadPointsOptions read_points;
 };
 
 ChartKind kind_of_chart(const ChartFlags& flags) {
@@ -131,7 +132,7 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
         ChartSeries series{path.filename().string(), {}};
         LengthUnit of_file = LengthUnit::m;
         if (kind == ChartKind::taper && kind_of_input(path, flags.read.format) == FileKind::points) {
-            const PointSet points = load_points(run, path, flags.read.up);
+            const PointSet points = load_points(run, path, flags.read.up, flags.read_points);
             run.stage("measure", [&](const Context& ctx) {
                 const StemForm form = stem_form(points, ctx);
                 add_taper(series, {&form, 1});
@@ -173,6 +174,7 @@ Command chart_command() {
     options.value(
         {common_field("height", "Height of the chart in pixels", Unit::none, 150, 16384), &flags->height});
     options.fields(flags->read, "Reading a skeleton");
+    options.fields(flags->read_points, kReadPointsGroup);
     return {"chart", "Draw the taper of stems, axes by order, diameter classes or Sholl intersections",
             options, [flags](Run& run, const GivenOptions&) { return chart(run, *flags); }};
 }

@@ -23,6 +23,7 @@ struct CheckFlags {
     CheckOptions check;
     CloudDistanceOptions cloud_options;
     ReadSkeletonOptions read;
+    ReadPointsOptions read_points;
 };
 
 std::string torn_off(const TreePartsReport& parts, const CheckFlags& flags) {
@@ -108,14 +109,6 @@ void check_cloud_options(const GivenOptions& given, const CheckFlags& flags) {
     }
 }
 
-void check_distances_output(const std::filesystem::path& path) {
-    if (path.empty()) return;
-    if (path.extension() != ".ply" && path.extension() != ".PLY")
-        throw UsageError(
-            fmt::format("'{}' is no name of points with distances; use the ending .ply", path.string()));
-    check_output_folder(path);
-}
-
 /// Measures the cloud, and writes it with what was found where that is asked for.
 CloudDistanceReport measure_cloud(Run& run, const PolygonMesh& mesh, PointSet cloud, const Skeleton* skeleton,
                                   const CheckFlags& flags) {
@@ -129,7 +122,7 @@ CloudDistanceReport measure_cloud(Run& run, const PolygonMesh& mesh, PointSet cl
             painted.distances = std::move(found.of_points);
             const std::string note =
                 fmt::format("distance in metres: blue inside, red outside, full at {:.4g}", range);
-            write_painted_points(flags.distances, painted, note, ctx);
+            write_painted_points(flags.distances, painted, {.note = note}, ctx);
             run.counts()["full_color_m"] = range;
         });
     }
@@ -140,12 +133,12 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     if (flags.mesh.empty())
         throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON] [--cloud POINTS]");
     check_cloud_options(given, flags);
-    check_distances_output(flags.distances);
+    if (!flags.distances.empty()) check_painted_output(flags.distances);
     const PolygonMesh mesh = load_mesh(run, flags.mesh, flags.read.up);
     std::optional<SkeletonFile> skeleton;
     if (!flags.skeleton.empty()) skeleton = load_skeleton(run, flags.skeleton, flags.read);
     std::optional<PointSet> cloud;
-    if (!flags.cloud.empty()) cloud = load_points(run, flags.cloud, flags.read.up);
+    if (!flags.cloud.empty()) cloud = load_points(run, flags.cloud, flags.read.up, flags.read_points);
     const Skeleton* nodes = skeleton ? &skeleton->skeleton : nullptr;
     const SurfaceReport report =
         run.stage("check", [&](const Context& ctx) { return check_surface(mesh, nodes, flags.check, ctx); });
@@ -179,6 +172,7 @@ Command check_command() {
                    {.group = kCloudGroup});
     options.fields(flags->cloud_options, kCloudGroup, {.prefix = "cloud"});
     options.fields(flags->read, "Reading the skeleton");
+    options.fields(flags->read_points, kReadPointsGroup);
     return {"check",
             "Check a mesh: watertight, manifold, self-intersections, face shape, radii, volume, branches and "
             "tips; exit code 1 when something is wrong",

@@ -15,6 +15,7 @@ namespace {
 struct ConvertFlags {
     std::filesystem::path input, output;
     ReadSkeletonOptions read;
+    ReadPointsOptions read_points;
     WriteSkeletonOptions write;
     MeshWriteOptions mesh;
 };
@@ -23,7 +24,9 @@ struct ConvertFlags {
 FileKind agreed_kind(const ConvertFlags& flags) {
     const FileKind from = kind_of_input(flags.input, flags.read.format);
     if (from == FileKind::skeleton && flags.write.format != SkeletonFormat::automatic) return from;
-    if (from == FileKind::points && point_format_of_name(flags.output)) return from;
+    if (from == FileKind::points &&
+        (point_format_of_name(flags.output) || !kind_of_output(flags.output, from)))
+        return from;
     const FileKind to = kind_to_write(flags.output, from);
     if (from == to || (from == FileKind::points && to == FileKind::mesh)) return from;
     throw UsageError(fmt::format("'{0}' is {1}, and '{2}' the name of {3}; use coppice {4} {0} -o {2}",
@@ -51,10 +54,13 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
         what = grouped(file.skeleton.size()) + " nodes";
     } else if (kind == FileKind::points) {
         check_points_output(flags.output);
-        PointSet points = load_points(run, flags.input, flags.read.up);
-        turn_to_file(points, flags.mesh.up);
-        run.stage("write", [&](const Context& ctx) { write_points(flags.output, points, ctx); });
-        what = grouped(points.size()) + " points";
+        const PointColumns columns = keeps_columns(flags.output) ? PointColumns{} : kNoColumns;
+        PointFile file = load_point_file(run, flags.input, columns, flags.read.up, flags.read_points);
+        turn_to_file(file.painted.points, flags.mesh.up);
+        run.stage("write", [&](const Context& ctx) {
+            write_painted_points(flags.output, file.painted, {.system = file.system}, ctx);
+        });
+        what = fmt::format("{} points{}", grouped(file.painted.points.size()), text_of_rays_left_out(file));
     } else {
         check_mesh_output(flags.output);
         check_mesh_write_options(flags.mesh, {&flags.output, 1});
@@ -75,6 +81,7 @@ Command convert_command() {
     options.output("-o,--output", "OUT", flags->output, "File to write; its extension selects the format");
     options.may_replace("--output", "input");
     options.fields(flags->read, "Reading a skeleton");
+    options.fields(flags->read_points, kReadPointsGroup);
     options.fields(flags->write, "Writing a skeleton",
                    {.names = {{"format", "--output-format"}}, .without = {"units", "up"}});
     add_mesh_write_options(options, flags->mesh);

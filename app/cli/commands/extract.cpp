@@ -36,7 +36,9 @@ struct ExtractFlags {
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
     PlotOptions from_plot;
+    TreeRule trees_by = TreeRule::stems;
     FileUp up = FileUp::z;
+    ReadPointsOptions read_points;
     WriteSkeletonOptions write;
     MeshOptions mesh = options_of_written_surface();
 };
@@ -98,8 +100,8 @@ auto extract_stage(Run& run, const std::filesystem::path& input, const Extract& 
 void write_mapping(const std::filesystem::path& path, const FromMeshResult& result, const Context& ctx) {
     PaintedPoints painted{result.vertices, {}, {}};
     for (const std::uint32_t node : result.nodes) painted.colors.push_back(numbered_color(node));
-    write_painted_points(path, painted, "the vertices of each node of the skeleton in a colour of its own",
-                         ctx);
+    write_painted_points(path, painted,
+                         {.note = "the vertices of each node of the skeleton in a colour of its own"}, ctx);
 }
 
 /// A skeleton, and whether its figures are in doubt.
@@ -130,18 +132,21 @@ WoodClasses wood_classes(const ExtractFlags& flags) {
     }
 }
 
-/// The points that may be wood by their classes; the report and `summary` say how many are not.
-PointSet load_wood(Run& run, const std::filesystem::path& input, FileUp up, const WoodClasses& wood,
-                   std::string& summary) {
-    PointColumns classes = kNoColumns;
-    classes.classes = true;
-    PaintedPoints scan = load_painted_points(run, input, classes, up);
+/// The points that may be wood by their classes, with these and the ids of trees; the report and `summary`
+/// say how many are not.
+PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood, std::string& summary) {
+    PointColumns columns = kNoColumns;
+    columns.classes = columns.tree_ids = true;
+    const std::filesystem::path& input = flags.input;
+    PointFile file = load_point_file(run, input, columns, flags.up, flags.read_points);
+    PaintedPoints& scan = file.painted;
     const std::size_t all = scan.points.size();
+    summary += text_of_rays_left_out(file);
     try {
         const ClassSelection out =
             run.stage("classes", [&](const Context& ctx) { return keep_wood_classes(scan, wood, ctx); });
         if (out.doubt) run.warn(fmt::format("{}: {}", input.string(), *out.doubt));
-        if (out.count == 0) return std::move(scan.points);
+        if (out.count == 0) return file;
         Figures left_out;
         for (std::size_t c = 0; c < out.left_out.size(); ++c)
             if (out.left_out[c] > 0) left_out[fmt::format("{}", c)] = out.left_out[c];
@@ -150,7 +155,7 @@ PointSet load_wood(Run& run, const std::filesystem::path& input, FileUp up, cons
     } catch (const InvalidInput& error) {
         throw InvalidInput(fmt::format("{}: {}", input.string(), error.what()));
     }
-    return std::move(scan.points);
+    return file;
 }
 
 /// The figures of every tree, and warnings where they are in doubt.
@@ -169,16 +174,17 @@ void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFig
 }
 
 Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
-    const PointSet points = load_wood(run, flags.input, flags.up, wood_classes(flags), summary);
+    const PointFile file = load_wood(run, flags, wood_classes(flags), summary);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
-        return extract_from_cloud(points, flags.from_cloud, ctx);
+        return extract_from_cloud(file.painted.points, flags.from_cloud, ctx);
     });
     run.repairs() = figures_of(result.cleaning);
     summary += text_of_points_left_out(result.cleaning);
     report_trees(run, flags, result.trees, summary);
     if (!flags.leaf_output.empty() && !result.leaves.empty()) {
-        run.stage("write leaves",
-                  [&](const Context& ctx) { write_points(flags.leaf_output, result.leaves, ctx); });
+        run.stage("write leaves", [&](const Context& ctx) {
+            write_painted_points(flags.leaf_output, {result.leaves, {}, {}}, {.system = file.system}, ctx);
+        });
     }
     const bool in_doubt =
         std::ranges::any_of(result.trees, [](const TreeFigures& t) { return !t.doubts.empty(); });
@@ -216,7 +222,16 @@ void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
                     flags.output.string(), flags.input.string()));
 }
 
-/// The coordinate reference system of the map.
+/// What the records of a cloud say of its coordinate reference system.
+MapCrs map_crs_of(const CoordinateSystem& system) {
+    MapCrs out;
+    if (const std::string name = system.name(); name.starts_with("EPSG:")) out = parse_crs(name);
+    for (const CoordinateSystem::Record& record : system.records)
+        if (record.id == CoordinateSystem::kWkt) out.wkt = record.data.c_str();
+    return out;
+}
+
+/// The coordinate reference system of the map, where the user names it.
 MapCrs crs_of(const ExtractFlags& flags) {
     if (flags.crs.empty()) return {};
     if (flags.map.empty()) throw UsageError("--crs says where a map is; add --map FILE");
@@ -228,7 +243,7 @@ MapCrs crs_of(const ExtractFlags& flags) {
 }
 
 ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
-    const PlotFiles files{.folder = flags.output,
+    PlotFiles files{.folder = flags.output,
                           .mesh = flags.mesh_output,
                           .tree_points = flags.tree_points,
                           .leaf_points = flags.leaf_output,
@@ -243,10 +258,23 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
     std::string found;
     WoodClasses wood = wood_classes(flags);
     wood.ground = true;
-    const PointSet points = load_wood(run, flags.input, flags.up, wood, found);
+    const PointFile file = load_wood(run, flags, wood, found);
+    const PointSet& points = file.painted.points;
+    files.system = file.system;
+    if (files.crs.undefined()) files.crs = map_crs_of(file.system);
+    const bool by_ids = flags.trees_by == TreeRule::ids;
+    if (by_ids && file.painted.tree_ids.empty())
+        throw InvalidInput(fmt::format(
+            "{}: its points have no ids of trees; these are read from a column, property or extra "
+            "dimension tree_id, treeID, PredInstance, instance or label",
+            flags.input.string()));
     const PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
-        return extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
+        if (!by_ids) return extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
+        return extract_trees(points, segment_plot_by_ids(points, file.painted.tree_ids, ctx),
+                             flags.from_cloud, ctx);
     });
+    if (by_ids && plot.trees.empty())
+        throw InvalidInput(fmt::format("{}: extract: no id of a tree has 50 points", flags.input.string()));
     if (plot.trees.empty()) {
         throw InvalidInput(
             fmt::format("{0}: extract: no stem of a tree is seen from 0.3 to 3.9 m above the ground; "
@@ -299,7 +327,7 @@ Command extract_command() {
     OptionList options;
     options.file("input", "FILE", flags->input,
                  "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
-                 ".pcd, .las, .laz) to read");
+                 ".pcd, .las, .laz, .e57) to read");
     options.output(
         "-o,--output", "SKELETON", flags->output,
         "Skeleton to write, its extension selects the format; or a folder for the trees of a plot");
@@ -318,13 +346,18 @@ Command extract_command() {
                    "also write the vertices, those of each node of the skeleton in a colour of its own",
                    {.group = kMeshGroup, .common = false});
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
+    options.fields(flags->read_points, kCloudGroup);
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
     options.output("--leaf-points", "POINTS", flags->leaf_output,
                    "also write the points that are left out as leaves, if any",
                    {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
-    options.output("--tree-points", "PLY", flags->tree_points,
-                   "also write all points, those of each tree in a colour of its own",
+    options.value(
+        {Field{"trees_by", "What tells trees apart: their stems, or the ids of trees that points have"},
+         choice_of(flags->trees_by)},
+        kPlotGroup);
+    options.output("--tree-points", "POINTS", flags->tree_points,
+                   "also write all points, with ids, classes and colours of their trees",
                    {.group = kPlotGroup, .common = false});
     options.output("--map", "MAP", flags->map,
                    "also write a map of stems and crowns, with what the table says of them (.gpkg, .geojson)",

@@ -27,6 +27,7 @@ struct InfoFlags {
     bool forestry = false;
     TimberFlags timber;
     ReadSkeletonOptions read;
+    ReadPointsOptions read_points;
 };
 
 Figure::List numbers(Vec3d v) { return {v.x, v.y, v.z}; }
@@ -107,9 +108,23 @@ Figures describe(const PointSet& points, const Context& ctx) {
     return out;
 }
 
+/// How many trees have points, and how many points have none.
+void add_tree_ids(Figures& out, std::vector<std::uint32_t> ids) {
+    std::ranges::sort(ids);
+    const auto none = static_cast<std::uint64_t>(std::ranges::upper_bound(ids, 0u) - ids.begin());
+    ids.erase(std::ranges::unique(ids).begin(), ids.end());
+    out["tree_ids"] = ids.size() - (none > 0 ? 1 : 0);
+    out["points_of_no_tree"] = none;
+}
+
 /// The same with how many points there are of each class, and what else is known of them.
-Figures describe(const PaintedPoints& scan, const Context& ctx) {
+Figures describe(const PointFile& file, const Context& ctx) {
+    const PaintedPoints& scan = file.painted;
     Figures out = describe(scan.points, ctx);
+    out["format"] = file.format;
+    if (const std::string system = file.system.name(); !system.empty()) out["coordinate_system"] = system;
+    if (file.without_return > 0) out["rays_without_return"] = file.without_return;
+    if (file.missing > 0) out["points_missing"] = file.missing;
     if (!scan.classes.empty()) {
         std::array<std::uint64_t, 256> counts{};
         for (const std::uint8_t c : scan.classes) ++counts[c];
@@ -122,6 +137,9 @@ Figures describe(const PaintedPoints& scan, const Context& ctx) {
         out["intensity"] = Figure::List{double{least}, double{most}};
     }
     if (!scan.return_counts.empty()) out["most_returns"] = *std::ranges::max_element(scan.return_counts);
+    if (!scan.tree_ids.empty()) add_tree_ids(out, scan.tree_ids);
+    for (const PointDimension& d : file.dimensions)
+        if (d.low <= d.high) out["dimension_" + d.name] = Figure::List{d.low, d.high};
     return out;
 }
 
@@ -138,8 +156,19 @@ Figures describe(const StemDiameter& d) {
     return out;
 }
 
+/// A stem in a slice, of which neither its height nor that of the slice is known.
+Figures describe_in_slice(const StemForm& form) {
+    Figures out;
+    out["place_m"] = numbers(form.foot);
+    Figures diameter = describe(form.breast);
+    for (const auto& [name, figure] : diameter.entries())
+        if (name != "height_m") out[name] = figure;
+    return out;
+}
+
 /// What forestry wants to know, of one tree.
 Figures describe(const StemForm& form) {
+    if (form.height == 0 && form.breast.diameter > 0) return describe_in_slice(form);
     Figures out;
     out["foot_m"] = numbers(form.foot);
     out["on_ground"] = form.on_ground;
@@ -239,13 +268,21 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
             return forestry(describe(file, ctx), describe_trees(file.skeleton, flags.timber), flags.json);
         });
     } else {
-        const PointSet points = load_points(run, flags.file, flags.read.up);
+        const PointSet points = load_points(run, flags.file, flags.read.up, flags.read_points);
         text = run.stage("measure", [&](const Context& ctx) {
-            const Figures figures = describe(points, ctx);
-            const StemForm form = stem_form(points, ctx);
-            Figures tree = describe(form);
-            add_stem_timber(tree, form, flags.timber, in_metres);
-            return forestry(figures, {tree}, flags.json);
+            Figures figures = describe(points, ctx);
+            std::vector<StemForm> forms = slice_forms(points, ctx);
+            if (forms.empty()) {
+                forms.push_back(stem_form(points, ctx));
+            } else {
+                figures["slice"] = true;
+            }
+            std::vector<Figures> trees;
+            for (const StemForm& form : forms) {
+                trees.push_back(describe(form));
+                add_stem_timber(trees.back(), form, flags.timber, in_metres);
+            }
+            return forestry(std::move(figures), trees, flags.json);
         });
     }
     print(text);
@@ -265,7 +302,8 @@ ExitCode info(Run& run, const InfoFlags& flags) {
         const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(file, ctx); });
     } else if (kind == FileKind::points) {
-        const PaintedPoints scan = load_painted_points(run, flags.file, {.distances = false}, flags.read.up);
+        const PointFile scan = load_point_file(run, flags.file, {.distances = false, .ranges = true},
+                                               flags.read.up, flags.read_points);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(scan, ctx); });
     } else {
         const PolygonMesh mesh = load_mesh(run, flags.file, flags.read.up);
@@ -287,6 +325,7 @@ Command info_command() {
                  "Also print the height of the tree, its diameter at breast height (1.3 m) and its taper");
     add_timber_options(options, flags->timber);
     options.fields(flags->read, "Reading a skeleton");
+    options.fields(flags->read_points, kReadPointsGroup);
     return {"info", "Print what a skeleton, mesh or point file contains", options,
             [flags](Run& run, const GivenOptions&) { return info(run, *flags); }};
 }

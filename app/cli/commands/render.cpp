@@ -47,6 +47,7 @@ struct RenderFlags {
     float point_size = 0;  ///< [m] width of points; 0 = from their spacing
     RenderOptions render;
     ReadSkeletonOptions read;
+    ReadPointsOptions read_points;
 };
 
 struct Inputs {
@@ -88,8 +89,9 @@ Inputs load(Run& run, const RenderFlags& flags) {
         if (kind == FileKind::skeleton) {
             in.skeleton = load_skeleton(run, path, flags.read);
         } else if (kind == FileKind::points) {
-            in.cloud = load_painted_points(
-                run, path, {.classes = false, .intensities = false, .returns = false}, flags.read.up);
+            PointColumns columns = kNoColumns;
+            columns.distances = columns.colors = true;
+            in.cloud = load_point_file(run, path, columns, flags.read.up, flags.read_points).painted;
             in.point_radius = point_radius(run, in.cloud->points, flags);
         } else {
             in.mesh = load_mesh(run, path, flags.read.up);
@@ -282,6 +284,7 @@ Command render_command() {
         "Picture");
     options.fields(flags->render, "Picture");
     options.fields(flags->read, "Reading a skeleton", {.common = MemberNames{}});
+    options.fields(flags->read_points, kReadPointsGroup);
     return {"render", "Draw a mesh or points, a skeleton, or both, with sun and sky light", options,
             [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
 }

@@ -37,6 +37,7 @@ struct TableFlags {
     TreeTableFlags parts;
     TimberFlags timber;
     ReadSkeletonOptions read;
+    ReadPointsOptions read_points;
 
     /// Whether the table with a row for each file is wanted.
     bool wants_rows() const { return !output.empty() || !parts.any(); }
@@ -199,7 +200,7 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
     const FileKind kind = kind_of_input(path, flags.read.format);
     rows.back()["kind"] = std::string(name_of(kind));
     if (kind == FileKind::points) {
-        const PointSet points = load_points(run, path, flags.read.up);
+        const PointSet points = load_points(run, path, flags.read.up, flags.read_points);
         const CloudTree tree = describe(run, rows.back(), points, flags.timber);
         return parts.add(path.string(), tree.form, tree.crown);
     }
@@ -305,6 +306,7 @@ Command table_command() {
     add_timber_options(options, flags->timber);
     add_architecture_options(options, flags->architecture);
     options.fields(flags->read, "Reading a skeleton");
+    options.fields(flags->read_points, kReadPointsGroup);
     return {"table", "Measure many files: one row each, with lengths, volumes, forks, orders and crown",
             options, [flags](Run& run, const GivenOptions&) { return table(run, *flags); }};
 }

@@ -73,7 +73,8 @@ bool is_one_of(const std::string& ending, std::initializer_list<std::string_view
 
 std::optional<FileKind> kind_of_name(const std::filesystem::path& path) {
     const std::string ending = ending_of(path);
-    if (is_one_of(ending, {".xyz", ".asc", ".pts", ".ptx", ".pcd", ".las", ".laz"})) return FileKind::points;
+    if (is_one_of(ending, {".xyz", ".asc", ".pts", ".ptx", ".pcd", ".las", ".laz", ".e57"}))
+        return FileKind::points;
     if (mesh_format_of_name(path)) return FileKind::mesh;
     if (format_of_extension(path)) return FileKind::skeleton;
     return {};
@@ -84,7 +85,8 @@ std::optional<FileKind> kind_of_content(const std::string& head) {
     if (mesh == MeshFormat::ply) return kind_of_ply(head);
     if (mesh == MeshFormat::off) return kind_of_off(head);
     if (mesh) return FileKind::mesh;
-    if (head.starts_with("LASF") || head.starts_with("# .PCD")) return FileKind::points;
+    if (head.starts_with("LASF") || head.starts_with("# .PCD") || head.starts_with("ASTM-E57"))
+        return FileKind::points;
     if (format_of_content(head)) return FileKind::skeleton;
     return {};
 }

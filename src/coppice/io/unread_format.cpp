@@ -14,9 +14,8 @@ using namespace std::string_view_literals;
 struct Signature {
     std::string_view start, text;
 };
-constexpr std::array<Signature, 9> kSignatures{
-    {{"ASTM-E57"sv, "an E57 file, which is not read; save it as LAZ, LAS or PLY, for one with CloudCompare"},
-     {"\x1f\x8b"sv, "packed by gzip; unpack it first: gunzip FILE"},
+constexpr std::array<Signature, 8> kSignatures{
+    {{"\x1f\x8b"sv, "packed by gzip; unpack it first: gunzip FILE"},
      {"PK\x03\x04"sv, "a ZIP archive; unpack it first: unzip FILE"},
      {"7z\xbc\xaf"sv, "a 7z archive; unpack it first: 7z x FILE"},
      {"BZh"sv, "packed by bzip2; unpack it first: bunzip2 FILE"},

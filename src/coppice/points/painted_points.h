@@ -1,7 +1,11 @@
 #pragma once
 
 #include <array>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <span>
+#include <type_traits>
 #include <vector>
 
 #include "coppice/points/point_set.h"
@@ -22,7 +26,33 @@ struct PaintedPoints {
     std::vector<float> intensities = {};            ///< of the echoes, in the file's own unit
     std::vector<std::uint8_t> return_numbers = {};  ///< which echo of its pulse a point is, from 1
     std::vector<std::uint8_t> return_counts = {};   ///< echoes of its pulse
+    /// The tree of each point by the number that a file gives it; 0 = of no tree.
+    std::vector<std::uint32_t> tree_ids = {};
 };
+
+/// Calls visit(column) for every column, the places not among them.
+template <class Points, class Visitor>
+requires std::same_as<std::remove_const_t<Points>, PaintedPoints>
+void visit_columns(Points& points, Visitor&& visit) {
+    visit(points.distances);
+    visit(points.colors);
+    visit(points.classes);
+    visit(points.intensities);
+    visit(points.return_numbers);
+    visit(points.return_counts);
+    visit(points.tree_ids);
+}
+
+/// Keeps those values of a column whose `kept` is not 0, in their order; a column of another size is left as
+/// it is.
+template <class Column>
+void keep_values(Column& column, std::span<const std::uint8_t> kept) {
+    if (column.size() != kept.size()) return;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kept.size(); ++i)
+        if (kept[i] != 0) column[count++] = column[i];
+    column.resize(count);
+}
 
 /// Which columns of `PaintedPoints` are wanted; others take neither time nor memory.
 struct PointColumns {
@@ -31,8 +61,10 @@ struct PointColumns {
     bool classes = true;      ///< by LAS
     bool intensities = true;  ///< of the echoes
     bool returns = true;      ///< numbers and counts
+    bool tree_ids = true;     ///< of the points
+    bool ranges = false;      ///< not a column: the least and the greatest of every other number of LAS
 };
 
-inline constexpr PointColumns kNoColumns{false, false, false, false, false};  ///< the places alone
+inline constexpr PointColumns kNoColumns{false, false, false, false, false, false};  ///< the places alone
 
 }  // namespace coppice

@@ -92,15 +92,6 @@ std::bitset<256> automatic_classes(const PaintedPoints& points, const Counts& co
     return wood;
 }
 
-template <class Column>
-void keep_of(Column& column, const std::vector<std::uint8_t>& classes, const std::bitset<256>& wood) {
-    if (column.empty()) return;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < classes.size(); ++i)
-        if (wood[classes[i]]) column[kept++] = column[i];
-    column.resize(kept);
-}
-
 }  // namespace
 
 WoodClasses parse_wood_classes(std::string_view text) {
@@ -143,13 +134,11 @@ ClassSelection keep_wood_classes(PaintedPoints& points, const WoodClasses& wood,
         throw InvalidInput(
             fmt::format("no point has one of the classes that are asked for; there are {}", list_of(counts)));
     }
-    keep_of(points.points.positions, points.classes, kept);
-    keep_of(points.distances, points.classes, kept);
-    keep_of(points.colors, points.classes, kept);
-    keep_of(points.intensities, points.classes, kept);
-    keep_of(points.return_numbers, points.classes, kept);
-    keep_of(points.return_counts, points.classes, kept);
-    std::erase_if(points.classes, [&](std::uint8_t c) { return !kept[c]; });
+    std::vector<std::uint8_t> is_kept(points.classes.size());
+    std::ranges::transform(points.classes, is_kept.begin(),
+                           [&](std::uint8_t c) { return std::uint8_t{kept[c]}; });
+    keep_values(points.points.positions, is_kept);
+    visit_columns(points, [&](auto& column) { keep_values(column, is_kept); });
     return out;
 }
 

@@ -36,7 +36,7 @@ bool suits(ObjectKind kind, const std::filesystem::path& path) {
 std::string_view hint_of(ObjectKind kind) {
     switch (kind) {
         case ObjectKind::points:
-            return "use .xyz, .txt, .csv, .asc or .ply";
+            return "use .las, .ply, .xyz, .txt, .csv or .asc";
         case ObjectKind::skeleton:
             return "use .swc, .json, .csv, .ply, .obj, .rsml or .mtg";
         case ObjectKind::mesh:

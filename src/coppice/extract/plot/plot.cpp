@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "coppice/base/check_fields.h"
@@ -204,15 +205,53 @@ PlotSegments segment_plot(const PointSet& set, const PlotOptions& options, const
     return out;
 }
 
-PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, const CloudOptions& tree,
-                            const Context& ctx) {
+PlotSegments segment_plot_by_ids(const PointSet& set, std::span<const std::uint32_t> tree_ids,
+                                 const Context& ctx) {
+    check_points(set);
+    if (tree_ids.size() != set.size())
+        throw InvalidInput(
+            fmt::format("extract: there are {} ids of trees for {} points", tree_ids.size(), set.size()));
+    PlotSegments out;
+    out.terrain = find_terrain(set.positions, ctx);
+    ctx.report(kGroundFound);
+    std::map<std::uint32_t, std::uint32_t> count;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        const Vec3 p = set.positions[i];
+        const bool on_ground =
+            out.terrain.is_ground && double{p.z} - out.terrain.height(p.x, p.y) < out.terrain.clearance;
+        out.tree_of.push_back(on_ground ? kGroundPoint : kNoTree);
+        if (!on_ground && tree_ids[i] != 0) ++count[tree_ids[i]];
+    }
+    std::map<std::uint32_t, std::uint32_t> number;
+    for (const auto& [id, points] : count) {
+        if (points < kFewestOfTree) continue;
+        number[id] = static_cast<std::uint32_t>(out.ids.size());
+        out.ids.push_back(id);
+    }
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        const auto found = number.find(tree_ids[i]);
+        if (out.tree_of[i] == kNoTree && found != number.end()) out.tree_of[i] = found->second;
+    }
+    auto points = points_of_trees(set.positions, out.tree_of, out.ids.size());
+    out.trees.resize(out.ids.size());
+    parallel_with_progress(part_of(ctx, kGroundFound, 1), out.trees.size(), 1, [&](IndexRange range) {
+        for (std::size_t t = range.begin; t < range.end; ++t) {
+            const Context alone{.threads = 1, .stop = ctx.stop, .progress = {}};
+            out.trees[t] = stem_form_on(out.terrain, {std::move(points[t]), set.origin}, alone);
+        }
+    });
+    return out;
+}
+
+PlotExtraction extract_trees(const PointSet& set, PlotSegments segments, const CloudOptions& tree,
+                             const Context& ctx) {
     check_fields(tree, "extract");
-    PlotExtraction out{segment_plot(set, options, part_of(ctx, 0, kSegmented)), {}};
+    PlotExtraction out{std::move(segments), {}};
     const std::size_t count = out.segments.trees.size();
     auto points = points_of_trees(set.positions, out.segments.tree_of, count);
     out.trees.resize(count);
     const Context alone{.threads = 1, .stop = ctx.stop, .progress = {}};
-    parallel_with_progress(part_of(ctx, kSegmented, 1), count, 1, [&](IndexRange range) {
+    parallel_with_progress(ctx, count, 1, [&](IndexRange range) {
         for (std::size_t t = range.begin; t < range.end; ++t) {
             out.trees[t].form = out.segments.trees[t];
             extract_tree(out.trees[t], {std::move(points[t]), set.origin}, tree, alone);
@@ -220,6 +259,13 @@ PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, con
         }
     });
     return out;
+}
+
+PlotExtraction extract_plot(const PointSet& set, const PlotOptions& options, const CloudOptions& tree,
+                            const Context& ctx) {
+    check_fields(tree, "extract");  // before the points are looked at
+    return extract_trees(set, segment_plot(set, options, part_of(ctx, 0, kSegmented)), tree,
+                         part_of(ctx, kSegmented, 1));
 }
 
 }  // namespace coppice

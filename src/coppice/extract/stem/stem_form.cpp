@@ -108,6 +108,28 @@ StemForm form_of(const Skeleton& s, NodeId root, std::span<const float> reach) {
     return out;
 }
 
+/// Whether a circle in a slice is surely a stem, though no other section tells so: it is round and hollow,
+/// and has points in the lower and in the upper third of the slice.
+bool is_stem_in_slice(const PointSet& set, const Box3& box, const FoundCircle& c, double noise) {
+    constexpr double kLeastCoverage = 0.4, kMostResidual = 0.06;  // of the circumference, of the radius
+    constexpr double kWithin = 0.8, kMostWithin = 0.1;            // of the radius, per point on the circle
+    constexpr std::uint32_t kFewestOnCircle = 30;
+    if (c.used < kFewestOnCircle || c.coverage < kLeastCoverage ||
+        c.residual > std::max(kMostResidual * c.radius, noise))
+        return false;
+    const float third = box.size().z / 3;
+    std::size_t low = 0, high = 0, on = 0, within = 0;
+    for (const Vec3 p : set.positions) {
+        const double from_center = std::hypot(p.x - c.x, p.y - c.y);
+        within += from_center < kWithin * c.radius;
+        if (std::abs(from_center - c.radius) > 2 * noise) continue;
+        ++on;
+        low += p.z <= box.low.z + third;
+        high += p.z >= box.high.z - third;
+    }
+    return low > 0 && high > 0 && static_cast<double>(within) <= kMostWithin * static_cast<double>(on);
+}
+
 }  // namespace
 
 namespace extract_internal {
@@ -210,17 +232,8 @@ TraceOptions StemScene::trace_of(const Terrain& terrain, const StemTrack& track)
     return out;
 }
 
-}  // namespace extract_internal
-
-StemForm stem_form(const PointSet& set, const Context& ctx) {
-    if (set.size() < kFewestPoints) {
-        throw InvalidInput(fmt::format("forestry: the cloud has {} points, but a stem needs at least {}",
-                                       set.size(), kFewestPoints));
-    }
-    const double spacing = median_spacing(set, ctx);
-    const Terrain terrain = find_terrain(set.positions, ctx);
-    ctx.throw_if_cancelled();
-    const StemScene scene = find_stem_scene(set.positions, terrain, spacing, ctx);
+StemForm stem_form_on(const Terrain& terrain, const PointSet& set, const Context& ctx) {
+    const StemScene scene = find_stem_scene(set.positions, terrain, median_spacing(set, ctx), ctx);
     const std::vector<StemTrack>& stems = scene.tracks;
     StemForm out;
     if (stems.empty()) {
@@ -232,6 +245,36 @@ StemForm stem_form(const PointSet& set, const Context& ctx) {
     }
     out.on_ground = terrain.is_ground;
     for (const StemTrack& t : stems) out.stems += t.radius >= kSecondStem * stems.front().radius;
+    return out;
+}
+
+}  // namespace extract_internal
+
+StemForm stem_form(const PointSet& set, const Context& ctx) {
+    if (set.size() < kFewestPoints) {
+        throw InvalidInput(fmt::format("forestry: the cloud has {} points, but a stem needs at least {}",
+                                       set.size(), kFewestPoints));
+    }
+    return stem_form_on(find_terrain(set.positions, ctx), set, ctx);
+}
+
+std::vector<StemForm> slice_forms(const PointSet& set, const Context& ctx) {
+    constexpr float kThickest = 1;  // [m]
+    const Box3 box = bounds(set);
+    std::vector<StemForm> out;
+    if (set.size() < kFewestPoints || box.size().z > kThickest ||
+        2 * box.size().z > std::max(box.size().x, box.size().y))
+        return out;
+    const StemSearch search{
+        .least_radius = 0.02, .greatest_radius = 1.5, .noise = stem_noise(median_spacing(set, ctx))};
+    for (const FoundCircle& c : circles_in_slice(set.positions, search, ctx)) {
+        if (!is_stem_in_slice(set, box, c, search.noise)) continue;
+        StemForm form;
+        form.foot = set.origin + Vec3d{c.x, c.y, box.low.z};
+        form.stems = 1;
+        form.breast = {0, 2 * c.radius, 2 * c.deviation, c.residual, c.coverage, form.foot};
+        out.push_back(std::move(form));
+    }
     return out;
 }
 

@@ -46,7 +46,16 @@ struct StemForm {
 /// O(n log n), about 60 bytes per point. Throws InvalidInput for less than 20 points; Cancelled.
 StemForm stem_form(const PointSet& points, const Context& ctx = {});
 
-/// The same of a skeleton, one for each root: diameters are those of the nodes along the axis that leads
+/// The stems of a level slice of a plot, the thickest first, as when a cloud was cut at breast height: the
+/// clear circles, of at least 30 points and 0.4 of their circumference, that are seen from above in points
+/// that rise no more than 1 m, and half as much as they extend. Their height and that of the slice above the
+/// ground are unknown: `height` is 0, and `breast` the diameter in the slice, at the `foot`, which is the
+/// centre at the lower side of the slice. Empty for all other points.
+///
+/// O(n log n). Throws Cancelled.
+std::vector<StemForm> slice_forms(const PointSet& points, const Context& ctx = {});
+
+/// stem_form() of a skeleton, one for each root: diameters are those of the nodes along the axis that leads
 /// highest, by children at least 0.4 times as thick as the thickest one, at breast height their mean from 1.1
 /// to 1.5 m above the root. Deviations, residuals and coverage are 0. O(n).
 std::vector<StemForm> stem_forms(const Skeleton& skeleton);

@@ -25,6 +25,9 @@ double stem_noise(double spacing);
 StemForm measure_stem(const HeightOrder& points, const StemTrack& track, const TraceOptions& trace,
                       Vec3d origin);
 
+/// stem_form() on ground that is known; relative to the origin of the points.
+StemForm stem_form_on(const Terrain& terrain, const PointSet& points, const Context& ctx);
+
 /// The points of a cloud without its ground, and the stems that are seen in them.
 struct StemScene {
     double lowest = 0;                   ///< [m] z of the lowest point that is no stray

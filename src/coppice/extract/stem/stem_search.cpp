@@ -90,6 +90,17 @@ void add_circles(std::vector<PlanePoint> points, const StemSearch& search, std::
     }
 }
 
+/// The circles of all clusters; fewer when a stop is asked for.
+std::vector<FoundCircle> circles_of(std::vector<std::vector<PlanePoint>> clusters, const StemSearch& search,
+                                    std::uint64_t seed, const Context& ctx) {
+    std::vector<FoundCircle> circles;
+    for (auto& cluster : clusters) {
+        if (ctx.stop.stop_requested()) break;
+        add_circles(std::move(cluster), search, seed += 64, circles);
+    }
+    return circles;
+}
+
 std::vector<Section> sections_of(std::span<const Vec3> points, std::span<const float> height,
                                  const StemSearch& search, const Context& ctx) {
     std::vector<std::vector<std::uint32_t>> members(kSlices);
@@ -112,13 +123,9 @@ std::vector<Section> sections_of(std::span<const Vec3> points, std::span<const f
                         plane.push_back({points[i].x, points[i].y, 1});
                 }
             }
-            std::vector<FoundCircle> circles;
-            std::uint64_t seed = s << 32;
-            for (auto& cluster : clusters_of(thin_plane(plane, kThin * search.scale))) {
-                if (ctx.stop.stop_requested()) return;
-                if (share > 1 && cluster.size() > kFewPoints) continue;
-                add_circles(std::move(cluster), search, seed += 64, circles);
-            }
+            auto clusters = clusters_of(thin_plane(plane, kThin * search.scale));
+            if (share > 1) std::erase_if(clusters, [](const auto& c) { return c.size() > kFewPoints; });
+            const auto circles = circles_of(std::move(clusters), search, std::uint64_t{s} << 32, ctx);
             for (const FoundCircle& c : circles) found[s].push_back({s, c.x, c.y, middle, c});
         }
     });
@@ -269,6 +276,16 @@ std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const 
         if (std::ranges::none_of(apart, is_same)) apart.push_back(std::move(stem));
     }
     return apart;
+}
+
+std::vector<FoundCircle> circles_in_slice(std::span<const Vec3> points, const StemSearch& search,
+                                          const Context& ctx) {
+    std::vector<PlanePoint> plane;
+    for (const Vec3 p : points) plane.push_back({p.x, p.y, 1});
+    auto circles = circles_of(clusters_of(thin_plane(plane, kThin * search.scale)), search, 0, ctx);
+    ctx.throw_if_cancelled();
+    std::ranges::stable_sort(circles, std::ranges::greater{}, &FoundCircle::radius);
+    return circles;
 }
 
 }  // namespace coppice::extract_internal

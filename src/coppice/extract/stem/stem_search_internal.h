@@ -45,4 +45,9 @@ struct StemSearch {
 std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const float> height,
                                   const StemSearch& search, const Context& ctx);
 
+/// Circles amid the points of one slice, seen from above, the thickest first. O(n) and some milliseconds for
+/// each cluster of points.
+std::vector<FoundCircle> circles_in_slice(std::span<const Vec3> points, const StemSearch& search,
+                                          const Context& ctx);
+
 }  // namespace coppice::extract_internal

@@ -71,25 +71,31 @@ LasPoint parse_record(std::string_view record, const LasHeader& h) {
     p.return_count = recent ? returns >> 4 : returns >> 3 & 7;
     p.classification = recent ? number_at<std::uint8_t>(record, 16) : flags & 31;
     if (const std::size_t color = h.color()) p.color = color_at(record, color);
+    p.extra = record.substr(h.extra());
     return p;
 }
 
-std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, const PointColumns& wanted,
-                                LasColumns& columns, const std::string& source, const Context& ctx) {
-    if (h.data < kOldLasHeader || h.data > bytes.size() || h.count > (bytes.size() - h.data) / h.record) {
-        const std::uint64_t held =
-            h.data < bytes.size() ? (bytes.size() - h.data) / h.record : std::uint64_t{0};
-        las_trouble(source,
-                    fmt::format("the file is cut off or damaged: its header names {} points, but it holds {}",
-                                h.count, held));
-    }
-    columns.resize(h.count, wanted, h);
-    std::vector<LasPart> parts((h.count + kPart - 1) / kPart);
-    parallel_with_progress(ctx, h.count, kPart, [&](IndexRange range) {
-        LasPart part{&columns, range.begin};
+/// How many records there are: as many as the header names, unless the file is truncated.
+std::uint64_t count_of_records(std::string_view bytes, const LasHeader& h, const LasReading& reading) {
+    const bool begins = h.data >= kOldLasHeader && h.data <= bytes.size();
+    const std::uint64_t held = begins ? (bytes.size() - h.data) / h.record : 0;
+    if (begins && h.count <= held) return h.count;
+    if (reading.allow_truncated && held > 0) return held;
+    const std::string what = fmt::format("its header names {} points, but it holds {}", h.count, held);
+    if (held == 0) las_trouble(reading.source, fmt::format("the file is cut off or damaged: {}", what));
+    las_cut_off(reading.source, what);
+}
+
+std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, const LasReading& reading,
+                                LasColumns& columns, const Context& ctx) {
+    const std::uint64_t count = count_of_records(bytes, h, reading);
+    columns.resize(count, reading.wanted, h);
+    std::vector<LasPart> parts((count + kPart - 1) / kPart);
+    parallel_with_progress(ctx, count, kPart, [&](IndexRange range) {
+        LasPart part(columns, range.begin, range.end);
         for (std::uint64_t i = range.begin; i < range.end; ++i)
             part.put(parse_record(bytes.substr(h.data + i * h.record, h.record), h));
-        parts[range.begin / kPart] = part;
+        parts[range.begin / kPart] = std::move(part);
     });
     return parts;
 }
@@ -181,8 +187,8 @@ class Gathering {
     std::uint64_t count_ = 0;
 };
 
-PaintedPoints finish(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
-                     const std::string& source, const Context& ctx) {
+PaintedPoints points_of(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
+                        const std::string& source, const Context& ctx) {
     const Gathering kept(parts, ctx);
     if (kept.count() == 0) throw InvalidInput(fmt::format("{}: it holds no points", source));
     const auto [a, b] = corners(columns, parts, h, ctx);
@@ -198,7 +204,22 @@ PaintedPoints finish(const LasColumns& columns, const std::vector<LasPart>& part
     kept.gather_known(columns.return_numbers, out.return_numbers);
     kept.gather_known(columns.return_counts, out.return_counts);
     kept.gather_colors(columns.colors, out.colors);
+    kept.gather_known(columns.tree_ids, out.tree_ids);
     return out;
+}
+
+std::vector<PointDimension> dimensions_of(const LasColumns& columns, const std::vector<LasPart>& parts) {
+    std::vector<PointDimension> out;
+    for (std::size_t d = 0; d < columns.ranged.size(); ++d) {
+        LasRange range;
+        for (const LasPart& part : parts) range.extend(part.ranges[d]);
+        out.push_back({columns.ranged[d].name, range.low, range.high});
+    }
+    return out;
+}
+
+std::string format_of(const LasHeader& h) {
+    return fmt::format("{} {}.{}, point format {}", h.compressed ? "LAZ" : "LAS", h.major, h.minor, h.format);
 }
 
 }  // namespace
@@ -209,19 +230,35 @@ void las_trouble(const std::string& source, const std::string& what) {
     throw InvalidInput(fmt::format("{}: {}", source, what));
 }
 
+void las_cut_off(const std::string& source, const std::string& what) {
+    las_trouble(source, fmt::format("the file is cut off or damaged: {}; --allow-truncated reads the points "
+                                    "that are there",
+                                    what));
+}
+
 std::size_t LasHeader::color() const {
     constexpr std::array<std::size_t, 11> kPlace{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
     return kPlace[format];
 }
 
-PaintedPoints parse_las(std::string_view bytes, const PointColumns& wanted, const std::string& source,
-                        const Context& ctx) {
-    const LasHeader header = parse_header(bytes, source);
+std::size_t LasHeader::extra() const { return kRecordBytes[format]; }
+
+PointFile parse_las(std::string_view bytes, const PointColumns& wanted, const ReadPointsOptions& options,
+                    const std::string& source, const Context& ctx) {
+    LasHeader header = parse_header(bytes, source);
+    const std::vector<LasRecord> records = las_records(bytes, header);
+    header.dimensions = las_dimensions(records, header);
+    const LasReading reading{wanted, options.allow_truncated, source};
     LasColumns columns;
-    const std::vector<LasPart> parts = header.compressed
-                                           ? read_laz(bytes, header, wanted, columns, source, ctx)
-                                           : read_plain(bytes, header, wanted, columns, source, ctx);
-    return finish(columns, parts, header, source, ctx);
+    const std::vector<LasPart> parts = header.compressed ? read_laz(bytes, header, reading, columns, ctx)
+                                                         : read_plain(bytes, header, reading, columns, ctx);
+    std::uint64_t held = 0;
+    for (const LasPart& part : parts) held += part.count;
+    return {.painted = points_of(columns, parts, header, source, ctx),
+            .format = format_of(header),
+            .missing = header.count - held,
+            .dimensions = dimensions_of(columns, parts),
+            .system = coordinate_system(records)};
 }
 
 }  // namespace coppice::io_internal

@@ -23,21 +23,27 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
                            : unpack_records(chunk, packing, out, ctx);
 }
 
-/// Where nothing says where chunks begin: each where the one before has ended.
+/// Where nothing says where chunks begin: each where the one before has ended. A file that may be truncated
+/// ends before the first chunk that is not whole.
 void unpack_in_turn(std::vector<LazChunk>& chunks, const LazPacking& packing, std::vector<LasPart>& parts,
-                    const std::string& source, const Context& ctx) {
+                    const LasReading& reading, const Context& ctx) {
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         check_in(ctx, i, chunks.size());
         const auto taken = unpack(chunks[i], packing, parts[i], ctx);
-        if (!taken) damaged_chunk(source, i, chunks.size());
+        if (!taken) {
+            if (!reading.allow_truncated || i == 0) damaged_chunk(reading.source, i, chunks.size());
+            parts.resize(i);
+            return;
+        }
         if (i + 1 < chunks.size()) chunks[i + 1].bytes = chunks[i].bytes.substr(*taken);
     }
 }
 
 }  // namespace
 
-std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const PointColumns& wanted,
-                              LasColumns& columns, const std::string& source, const Context& ctx) {
+std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const LasReading& reading,
+                              LasColumns& columns, const Context& ctx) {
+    const std::string& source = reading.source;
     const LazPacking packing = read_laz_packing(bytes, h, source);
     if (h.count / kMostPointsPerByte > bytes.size()) {
         las_trouble(
@@ -45,13 +51,13 @@ std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const 
             "its compressed points are damaged: the header names more of them than the file can hold");
     }
     if (h.count == 0) return {};
-    std::vector<LazChunk> chunks = find_laz_chunks(bytes, h, packing, source);
-    columns.resize(h.count, wanted, h);
+    std::vector<LazChunk> chunks = find_laz_chunks(bytes, h, packing, reading);
+    columns.resize(chunks.back().first + chunks.back().count, reading.wanted, h);
     std::vector<LasPart> parts;
     parts.reserve(chunks.size());
-    for (const LazChunk& chunk : chunks) parts.push_back({&columns, chunk.first});
+    for (const LazChunk& chunk : chunks) parts.emplace_back(columns, chunk.first, chunk.first + chunk.count);
     if (chunks.size() > 1 && chunks[1].bytes.empty()) {
-        unpack_in_turn(chunks, packing, parts, source, ctx);
+        unpack_in_turn(chunks, packing, parts, reading, ctx);
         return parts;
     }
     std::vector<std::uint8_t> sound(chunks.size(), 0);

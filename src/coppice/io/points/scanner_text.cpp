@@ -57,7 +57,12 @@ class RowReader {
             if (color) found_.note(found_.known.colors, *color);
         }
     }
-    FoundPoints take() { return std::move(found_); }
+    /// Counts a pulse that met nothing.
+    void pass_over() { ++found_.without_return; }
+    FoundPoints take(std::string_view format) {
+        found_.format = format;
+        return std::move(found_);
+    }
     [[noreturn]] void fail(const std::string& text) const { fail_at(source_, lines_.number(), text); }
     [[noreturn]] void cut_off(std::uint64_t named, std::uint64_t held) const {
         throw InvalidInput(fmt::format("{}: the file is cut off: it says that {} points follow, but {} do",
@@ -142,7 +147,7 @@ FoundPoints parse_pts(std::string_view text, const std::string& source, const Co
         ++held;
     }
     if (held < named) rows.cut_off(named, held);
-    return rows.take();
+    return rows.take("PTS");
 }
 
 FoundPoints parse_ptx(std::string_view text, const std::string& source, const Context& ctx) {
@@ -152,10 +157,14 @@ FoundPoints parse_ptx(std::string_view text, const std::string& source, const Co
         for (std::uint64_t i = 0; i < head.rows; ++i) {
             if (!rows.next()) rows.cut_off(head.rows, i);
             const Vec3d p = rows.place();
-            if (p != Vec3d()) rows.keep(head.world(p));  // else the pulse met nothing
+            if (p == Vec3d()) {
+                rows.pass_over();
+            } else {
+                rows.keep(head.world(p));
+            }
         }
     }
-    return rows.take();
+    return rows.take("PTX");
 }
 
 }  // namespace coppice::io_internal

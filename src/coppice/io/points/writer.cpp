@@ -2,91 +2,151 @@
 
 #include <fmt/format.h>
 
+#include <string>
+#include <string_view>
+
+#include "coppice/base/ascii.h"
 #include "coppice/base/error.h"
 #include "coppice/io/mesh/write_internal.h"
 #include "coppice/io/points/reader.h"
+#include "coppice/io/points/write_internal.h"
 
 namespace coppice {
 namespace {
 
 using io_internal::Chunk;
 
+/// Calls visit(names, type of PLY, values) for every column that there is; its values are numbers, or arrays
+/// of as many as there are names.
+template <class Visitor>
+void visit_named_columns(const PaintedPoints& known, const Visitor& visit) {
+    const auto column = [&](std::initializer_list<std::string_view> names, std::string_view type,
+                            const auto& values) {
+        if (!values.empty()) visit(names, type, values);
+    };
+    column({"distance"}, "float", known.distances);
+    column({"red", "green", "blue"}, "uchar", known.colors);
+    column({"intensity"}, "float", known.intensities);
+    column({"classification"}, "uchar", known.classes);
+    column({"return_number"}, "uchar", known.return_numbers);
+    column({"number_of_returns"}, "uchar", known.return_counts);
+    column({"tree_id"}, "uint", known.tree_ids);
+}
+
+/// Bytes of a row besides the place, in the largest form.
+constexpr std::size_t kColumns = 9;
+
 template <class T>
-void put_line(Chunk& chunk, BasicVec3<T> p, char separator) {
-    chunk.reserve(3 * (1 + Chunk::kNumber));
+void put_place(Chunk& chunk, BasicVec3<T> p, char separator) {
     chunk.put_number(p.x);
     chunk.put(separator);
     chunk.put_number(p.y);
     chunk.put(separator);
     chunk.put_number(p.z);
-    chunk.put('\n');
+}
+
+void put_value(Chunk& chunk, const Rgb& color, char separator) {
+    for (const std::uint8_t c : color) {
+        chunk.put(separator);
+        chunk.put_number(unsigned{c});
+    }
+}
+
+template <class Number>
+void put_value(Chunk& chunk, Number value, char separator) {
+    chunk.put(separator);
+    chunk.put_number(value);
 }
 
 /// As floats, or as doubles where there is an origin to add.
-void write_xyz(AtomicFile& file, const PointSet& points, char separator, const Context& ctx) {
+void write_text(AtomicFile& file, const PointSet& points, const PaintedPoints& known, char separator,
+                const Context& ctx) {
     const bool far = points.origin != Vec3d{};
+    std::string names;
+    visit_named_columns(known, [&](auto of_column, std::string_view, const auto&) {
+        for (const std::string_view name : of_column) names.append(1, separator).append(name);
+    });
+    if (!names.empty()) file.write(fmt::format("x{0}y{0}z{1}\n", separator, names));
     io_internal::write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
-        far ? put_line(chunk, points.world(i), separator) : put_line(chunk, points.positions[i], separator);
+        chunk.reserve((3 + kColumns) * (1 + Chunk::kNumber));
+        far ? put_place(chunk, points.world(i), separator) : put_place(chunk, points.positions[i], separator);
+        visit_named_columns(known, [&](auto, std::string_view, const auto& values) {
+            put_value(chunk, values[i], separator);
+        });
+        chunk.put('\n');
     });
 }
 
-void write_ply(AtomicFile& file, const PointSet& points, std::span<const float> distances,
-               std::span<const Rgb> colors, std::string_view note, const Context& ctx) {
+void write_ply(AtomicFile& file, const PointSet& points, const PaintedPoints& known, std::string_view note,
+               const Context& ctx) {
     const bool far = points.origin != Vec3d{};
-    file.write(fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, Z up\n{2}"
-        "element vertex {0}\nproperty {1} x\nproperty {1} y\nproperty {1} z\n{3}{4}end_header\n",
-        points.size(), far ? "double" : "float", note.empty() ? "" : fmt::format("comment {}\n", note),
-        !distances.empty() ? "property float distance\n" : "",
-        !colors.empty() ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : ""));
+    std::string properties;
+    visit_named_columns(known, [&](auto names, std::string_view type, const auto&) {
+        for (const std::string_view name : names) properties += fmt::format("property {} {}\n", type, name);
+    });
+    file.write(
+        fmt::format("ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, Z up\n{2}"
+                    "element vertex {0}\nproperty {1} x\nproperty {1} y\nproperty {1} z\n{3}end_header\n",
+                    points.size(), far ? "double" : "float",
+                    note.empty() ? "" : fmt::format("comment {}\n", note), properties));
     io_internal::write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
-        chunk.reserve(sizeof(Vec3d) + sizeof(float) + sizeof(Rgb));
+        chunk.reserve(sizeof(Vec3d) + kColumns * sizeof(float));
         far ? chunk.put_raw(points.world(i)) : chunk.put_raw(points.positions[i]);
-        if (!distances.empty()) chunk.put_raw(distances[i]);
-        if (!colors.empty()) chunk.put_raw(colors[i]);
+        visit_named_columns(known,
+                            [&](auto, std::string_view, const auto& values) { chunk.put_raw(values[i]); });
     });
 }
 
-void check_positions(const std::filesystem::path& path, const PointSet& points) {
+void check_points(const std::filesystem::path& path, const PointSet& points, const PaintedPoints& known) {
+    visit_columns(
+        known, [&](const auto& column) { COPPICE_ASSERT(column.empty() || column.size() == points.size()); });
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (is_finite(points.world(i))) continue;
         throw InvalidInput(fmt::format("cannot write {}: point {} is not finite", path.string(), i));
     }
 }
 
-}  // namespace
-
-void write_points(const std::filesystem::path& path, const PointSet& points, const Context& ctx) {
+/// `points`, with the columns of `known`, whose own points do not count.
+void write(const std::filesystem::path& path, const PointSet& points, const PaintedPoints& known,
+           const WritePointsOptions& options, const Context& ctx) {
     const auto format = point_format_of_name(path);
-    if (!format) {
-        throw Unsupported(fmt::format(
-            "cannot write {}: a file of points ends in .xyz, .txt, .csv, .asc or .ply", path.string()));
-    }
-    check_positions(path, points);
+    if (!format)
+        throw Unsupported(fmt::format("cannot write {}: its ending is none of points; {}", path.string(),
+                                      remedy_for_points_name(path)));
+    check_points(path, points, known);
     AtomicFile file(path);
-    if (*format == PointFormat::ply) {
-        write_ply(file, points, {}, {}, {}, ctx);
+    const std::string extension = to_lower(path.extension().string());
+    if (*format == PointFormat::las) {
+        io_internal::write_las(file, points, known, options.system, ctx);
+    } else if (*format == PointFormat::ply) {
+        write_ply(file, points, known, options.note, ctx);
     } else {
-        const std::string extension = path.extension().string();
-        write_xyz(file, points, extension == ".csv" || extension == ".CSV" ? ',' : ' ', ctx);
+        write_text(file, points, keeps_columns(path) ? known : PaintedPoints{},
+                   extension == ".csv" ? ',' : ' ', ctx);
     }
     file.commit();
     ctx.report(1);
 }
 
+}  // namespace
+
+std::string_view remedy_for_points_name(const std::filesystem::path& path) {
+    if (to_lower(path.extension().string()) == ".laz")
+        return "LAZ is read only; use .las, and pack that file with laszip";
+    return "use .las, .ply, .xyz, .txt, .csv or .asc";
+}
+
+bool keeps_columns(const std::filesystem::path& path) {
+    return to_lower(path.extension().string()) != ".xyz";
+}
+
+void write_points(const std::filesystem::path& path, const PointSet& points, const Context& ctx) {
+    write(path, points, {}, {}, ctx);
+}
+
 void write_painted_points(const std::filesystem::path& path, const PaintedPoints& painted,
-                          std::string_view note, const Context& ctx) {
-    COPPICE_ASSERT(painted.distances.empty() || painted.distances.size() == painted.points.size());
-    COPPICE_ASSERT(painted.colors.empty() || painted.colors.size() == painted.points.size());
-    if (point_format_of_name(path) != PointFormat::ply) {
-        throw Unsupported(
-            fmt::format("cannot write {}: a file of points with colours ends in .ply", path.string()));
-    }
-    check_positions(path, painted.points);
-    AtomicFile file(path);
-    write_ply(file, painted.points, painted.distances, painted.colors, note, ctx);
-    file.commit();
-    ctx.report(1);
+                          const WritePointsOptions& options, const Context& ctx) {
+    write(path, painted.points, painted, options, ctx);
 }
 
 }  // namespace coppice

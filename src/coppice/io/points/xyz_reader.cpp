@@ -51,7 +51,7 @@ std::optional<std::size_t> column_named(const Cells& names, std::initializer_lis
 /// Where the coordinates stand in a row, and what else is known of a point.
 struct XyzColumns {
     std::array<std::size_t, 3> axis{0, 1, 2};
-    std::optional<std::size_t> classification, intensity;
+    std::optional<std::size_t> classification, intensity, return_number, return_count, tree_id;
     std::optional<std::array<std::size_t, 3>> color;
     std::size_t count = 0;   ///< of those with a name; 0 without names
     bool row_names = false;  ///< R writes the names of rows as a first column that has no name
@@ -76,6 +76,9 @@ std::optional<XyzColumns> columns_of(const Cells& names) {
         column_named(names, {"classification", "scalarclassification", "class", "scalarclass"});
     columns.intensity =
         column_named(names, {"intensity", "scalarintensity", "reflectance", "scalarreflectance"});
+    columns.return_number = column_named(names, {"returnnumber"});
+    columns.return_count = column_named(names, {"numberofreturns"});
+    columns.tree_id = find_tree_ids(std::vector<std::string>(names.begin(), names.end()));
     const auto red = column_named(names, {"r", "red"}), green = column_named(names, {"g", "green"}),
                blue = column_named(names, {"b", "blue"});
     if (red && green && blue) columns.color = {*red, *green, *blue};
@@ -124,6 +127,7 @@ class XyzParser {
             }
             first = false;
         }
+        found_.format = "text";
         return std::move(found_);
     }
 
@@ -187,13 +191,20 @@ class XyzParser {
             if (column + shift >= cells_.size()) return {};
             return parse_number(cells_[column + shift]);
         };
-        if (columns_.classification) {
-            const auto c = number(*columns_.classification);
-            if (c) found_.note(found_.known.classes, class_of(*c));
-        }
+        const auto note_byte = [&](std::optional<std::size_t> column, std::vector<std::uint8_t>& to) {
+            if (!column) return;
+            if (const auto c = number(*column)) found_.note(to, byte_of(*c));
+        };
+        note_byte(columns_.classification, found_.known.classes);
+        note_byte(columns_.return_number, found_.known.return_numbers);
+        note_byte(columns_.return_count, found_.known.return_counts);
         if (columns_.intensity) {
             const auto i = number(*columns_.intensity);
             if (i) found_.note(found_.known.intensities, static_cast<float>(*i));
+        }
+        if (columns_.tree_id) {
+            const auto id = number(*columns_.tree_id);  // NA of R is a point of no tree
+            found_.note(found_.known.tree_ids, tree_id_of(id.value_or(0)));
         }
         if (!columns_.color) return;
         const auto [r, g, b] = *columns_.color;

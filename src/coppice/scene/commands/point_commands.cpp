@@ -220,7 +220,8 @@ SceneCommand add_command() {
 SceneCommand load_command() {
     SceneCommand c = in_group("load", "reads points from a file", "pointset load stored points.xyz");
     c.arguments = {new_name("name", "name of the new points"),
-                   file("file", ArgumentType::input_file, ".xyz, .txt, .csv, .asc or .ply")};
+                   file("file", ArgumentType::input_file,
+                        ".xyz, .txt, .csv, .asc, .pts, .ptx, .ply, .pcd, .las or .laz")};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.input("file");
         std::error_code error;
@@ -236,12 +237,12 @@ SceneCommand save_command() {
     c.records = false;
     c.makes.reset();
     c.arguments = {points("what is written"),
-                   file("file", ArgumentType::output_file, ".xyz, .txt, .csv, .asc or .ply")};
+                   file("file", ArgumentType::output_file, ".las, .ply, .xyz, .txt, .csv or .asc")};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("file");
         if (!point_format_of_name(path))
-            throw InvalidInput(fmt::format(
-                "'{}' is no name of a file of points; use .xyz, .txt, .csv, .asc or .ply", path.string()));
+            throw InvalidInput(fmt::format("'{}' is no name of a file of points; {}", path.string(),
+                                           remedy_for_points_name(path)));
         if (call.settings().outputs) write_points(path, call.point_set(call.text("points")), call.context());
         return SceneOutcome{};
     };

@@ -59,7 +59,8 @@ ObjectPtr last_points(const SceneState& state, const std::filesystem::path& path
 SceneCommand save_pointset_command() {
     SceneCommand c =
         in_group("save pointset", "writes the points that were made last", "save pointset last.xyz");
-    c.arguments = {file("file", ArgumentType::output_file, ".xyz, .txt, .csv, .asc or .ply, the last word")};
+    c.arguments = {
+        file("file", ArgumentType::output_file, ".las, .ply, .xyz, .txt, .csv or .asc, the last word")};
     c.run = [](const SceneCall& call) {
         const std::filesystem::path path = call.output("file");
         const ObjectPtr object = last_points(call.state(), path);

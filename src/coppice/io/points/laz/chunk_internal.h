@@ -34,6 +34,7 @@ struct LazPacking {
     std::vector<Item> items;
     std::uint16_t record = 0;  ///< [bytes]
     std::size_t color = 0;     ///< [bytes] where in a record it begins; 0 = it has none
+    std::size_t extra = 0;     ///< [bytes] where what the format has not begins
     bool layered = false;      ///< each property by itself, as formats 6 to 10 are
     bool chunked = true;       ///< else all points are one chunk
     std::uint32_t chunk = 0;   ///< points in each; `kVaryingChunks`: the table says how many
@@ -53,9 +54,9 @@ struct LazChunk {
 
 /// By the table of chunks. Where there is none, as a writer was broken off before it wrote it, only the first
 /// chunk has `bytes`, up to the end of the file: where the others begin is found by unpacking. Throws
-/// `InvalidInput` where the table cannot be true.
+/// `InvalidInput` where the table cannot be true, or is missing from a file that may not be truncated.
 std::vector<LazChunk> find_laz_chunks(std::string_view bytes, const LasHeader& h, const LazPacking& packing,
-                                      const std::string& source);
+                                      const LasReading& reading);
 
 /// Unpacks the points of a chunk, of formats 0 to 5, one record after the other. Gives the bytes that they
 /// took, or nothing when they are damaged. Throws `Cancelled`.

@@ -11,8 +11,7 @@
 namespace coppice::io_internal {
 namespace {
 
-constexpr std::size_t kVlrHeader = 54, kUserId = 2, kUserIdSize = 16, kPayloadSize = 20;  // [bytes]
-constexpr std::size_t kLaszipVlr = 34, kItem = 6;                                         // [bytes]
+constexpr std::size_t kLaszipVlr = 34, kItem = 6;  // [bytes]
 constexpr std::string_view kLaszipUser = "laszip encoded";
 constexpr std::size_t kPlace = 8;        // [bytes] of what says where the table of chunks is
 constexpr std::size_t kTableHeader = 8;  // [bytes]
@@ -50,15 +49,8 @@ std::vector<LazPacking::Item> items_of(const LasHeader& h) {
 }
 
 std::string_view find_laszip_vlr(std::string_view bytes, const LasHeader& h, const std::string& source) {
-    std::uint64_t at = number_at<std::uint16_t>(bytes, 94);
-    for (auto left = number_at<std::uint32_t>(bytes, 100); left > 0; --left) {
-        if (at + kVlrHeader > std::min<std::uint64_t>(h.data, bytes.size())) break;
-        const std::size_t size = number_at<std::uint16_t>(bytes, at + kPayloadSize);
-        if (at + kVlrHeader + size > bytes.size()) break;
-        if (bytes.substr(at + kUserId, kUserIdSize).starts_with(kLaszipUser))
-            return bytes.substr(at + kVlrHeader, size);
-        at += kVlrHeader + size;
-    }
+    for (const LasRecord& record : las_records(bytes, h))
+        if (record.user == kLaszipUser) return record.data;
     damaged(source, "the record that says how they were compressed is missing");
 }
 
@@ -68,24 +60,27 @@ bool is_known_version(const LazPacking::Item& item, bool recent) {
     return item.version == 1 || (item.version == 2 && item.type != LazItem::wave_packet13);
 }
 
-/// Where the table begins [bytes from the first record]; 0 when the writer never came to it.
-std::size_t find_table(std::string_view data, const LasHeader& h, const std::string& source) {
+/// Where the table begins [bytes from the first record]; 0 when the writer never came to it, or the file may
+/// be truncated and is.
+std::size_t find_table(std::string_view data, const LasHeader& h, const LasReading& reading) {
     auto place = number_at<std::int64_t>(data, 0);
     const auto start = static_cast<std::int64_t>(h.data);
     if (place == start) return 0;
     if (place == -1) place = number_at<std::int64_t>(data, data.size() - kPlace);  // written to a pipe
     if (data.size() < kPlace + kTableHeader || place < start + static_cast<std::int64_t>(kPlace) ||
-        place > start + static_cast<std::int64_t>(data.size() - kTableHeader))
-        damaged(source, "the file is cut off");
+        place > start + static_cast<std::int64_t>(data.size() - kTableHeader)) {
+        if (reading.allow_truncated) return 0;
+        las_cut_off(reading.source, "the table of its compressed points is missing");
+    }
     return static_cast<std::size_t>(place - start);
 }
 
-/// Chunks of `packing.chunk` points, without bytes.
-std::vector<LazChunk> equal_chunks(const LasHeader& h, const LazPacking& packing) {
+/// Chunks of `packing.chunk` points, without bytes; not more than `most`.
+std::vector<LazChunk> equal_chunks(const LasHeader& h, const LazPacking& packing, std::uint64_t most) {
     const std::uint64_t each = packing.chunked ? packing.chunk : h.count;
     std::vector<LazChunk> chunks;
-    chunks.reserve((h.count + each - 1) / each);
-    for (std::uint64_t first = 0; first < h.count; first += each)
+    chunks.reserve(std::min((h.count - 1) / each + 1, most));
+    for (std::uint64_t first = 0; first < h.count && chunks.size() < most; first += each)
         chunks.push_back({{}, first, std::min(each, h.count - first)});
     return chunks;
 }
@@ -122,7 +117,11 @@ std::vector<LazChunk> read_table(std::string_view data, std::size_t table, const
 LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const std::string& source) {
     if (h.data < kOldLasHeader || h.data > bytes.size()) damaged(source, "the file is cut off");
     const std::string_view vlr = find_laszip_vlr(bytes, h, source);
-    LazPacking p{.items = items_of(h), .record = h.record, .color = h.color(), .layered = h.recent()};
+    LazPacking p{.items = items_of(h),
+                 .record = h.record,
+                 .color = h.color(),
+                 .extra = h.extra(),
+                 .layered = h.recent()};
     if (vlr.size() < kLaszipVlr + kItem * p.items.size() ||
         number_at<std::uint16_t>(vlr, kLaszipVlr - 2) != p.items.size())
         damaged(source, "they have other fields than their format has");
@@ -151,19 +150,22 @@ LazPacking read_laz_packing(std::string_view bytes, const LasHeader& h, const st
 }
 
 std::vector<LazChunk> find_laz_chunks(std::string_view bytes, const LasHeader& h, const LazPacking& packing,
-                                      const std::string& source) {
+                                      const LasReading& reading) {
     std::string_view data = bytes.substr(h.data);
     std::size_t table = 0;
     if (packing.chunked) {
-        if (data.size() < kPlace) damaged(source, "the file is cut off");
-        table = find_table(data, h, source);
-        if (table > 0) return read_table(data, table, h, packing, source);
-        if (packing.chunk == kVaryingChunks) damaged(source, "the table of their chunks is missing");
+        if (data.size() < kPlace) damaged(reading.source, "the file is cut off");
+        table = find_table(data, h, reading);
+        if (table > 0) return read_table(data, table, h, packing, reading.source);
+        if (packing.chunk == kVaryingChunks)
+            damaged(reading.source, "the table of their chunks is missing, which are of several sizes");
         data.remove_prefix(kPlace);
     }
-    if ((h.count - 1) / (packing.chunked ? packing.chunk : h.count) >= data.size() / h.record)
-        damaged(source, "chunks of them are missing");
-    std::vector<LazChunk> chunks = equal_chunks(h, packing);
+    // Every chunk begins with a record as it is.
+    std::vector<LazChunk> chunks = equal_chunks(h, packing, data.size() / h.record);
+    const bool complete = !chunks.empty() && chunks.back().first + chunks.back().count == h.count;
+    if (chunks.empty() || (!complete && !reading.allow_truncated))
+        damaged(reading.source, "chunks of them are missing");
     chunks[0].bytes = data;
     return chunks;
 }

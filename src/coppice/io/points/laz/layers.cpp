@@ -2,8 +2,11 @@
 // [Isenburg2013] has it, with models of their own for each of the scanner's four channels. Version 4 packs
 // the properties read here alike.
 
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "coppice/base/progress.h"
 #include "coppice/io/points/laz/chunk_internal.h"
@@ -32,14 +35,15 @@ struct Point14 {
           intensity(number_at<std::uint16_t>(bytes, 12)),
           classification(number_at<std::uint8_t>(bytes, 16)) {}
 
-    LasPoint point(const Rgb16& color) const {
+    LasPoint point(const Rgb16& color, std::string_view extra) const {
         return {.place = {x, y, z},
                 .withheld = (flags & 4u) != 0,
                 .intensity = intensity,
                 .return_number = static_cast<std::uint8_t>(return_number),
                 .return_count = static_cast<std::uint8_t>(return_count),
                 .classification = classification,
-                .color = color};
+                .color = color,
+                .extra = extra};
     }
     bool first() const { return return_number == 1; }
     bool last() const { return return_number >= return_count; }
@@ -84,40 +88,93 @@ struct Channel {
     std::array<std::uint16_t, 8> last_intensity{};
 };
 
-/// The layer of colours. It follows the channels in a way of its own that files of version 3 rely on: the
-/// channel of a point is taken for the first one unless it changed there, and a channel that was met before
-/// is predicted from the one that was read last. Version 4 does neither.
-class ColorLayer {
+/// The last value of an item for each channel, with the models made for such values. Items beside the first
+/// follow the channels in a way of their own that files of version 3 rely on: the channel of a point is taken
+/// for the first one unless it changed there, and a channel that was met before is predicted from the one
+/// that was read last. Version 4 does neither.
+template <class Value, class Models>
+class ByChannel {
   public:
-    ColorLayer(std::optional<ArithmeticDecoder> layer, std::uint16_t version, std::size_t channel,
-               const Rgb16& first)
-        : layer_(layer), as_version3_(version < 4), at_(channel) {
-        channels_[at_] = std::make_unique<OfChannel>(OfChannel{first, {}});
+    ByChannel(std::uint16_t version, std::size_t channel, const Value& first)
+        : as_version3_(version < 4), at_(channel) {
+        channels_[at_] = std::make_unique<OfChannel>(first);
     }
 
-    const Rgb16& read(std::size_t channel, bool changed) {
+    /// read(models, value) turns the last value into the next one.
+    template <class Read>
+    const Value& next(std::size_t channel, bool changed, const Read& read) {
         if (as_version3_ && !changed) channel = 0;
         OfChannel* from = channels_[at_].get();
         if (channel != at_) {
             at_ = channel;
             const bool fresh = !channels_[at_];
-            if (fresh) channels_[at_] = std::make_unique<OfChannel>(OfChannel{from->last, {}});
+            if (fresh) channels_[at_] = std::make_unique<OfChannel>(from->last);
             if (fresh || !as_version3_) from = channels_[at_].get();
         }
-        if (layer_) from->last = channels_[at_]->decoder.read(*layer_, from->last);
+        read(channels_[at_]->models, from->last);
         return from->last;
     }
-    bool damaged() const { return layer_ && layer_->damaged(); }
 
   private:
     struct OfChannel {
-        Rgb16 last{};
-        ColorDecoder decoder;
+        explicit OfChannel(const Value& value) : last(value), models(value) {}
+        Value last;
+        Models models;
     };
-    std::optional<ArithmeticDecoder> layer_;
     std::array<std::unique_ptr<OfChannel>, 4> channels_;
     bool as_version3_;
     std::size_t at_;
+};
+
+using Layer = std::optional<ArithmeticDecoder>;
+
+bool is_damaged(const Layer& layer) { return layer && layer->damaged(); }
+
+class ColorLayer {
+  public:
+    ColorLayer(Layer layer, std::uint16_t version, std::size_t channel, const Rgb16& first)
+        : layer_(layer), colors_(version, channel, first) {}
+
+    const Rgb16& read(std::size_t channel, bool changed) {
+        return colors_.next(channel, changed, [&](Models& models, Rgb16& color) {
+            if (layer_) color = models.decoder.read(*layer_, color);
+        });
+    }
+    bool damaged() const { return is_damaged(layer_); }
+
+  private:
+    struct Models {
+        explicit Models(const Rgb16&) {}
+        ColorDecoder decoder;
+    };
+    Layer layer_;
+    ByChannel<Rgb16, Models> colors_;
+};
+
+/// What records have beyond their format: a layer for each byte.
+class ByteLayers {
+  public:
+    ByteLayers(std::vector<Layer> layers, std::uint16_t version, std::size_t channel, std::string_view first)
+        : layers_(std::move(layers)), bytes_(version, channel, std::string(first)) {}
+
+    std::string_view read(std::size_t channel, bool changed) {
+        return bytes_.next(channel, changed, [&](Models& models, std::string& bytes) {
+            for (std::size_t i = 0; i < layers_.size(); ++i) {
+                if (!layers_[i]) continue;
+                const unsigned difference = layers_[i]->symbol(models.of_byte[i]);
+                bytes[i] = static_cast<char>(static_cast<std::uint8_t>(bytes[i]) + difference);
+            }
+        });
+    }
+    bool damaged() const { return std::ranges::any_of(layers_, is_damaged); }
+
+  private:
+    struct Models {
+        explicit Models(const std::string& bytes) : of_byte(static_cast<unsigned>(bytes.size()), 256) {}
+        SymbolModels of_byte;
+    };
+    std::vector<Layer> layers_;
+    ByChannel<std::string, Models> bytes_;
 };
 
 /// The bytes of a chunk's layers, in their order.
@@ -132,13 +189,13 @@ class LayerCutter {
         return sum;
     }
     /// Nothing where the property is the same for all points of the chunk.
-    std::optional<ArithmeticDecoder> next() {
+    Layer next() {
         const std::string_view layer = cut();
         if (layer.empty()) return {};
         return ArithmeticDecoder(layer);
     }
     /// Nothing, too, where it is not wanted.
-    std::optional<ArithmeticDecoder> next_if(bool wanted) {
+    Layer next_if(bool wanted) {
         if (wanted) return next();
         cut();
         return {};
@@ -177,9 +234,9 @@ class LayerReader {
           intensities_(layers.next_if(!out.intensities.empty())),
           at_(first_channel(first)) {
         channels_[at_] = std::make_unique<Channel>(Point14(first));
-        if (out.colors.empty()) return;
         for (int i = 0; i < 4; ++i) layers.next_if(false);  // angle, user, source, time
-        colors_.emplace(layers.next(), packing.items[1].version, at_, color_at(first, packing.color));
+        for (std::size_t i = 1; i < packing.items.size(); ++i)
+            begin_item(packing.items[i], layers, packing, first, out);
     }
 
     LasPoint next() {
@@ -201,18 +258,35 @@ class LayerReader {
             p.intensity = last;
         }
         channel.time_changed = time_changed;
-        return p.point(colors_ ? colors_->read(at_, (changes_ & 64u) != 0) : Rgb16{});
+        const bool channel_changed = (changes_ & 64u) != 0;
+        return p.point(colors_ ? colors_->read(at_, channel_changed) : Rgb16{},
+                       bytes_ ? bytes_->read(at_, channel_changed) : std::string_view());
     }
 
     bool damaged() const {
-        const auto is_damaged = [](const std::optional<ArithmeticDecoder>& layer) {
-            return layer && layer->damaged();
-        };
         return !places_ || places_->damaged() || is_damaged(heights_) || is_damaged(classes_) ||
-               is_damaged(flags_) || is_damaged(intensities_) || (colors_ && colors_->damaged());
+               is_damaged(flags_) || is_damaged(intensities_) || (colors_ && colors_->damaged()) ||
+               (bytes_ && bytes_->damaged());
     }
 
   private:
+    /// Takes the layers of an item beside the first one.
+    void begin_item(const LazPacking::Item& item, LayerCutter& layers, const LazPacking& packing,
+                    std::string_view first, const LasColumns& out) {
+        if (item.type == LazItem::byte14) {
+            std::vector<Layer> own;
+            for (unsigned i = 0; i < item.size; ++i) own.push_back(layers.next_if(out.need_extra()));
+            if (out.need_extra())
+                bytes_.emplace(std::move(own), item.version, at_, first.substr(packing.extra, item.size));
+            return;
+        }
+        const bool colored = item.type != LazItem::wave_packet14;
+        Layer layer = layers.next_if(colored && !out.colors.empty());
+        if (item.type == LazItem::rgb_nir14) layers.next_if(false);  // near infrared
+        if (colored && !out.colors.empty())
+            colors_.emplace(layer, item.version, at_, color_at(first, packing.color));
+    }
+
     static std::size_t first_channel(std::string_view record) {
         return number_at<std::uint8_t>(record, 15) >> 4 & 3u;
     }
@@ -267,8 +341,9 @@ class LayerReader {
         channel.last_z[level] = p.z;
     }
 
-    std::optional<ArithmeticDecoder> places_, heights_, classes_, flags_, intensities_;
+    Layer places_, heights_, classes_, flags_, intensities_;
     std::optional<ColorLayer> colors_;
+    std::optional<ByteLayers> bytes_;
     std::array<std::unique_ptr<Channel>, 4> channels_;
     std::size_t at_ = 0;
     unsigned changes_ = 0;
@@ -284,7 +359,9 @@ std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking
     LayerCutter layers(chunk.bytes.substr(packing.record + 4u, table), chunk.bytes.substr(head));
     const std::uint64_t size = layers.size();
     if (size > chunk.bytes.size() - head) return {};
-    out.put(Point14(chunk.bytes).point(packing.color > 0 ? color_at(chunk.bytes, packing.color) : Rgb16{}));
+    out.put(Point14(chunk.bytes)
+                .point(packing.color > 0 ? color_at(chunk.bytes, packing.color) : Rgb16{},
+                       chunk.bytes.substr(packing.extra, packing.record - packing.extra)));
     if (chunk.count > 1) {
         LayerReader reader(layers, packing, chunk.bytes, *out.columns);
         for (std::uint64_t i = 1; i < chunk.count; ++i) {

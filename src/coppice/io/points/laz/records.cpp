@@ -31,14 +31,15 @@ struct Point10 {
           user(number_at<std::uint8_t>(bytes, 17)),
           source(number_at<std::uint16_t>(bytes, 18)) {}
 
-    LasPoint point(const Rgb16& color) const {
+    LasPoint point(const Rgb16& color, std::string_view extra) const {
         return {.place = {x, y, z},
                 .withheld = (classification & 0x80) != 0,
                 .intensity = intensity,
                 .return_number = static_cast<std::uint8_t>(returns & 7),
                 .return_count = static_cast<std::uint8_t>(returns >> 3 & 7),
                 .classification = static_cast<std::uint8_t>(classification & 31),
-                .color = color};
+                .color = color,
+                .extra = extra};
     }
     void move(std::int32_t dx, std::int32_t dy) {
         x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(dx));
@@ -270,7 +271,7 @@ class GpsTimeVersion2 : public OtherItem {
     std::size_t at_ = 0, newest_ = 0;
 };
 
-/// The only one of these parts that something is taken from.
+/// The colours of a record.
 class ColorItem : public OtherItem {
   public:
     Rgb16 color{};
@@ -306,28 +307,37 @@ class WavePacket : public OtherItem {
     unsigned last_offset_ = 0;
 };
 
-class BytesVersion1 : public OtherItem {
+/// What a record has beyond its format, byte by byte.
+class BytesItem : public OtherItem {
   public:
-    explicit BytesVersion1(unsigned count) : bytes_(8, count), count_(count) {}
-    void next(ArithmeticDecoder& in) override {
-        for (unsigned i = 0; i < count_; ++i) bytes_.read(in, 0, i);
-    }
-
-  private:
-    IntegerDecoder bytes_;
-    unsigned count_;
+    explicit BytesItem(unsigned count) : bytes(count, '\0') {}
+    std::string bytes;
 };
 
-class BytesVersion2 : public OtherItem {
+class BytesVersion1 : public BytesItem {
   public:
-    explicit BytesVersion2(unsigned count) : bytes_(count, 256), count_(count) {}
+    explicit BytesVersion1(unsigned count) : BytesItem(count), differences_(8, count) {}
     void next(ArithmeticDecoder& in) override {
-        for (unsigned i = 0; i < count_; ++i) in.symbol(bytes_[i]);
+        for (unsigned i = 0; i < bytes.size(); ++i) {
+            const std::uint32_t last = static_cast<std::uint8_t>(bytes[i]);
+            bytes[i] = static_cast<char>(differences_.read(in, last, i));
+        }
     }
 
   private:
-    SymbolModels bytes_;
-    unsigned count_;
+    IntegerDecoder differences_;
+};
+
+class BytesVersion2 : public BytesItem {
+  public:
+    explicit BytesVersion2(unsigned count) : BytesItem(count), differences_(count, 256) {}
+    void next(ArithmeticDecoder& in) override {
+        for (unsigned i = 0; i < bytes.size(); ++i)
+            bytes[i] = static_cast<char>(static_cast<std::uint8_t>(bytes[i]) + in.symbol(differences_[i]));
+    }
+
+  private:
+    SymbolModels differences_;
 };
 
 std::unique_ptr<OtherItem> other_item(const LazPacking::Item& item) {
@@ -353,17 +363,24 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
     Point10 p(chunk.bytes);
     Rgb16 first_color{};
     if (packing.color > 0) first_color = color_at(chunk.bytes, packing.color);
-    out.put(p.point(first_color));
+    const std::string_view first_extra = chunk.bytes.substr(packing.extra, packing.record - packing.extra);
+    out.put(p.point(first_color, first_extra));
     ArithmeticDecoder in(chunk.bytes.substr(packing.record));
     if (chunk.count > 1) {  // else the models are not worth their making
         const Rgb16* color = &first_color;
+        std::string_view extra;
         std::vector<std::unique_ptr<OtherItem>> others;
         for (std::size_t i = 1; i < packing.items.size(); ++i) {
             others.push_back(other_item(packing.items[i]));
-            if (packing.items[i].type != LazItem::rgb12) continue;
-            auto& item = static_cast<ColorItem&>(*others.back());
-            item.color = first_color;
-            color = &item.color;
+            if (packing.items[i].type == LazItem::rgb12) {
+                auto& item = static_cast<ColorItem&>(*others.back());
+                item.color = first_color;
+                color = &item.color;
+            } else if (packing.items[i].type == LazItem::byte) {
+                auto& item = static_cast<BytesItem&>(*others.back());
+                item.bytes = first_extra;
+                extra = item.bytes;
+            }
         }
         Points points;
         for (std::uint64_t i = 1; i < chunk.count; ++i) {
@@ -371,7 +388,7 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
             points.next(in, p);
             for (const auto& item : others) item->next(in);
             if (in.damaged()) return {};
-            out.put(p.point(*color));
+            out.put(p.point(*color, extra));
         }
     }
     return static_cast<std::size_t>(in.position() - chunk.bytes.data());

@@ -1,13 +1,8 @@
 #include "coppice/io/skeleton/rsml/document_internal.h"
 
-#include <expat.h>
-
 #include <algorithm>
 #include <array>
-#include <exception>
 #include <map>
-#include <memory>
-#include <new>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,10 +11,14 @@
 #include "coppice/base/error.h"
 #include "coppice/io/file_progress.h"
 #include "coppice/io/text_internal.h"
+#include "coppice/io/xml_internal.h"
 
 namespace coppice::rsml {
 
 namespace {
+
+using io_internal::XmlAttributes;
+using io_internal::XmlPlace;
 
 /// Elements that mean something where they stand.
 enum class Element : std::uint8_t {
@@ -88,30 +87,18 @@ Element element_of(Element parent, std::string_view name) {
     return place == kPlaces.end() ? Element::other : place->element;
 }
 
-/// Names and values of an element, as expat hands them over.
-class Attributes {
-  public:
-    explicit Attributes(const XML_Char** list) : list_(list) {}
+std::optional<std::string_view> find(const io_internal::XmlAttributes& attributes, std::string_view name) {
+    return attributes.find_if([&](std::string_view other) { return simple_name(other) == name; });
+}
 
-    std::optional<std::string_view> find(std::string_view name) const {
-        for (const XML_Char** at = list_; *at != nullptr; at += 2) {
-            if (simple_name(*at) == name) return trimmed(at[1]);
-        }
-        return std::nullopt;
-    }
-
-  private:
-    const XML_Char** list_;
-};
-
-class DocumentBuilder {
+class DocumentBuilder : public io_internal::XmlHandler {
   public:
     DocumentBuilder(std::uint64_t size, const std::string& source, const Context& ctx)
         : source_(source), progress_(ctx, size) {}
 
-    void start(std::string_view name, const Attributes& attributes, std::uint32_t line, std::uint64_t byte) {
-        progress_.at(byte);
-        line_ = line;
+    void start(std::string_view name, const XmlAttributes& attributes, const XmlPlace& place) override {
+        progress_.at(place.byte);
+        line_ = place.line;
         Element element = element_of(open_.back(), name);
         if (open_.size() == 1 && element != Element::rsml) {
             fail(fmt::format("this XML is no RSML: it starts with {}", in_quotes(name)));
@@ -123,12 +110,12 @@ class DocumentBuilder {
         begin(element, attributes);
     }
 
-    void text(std::string_view text) {
+    void text(std::string_view text) override {
         constexpr std::size_t kLongest = 4096;
         if (text_.size() < kLongest) text_ += text.substr(0, kLongest);
     }
 
-    void end() {
+    void end() override {
         finish(open_.back());
         open_.pop_back();
         text_.clear();
@@ -137,7 +124,7 @@ class DocumentBuilder {
     Document take() { return std::move(document_); }
 
   private:
-    void begin(Element element, const Attributes& attributes) {
+    void begin(Element element, const XmlAttributes& attributes) {
         if (element == Element::plant) {
             ++plants_;
         } else if (element == Element::root) {
@@ -151,7 +138,7 @@ class DocumentBuilder {
         } else if (element == Element::sample) {
             begin_sample(attributes);
         }
-        text_ = attributes.find("value").value_or("");
+        text_ = find(attributes, "value").value_or("");
     }
 
     void finish(Element element) {
@@ -176,38 +163,38 @@ class DocumentBuilder {
         document_.roots.push_back(root);
     }
 
-    void add_point(const Attributes& attributes) {
+    void add_point(const XmlAttributes& attributes) {
         const Vec3d point{coordinate(attributes, "x"), coordinate(attributes, "y"),
-                          attributes.find("z") ? coordinate(attributes, "z") : 0};
+                          find(attributes, "z") ? coordinate(attributes, "z") : 0};
         if (point.z != 0) document_.is_flat = false;
         document_.points.push_back(point);
         document_.lines.push_back(line_);
         ++document_.roots[roots_.back()].point_count;
     }
 
-    double coordinate(const Attributes& attributes, std::string_view name) const {
-        const auto text = attributes.find(name);
+    double coordinate(const XmlAttributes& attributes, std::string_view name) const {
+        const auto text = find(attributes, name);
         if (!text) fail(fmt::format("a point has no {}", name));
         const auto value = parse_number(*text);
         if (!value) fail(fmt::format("the {} of a point is {}, which is no number", name, in_quotes(*text)));
         return *value;
     }
 
-    void begin_function(const Attributes& attributes) {
+    void begin_function(const XmlAttributes& attributes) {
         Function function;
         function.root = roots_.back();
-        const std::string domain = simple_name(attributes.find("domain").value_or("polyline"));
+        const std::string domain = simple_name(find(attributes, "domain").value_or("polyline"));
         function.domain = domain == "uniform"  ? Domain::uniform
                           : domain == "length" ? Domain::length
                                                : Domain::polyline;
-        function.from_tip = simple_name(attributes.find("origin").value_or("base")) == "tip";
-        function.name = name_index(simple_name(attributes.find("name").value_or("")));
+        function.from_tip = simple_name(find(attributes, "origin").value_or("base")) == "tip";
+        function.name = name_index(simple_name(find(attributes, "name").value_or("")));
         function.first_sample = static_cast<std::uint32_t>(document_.samples.size());
         document_.functions.push_back(function);
     }
 
-    void begin_sample(const Attributes& attributes) {
-        document_.samples.push_back({kUnknown, number(attributes.find("position").value_or(""))});
+    void begin_sample(const XmlAttributes& attributes) {
+        document_.samples.push_back({kUnknown, number(find(attributes, "position").value_or(""))});
         ++document_.functions.back().sample_count;
     }
 
@@ -232,100 +219,11 @@ class DocumentBuilder {
     std::uint32_t line_ = 0;
 };
 
-/// Expat's events for a builder. No exception may pass through expat, which is C: it is kept, and thrown when
-/// expat has stopped.
-class XmlEvents {
-  public:
-    XmlEvents(DocumentBuilder& builder, const std::string& source)
-        : builder_(builder), source_(source), parser_(XML_ParserCreate(nullptr), XML_ParserFree) {
-        if (!parser_) throw std::bad_alloc();
-        XML_SetUserData(parser_.get(), this);
-        XML_SetElementHandler(parser_.get(), on_start, on_end);
-        XML_SetCharacterDataHandler(parser_.get(), on_text);
-        XML_SetEntityDeclHandler(parser_.get(), on_entity);
-        XML_SetUnknownEncodingHandler(parser_.get(), on_encoding, nullptr);
-    }
-
-    void parse(std::string_view text) {
-        constexpr std::size_t kMost = 1 << 30;  // expat counts in int
-        do {
-            const std::string_view part = text.substr(0, kMost);
-            text.remove_prefix(part.size());
-            const auto status = XML_Parse(parser_.get(), part.data(), static_cast<int>(part.size()),
-                                          text.empty() ? XML_TRUE : XML_FALSE);
-            if (error_) std::rethrow_exception(error_);
-            if (status != XML_STATUS_OK) fail_as_expat_says();
-        } while (!text.empty());
-    }
-
-  private:
-    std::uint32_t line() const { return static_cast<std::uint32_t>(XML_GetCurrentLineNumber(parser_.get())); }
-
-    [[noreturn]] void fail_as_expat_says() const {
-        const XML_Error code = XML_GetErrorCode(parser_.get());
-        if (code == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
-        fail_at(source_, line(), fmt::format("this is not valid XML: {}", XML_ErrorString(code)));
-    }
-
-    template <class Action>
-    static void guarded(void* data, const Action& action) {
-        XmlEvents& events = *static_cast<XmlEvents*>(data);
-        if (events.error_) return;
-        try {
-            action(events);
-        } catch (...) {
-            events.error_ = std::current_exception();
-            XML_StopParser(events.parser_.get(), XML_FALSE);
-        }
-    }
-
-    static void XMLCALL on_start(void* data, const XML_Char* name, const XML_Char** attributes) {
-        guarded(data, [&](XmlEvents& events) {
-            const auto byte = static_cast<std::uint64_t>(XML_GetCurrentByteIndex(events.parser_.get()));
-            events.builder_.start(name, Attributes(attributes), events.line(), byte);
-        });
-    }
-    static void XMLCALL on_end(void* data, const XML_Char*) {
-        guarded(data, [](XmlEvents& events) { events.builder_.end(); });
-    }
-    static void XMLCALL on_text(void* data, const XML_Char* text, int size) {
-        guarded(data, [&](XmlEvents& events) {
-            events.builder_.text({text, static_cast<std::size_t>(size)});
-        });
-    }
-    /// Entities made of entities can grow a few lines to gigabytes.
-    static void XMLCALL on_entity(void* data, const XML_Char*, int, const XML_Char*, int, const XML_Char*,
-                                  const XML_Char*, const XML_Char*, const XML_Char*) {
-        guarded(data, [](XmlEvents& events) {
-            fail_at(events.source_, events.line(),
-                    "the DOCTYPE declares entities, which RSML has no need of; take the declaration out");
-        });
-    }
-    /// Names and numbers are ASCII in all encodings of one byte that programs write; other letters stand in
-    /// labels, which do not matter here.
-    static int XMLCALL on_encoding(void*, const XML_Char* name, XML_Encoding* encoding) {
-        const std::string simple = simple_name(name);
-        if (!simple.starts_with("windows_125") && !simple.starts_with("cp125") &&
-            !simple.starts_with("iso_8859"))
-            return XML_STATUS_ERROR;
-        for (int i = 0; i < 256; ++i) encoding->map[i] = i;
-        encoding->data = nullptr;
-        encoding->convert = nullptr;
-        encoding->release = nullptr;
-        return XML_STATUS_OK;
-    }
-
-    DocumentBuilder& builder_;
-    const std::string& source_;
-    std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;
-    std::exception_ptr error_;
-};
-
 }  // namespace
 
 Document parse_document(std::string_view text, const std::string& source, const Context& ctx) {
     DocumentBuilder builder(text.size(), source, ctx);
-    XmlEvents(builder, source).parse(text);
+    io_internal::parse_xml(text, "RSML", source, builder);
     return builder.take();
 }
 

@@ -1,0 +1,182 @@
+// LAS 1.4 with point format 6, or 7 where there are colours, and extra dimensions for what LAS has no fields
+// of.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "coppice/io/mesh/write_internal.h"
+#include "coppice/io/points/las_internal.h"
+#include "coppice/io/points/write_internal.h"
+
+namespace coppice::io_internal {
+namespace {
+
+constexpr std::uint8_t kPlainFormat = 6, kColoredFormat = 7;
+constexpr std::uint16_t kPlainRecord = 30, kColoredRecord = 36;  // [bytes]
+constexpr std::uint8_t kUint32 = 5, kFloat32 = 9;                // types of extra dimensions
+
+template <class T>
+void put(std::string& bytes, std::size_t at, T value) {
+    std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+void put_text(std::string& bytes, std::size_t at, std::string_view text) {
+    bytes.replace(at, text.size(), text);
+}
+
+/// Coordinates as whole steps from an offset.
+struct Grid {
+    double step = 1e-4;  ///< [m]
+    Vec3d offset;
+
+    /// As fine as 32 bits allow, from a tenth of a millimetre on; the offset is of whole metres, as far as
+    /// these are worth it.
+    explicit Grid(const PointSet& points) {
+        constexpr double kMost = std::numeric_limits<std::int32_t>::max() - 1;
+        const Box3 box = bounds(points);
+        if (box.empty()) return;
+        const Vec3d low = points.origin + Vec3d(box.low), high = points.origin + Vec3d(box.high);
+        double reach = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            offset[axis] = std::floor(low[axis] + (high[axis] - low[axis]) / 2);
+            reach = std::max({reach, high[axis] - offset[axis], offset[axis] - low[axis]});
+        }
+        while (reach / step > kMost) step *= 10;
+    }
+    std::int32_t steps(double coordinate, int axis) const {
+        return static_cast<std::int32_t>(std::llround((coordinate - offset[axis]) / step));
+    }
+};
+
+/// Intensities as 16 bits: whole numbers as they are, others stretched over all.
+class Intensities {
+  public:
+    explicit Intensities(std::span<const float> values) : values_(values) {
+        const auto fits = [](float v) { return v >= 0 && v <= kMost && v == std::floor(v); };
+        if (std::ranges::all_of(values, fits)) return;
+        float low = std::numeric_limits<float>::infinity(), high = -low;
+        for (const float v : values) {
+            if (!std::isfinite(v)) continue;
+            low = std::min(low, v);
+            high = std::max(high, v);
+        }
+        low_ = low;
+        factor_ = high > low ? kMost / (double{high} - double{low}) : 0;
+    }
+    std::uint16_t operator[](std::size_t i) const {
+        if (values_.empty() || !std::isfinite(values_[i])) return 0;
+        return static_cast<std::uint16_t>(std::lround((double{values_[i]} - low_) * factor_));
+    }
+
+  private:
+    static constexpr float kMost = 65535;
+    std::span<const float> values_;
+    double low_ = 0, factor_ = 1;
+};
+
+/// An extra dimension, as the record about them has it.
+std::string dimension(std::string_view name, std::uint8_t type, std::string_view description) {
+    std::string entry(kDimension, '\0');
+    put(entry, 2, type);
+    put_text(entry, 4, name);
+    put_text(entry, 160, description);
+    return entry;
+}
+
+std::string dimensions_of(const PaintedPoints& known) {
+    std::string out;
+    if (!known.tree_ids.empty()) out += dimension("tree_id", kUint32, "0 = of no tree");
+    if (!known.distances.empty()) out += dimension("distance", kFloat32, "from a surface [m]");
+    return out;
+}
+
+void append_record(std::string& bytes, std::string_view user, std::uint16_t id, std::string_view data) {
+    const std::size_t at = bytes.size();
+    bytes.resize(at + kVlrHeader);
+    put_text(bytes, at + 2, user);
+    put(bytes, at + 18, id);
+    put(bytes, at + 20, static_cast<std::uint16_t>(data.size()));
+    bytes += data;
+}
+
+/// Which return of how many, in a byte; the only one where nothing is known.
+std::uint8_t returns_of(const PaintedPoints& known, std::size_t i) {
+    constexpr std::uint8_t kOne = 1, kMost = 15;
+    const auto of = [&](const std::vector<std::uint8_t>& column) {
+        return column.empty() ? kOne : std::clamp(column[i], kOne, kMost);
+    };
+    return static_cast<std::uint8_t>(of(known.return_numbers) | of(known.return_counts) << 4);
+}
+
+/// Everything before the points.
+std::string head_of(const PointSet& points, const PaintedPoints& known, const CoordinateSystem& system,
+                    const Grid& grid) {
+    const bool colored = !known.colors.empty();
+    const std::string dimensions = dimensions_of(known);
+    std::string bytes(kNewLasHeader, '\0');
+    put_text(bytes, 0, "LASF");
+    put<std::uint16_t>(bytes, 6, system.has_wkt() ? 0x10 : 0);
+    put<std::uint8_t>(bytes, 24, 1);
+    put<std::uint8_t>(bytes, 25, 4);
+    put_text(bytes, 26, "Coppice");
+    put_text(bytes, 58, "Coppice");
+    put(bytes, 94, static_cast<std::uint16_t>(kNewLasHeader));
+    for (const CoordinateSystem::Record& r : system.records)
+        append_record(bytes, kLasProjection, r.id, r.data);
+    if (!dimensions.empty()) append_record(bytes, kLasSpecification, kExtraBytes, dimensions);
+    put(bytes, 96, static_cast<std::uint32_t>(bytes.size()));
+    put(bytes, 100, static_cast<std::uint32_t>(system.records.size() + (dimensions.empty() ? 0 : 1)));
+    put(bytes, 104, colored ? kColoredFormat : kPlainFormat);
+    const std::size_t own = dimensions.size() / kDimension * 4;
+    put(bytes, 105, static_cast<std::uint16_t>((colored ? kColoredRecord : kPlainRecord) + own));
+    const Box3 box = bounds(points);
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::size_t k = 8 * static_cast<std::size_t>(axis);
+        const auto on_grid = [&](float place) {
+            return grid.steps(points.origin[axis] + double{place}, axis) * grid.step + grid.offset[axis];
+        };
+        put(bytes, 131 + k, grid.step);
+        put(bytes, 155 + k, grid.offset[axis]);
+        put(bytes, 179 + 2 * k, on_grid(box.high[axis]));
+        put(bytes, 187 + 2 * k, on_grid(box.low[axis]));
+    }
+    put(bytes, 247, static_cast<std::uint64_t>(points.size()));
+    std::array<std::uint64_t, 16> of_return{};
+    for (std::size_t i = 0; i < points.size(); ++i) ++of_return[returns_of(known, i) & 15u];
+    for (std::size_t r = 1; r < of_return.size(); ++r) put(bytes, 247 + 8 * r, of_return[r]);
+    return bytes;
+}
+
+}  // namespace
+
+void write_las(AtomicFile& file, const PointSet& points, const PaintedPoints& known,
+               const CoordinateSystem& system, const Context& ctx) {
+    const Grid grid(points);
+    const Intensities intensities(known.intensities);
+    file.write(head_of(points, known, system, grid));
+    write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
+        chunk.reserve(kColoredRecord + sizeof(std::uint32_t) + sizeof(float));
+        const Vec3d p = points.world(i);
+        for (int axis = 0; axis < 3; ++axis) chunk.put_raw(grid.steps(p[axis], axis));
+        chunk.put_raw(intensities[i]);
+        chunk.put_raw(returns_of(known, i));
+        chunk.put('\0');  // flags
+        chunk.put_raw(known.classes.empty() ? std::uint8_t{0} : known.classes[i]);
+        chunk.put_raw(std::array<std::uint8_t, 13>{});  // user data, angle, source, time
+        if (!known.colors.empty()) {
+            constexpr unsigned kTo16Bits = 257;
+            for (const std::uint8_t c : known.colors[i])
+                chunk.put_raw(static_cast<std::uint16_t>(kTo16Bits * c));
+        }
+        if (!known.tree_ids.empty()) chunk.put_raw(known.tree_ids[i]);
+        if (!known.distances.empty()) chunk.put_raw(known.distances[i]);
+    });
+}
+
+}  // namespace coppice::io_internal
