@@ -301,6 +301,22 @@ class Mess {
     std::uint64_t next_ = 0;
 };
 
+TEST(Repair, NodesKnowTheCylinderThatTheirSegmentBelongsTo) {
+    // Out of order; the third is a disc, and the lateral leaves from within the trunk.
+    const RepairResult r = repair(std::vector<RawCylinder>{{2, 1, {0, 0, 5}, {0, 0, 9}, 0.5, 1},
+                                                           {1, -1, {0, 0, 0}, {0, 0, 5}, 1, 2},
+                                                           {3, 2, {0, 0, 9}, {0, 0, 9.001}, 0.5, 3},
+                                                           {4, 1, {1, 0, 2}, {6, 0, 2}, 0.2, 4}},
+                                  "tree.csv");
+    ASSERT_EQ(r.source.size(), r.skeleton.size());
+    for (const NodeId n : nodes(r.skeleton)) {
+        const Vec3 p = r.skeleton.position(n);
+        // About the joint at 5 m the radius goes from that of the one to that of the other.
+        const std::uint32_t expected = p.x > 0 ? 3 : p.z > 5 ? 0 : 1;
+        EXPECT_EQ(r.source[n.index()], expected) << n.index();
+    }
+}
+
 TEST(Repair, WhateverComesMakesASkeletonThatCanBePrepared) {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         SCOPED_TRACE(seed);

@@ -49,9 +49,10 @@ struct RepairReport {
 
 /// A valid skeleton, and what had to be repaired for it.
 struct RepairResult {
-    Skeleton skeleton;                  ///< every node of the input but those merged
-    RepairReport report;                ///< what was repaired
-    std::vector<std::uint32_t> source;  ///< of each node: index of the raw node; empty for cylinders
+    Skeleton skeleton;    ///< every node of the input but those merged
+    RepairReport report;  ///< what was repaired
+    /// of each node: index of the raw node, or of the raw cylinder that its segment belongs to
+    std::vector<std::uint32_t> source;
 };
 
 /// Makes a valid skeleton of raw nodes. Parents are put first, otherwise the order is kept. Nodes without a

@@ -22,6 +22,7 @@ struct Axis {
     Vec3d start, end;
     double radius;
     std::uint32_t parent;
+    std::uint32_t source;  // index of the raw cylinder
     Vec3d direction() const { return normalized(end - start); }
 };
 
@@ -87,7 +88,7 @@ std::vector<Axis> read_axes(const std::vector<RawCylinder>& cylinders, const std
     for (const std::uint32_t i : order) {
         const RawCylinder& c = cylinders[i];
         new_index[i] = static_cast<std::uint32_t>(axes.size());
-        axes.push_back({c.start, c.end, c.radius, parent[i] == kNone ? kNone : new_index[parent[i]]});
+        axes.push_back({c.start, c.end, c.radius, parent[i] == kNone ? kNone : new_index[parent[i]], i});
     }
     fill_missing_radii(axes, report);
     return without_discs(axes, report);
@@ -158,11 +159,16 @@ class Joiner {
         return lerp(parent.start, parent.end, beside);
     }
 
+    std::uint32_t add_node(std::uint32_t parent, Vec3d p, const Axis& a) {
+        list_.source.push_back(a.source);
+        return list_.add(parent, p, a.radius);
+    }
+
     void add_axis(std::uint32_t i) {
         const Axis& a = axes_[i];
         std::uint32_t node = kNone;
         if (a.parent == kNone) {
-            node = list_.add(kNone, a.start, a.radius);
+            node = add_node(kNone, a.start, a);
         } else {
             node = leaves_from_[i];
             if (distance_to_axis(a.start, axes_[a.parent]) >
@@ -170,7 +176,7 @@ class Joiner {
                 ++report_.bridged_gaps;
             }
             if (next_[a.parent] != i && needs_own_start(i, list_.position[node])) {
-                node = list_.add(node, a.start, a.radius);
+                node = add_node(node, a.start, a);
             }
         }
         add_body(i, node);
@@ -207,12 +213,12 @@ class Joiner {
         for (; f < attachments.size() && attachments[f].along < length - kSnapToEnd * a.radius; ++f) {
             if (attachments[f].along - at > kSnapTogether * a.radius) {
                 at = attachments[f].along;
-                node = list_.add(node, from + way * (at / length), a.radius);
+                node = add_node(node, from + way * (at / length), a);
             }
             if (at > 0) ++report_.attached_inside;
             leaves_from_[attachments[f].child] = node;
         }
-        node = list_.add(node, tip_[i], a.radius);
+        node = add_node(node, tip_[i], a);
         for (; f < attachments.size(); ++f) leaves_from_[attachments[f].child] = node;
         if (next_[i] != kNone) leaves_from_[next_[i]] = node;
     }
@@ -246,12 +252,14 @@ class JumpKeeper {
             const std::uint32_t p = in_.parent[i];
             const std::uint32_t from = p == kNone ? kNone : leader_[p] == i ? leaving[p] : new_index[p];
             new_index[i] = leaving[i] = out.add(from, in_.position[i], radius(i));
+            out.source.push_back(in_.source[i]);
             if (!jumps_at(i)) continue;
             ++report.radius_jumps;
             const std::uint32_t next = leader_[i];
             const double ahead = room(i, next), behind = children_[i] == 1 ? room(i, i) : 0;
             out.position[new_index[i]] += toward(i, p) * behind;
             leaving[i] = out.add(new_index[i], in_.position[i] + toward(i, next) * ahead, in_.radius[next]);
+            out.source.push_back(in_.source[next]);
         }
         return out;
     }

@@ -31,7 +31,7 @@ struct NodeList {
     std::vector<Vec3d> position;        // world
     std::vector<double> radius;
     std::vector<StableId> stable_id;    // empty, or of every node
-    std::vector<std::uint32_t> source;  // empty, or of every node: index of the raw node
+    std::vector<std::uint32_t> source;  // empty, or of every node: see RepairResult
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(parent.size()); }
     std::uint32_t add(std::uint32_t parent_index, Vec3d p, double r) {
