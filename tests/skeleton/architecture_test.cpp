@@ -36,6 +36,20 @@ TEST(Architecture, OrdersOfAxesFollowTheThickestChild) {
     EXPECT_NEAR(orders[2].volume, 0.25 * kPi, 1e-12);
 }
 
+TEST(Architecture, KnownOrdersAndAxesCountAsTheyAre) {
+    // A stem whose second segment is of another axis of the same order, and a branch of order 3.
+    const Skeleton s({NodeId(), NodeId(0), NodeId(1), NodeId(1)},
+                     {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {4, 0, 1}}, {1, 1, 1, 0.5f});
+    const std::vector<std::uint32_t> order{0, 0, 0, 3}, axis{5, 5, 6, 5};
+    const std::vector<BranchOrder> orders = branch_orders(s, order, axis);
+    ASSERT_EQ(orders.size(), 4u);
+    EXPECT_EQ(orders[0].branches, 2u);
+    EXPECT_DOUBLE_EQ(orders[0].length, 3);
+    EXPECT_EQ(orders[1].branches + orders[2].branches, 0u);
+    EXPECT_EQ(orders[3].branches, 1u);
+    EXPECT_DOUBLE_EQ(orders[3].length, 4);
+}
+
 TEST(Architecture, StrahlerOrdersRiseWhereTwoOfTheGreatestMeet) {
     EXPECT_EQ(strahler_orders(two_trees()), (std::vector<std::uint32_t>{2, 2, 1, 2, 1, 1, 1, 1}));
     // A full binary tree of depth 3: order 4 at the root; a chain keeps its order.

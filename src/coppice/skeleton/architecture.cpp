@@ -40,11 +40,19 @@ std::vector<std::uint32_t> axis_orders(const Skeleton& s) {
 
 std::vector<BranchOrder> branch_orders(const Skeleton& s) {
     const std::vector<std::uint32_t> order = axis_orders(s);
+    return branch_orders(s, order, order);
+}
+
+std::vector<BranchOrder> branch_orders(const Skeleton& s, std::span<const std::uint32_t> order,
+                                       std::span<const std::uint32_t> axis) {
+    COPPICE_ASSERT(order.size() == s.size() && axis.size() == s.size());
+    COPPICE_ASSERT(std::ranges::max(order) < s.size());
     std::vector<BranchOrder> out(std::ranges::max(order) + 1);
     for (const NodeId n : nodes(s)) {
         BranchOrder& of_order = out[order[n.index()]];
-        if (s.is_root(n) || s.leader(s.parent(n)) != n) ++of_order.branches;
-        if (s.is_root(n)) continue;
+        const std::uint32_t i = n.index(), p = s.is_root(n) ? i : s.parent(n).index();
+        if (i == p || axis[i] != axis[p] || order[i] != order[p]) ++of_order.branches;
+        if (i == p) continue;
         const Frustum cone = frustum(s.segment(n));
         of_order.length += cone.length;
         of_order.volume += cone.volume();

@@ -23,6 +23,12 @@ struct BranchOrder {
 /// What there is of each order of `axis_orders`. O(n).
 std::vector<BranchOrder> branch_orders(const Skeleton& skeleton);
 
+/// The same for orders and axes that are known otherwise. Both have a number for each node; orders are below
+/// the number of nodes, and an axis begins where its number or its order differs from that of the parent.
+/// O(n).
+std::vector<BranchOrder> branch_orders(const Skeleton& skeleton, std::span<const std::uint32_t> order,
+                                       std::span<const std::uint32_t> axis);
+
 /// Per node its order after [Strahler1957]: 1 for a tip; of others the greatest of its children's, and one
 /// more where two have that. O(n).
 std::vector<std::uint32_t> strahler_orders(const Skeleton& skeleton);
