@@ -14,6 +14,7 @@
 #include "coppice/io/file.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/skeleton/reader.h"
+#include "coppice/io/skeleton/stated_orders.h"
 #include "errors.h"
 #include "paths.h"
 
@@ -112,6 +113,42 @@ TEST(SkeletonData, CylindersAddUpToWhatTreeQsmStates) {
     EXPECT_EQ(compared, stated.size());
 }
 
+TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
+    const auto files = files_in("qsm");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    int compared = 0;
+    for (const auto& path : files) {
+        if (path.extension() != ".mat" && path.filename() != "archi_Tree_1_TreeQSM.txt") continue;
+        SCOPED_TRACE(path.filename());
+        const SkeletonFile file = read_skeleton(path);
+        const std::span<const float> axis = file.attribute("axis");
+        const std::set<float> numbers(axis.begin(), axis.end());
+        std::size_t branches = 0;
+        for (const BranchOrder& o : branch_orders(file)) branches += o.branches;
+        EXPECT_EQ(branches, numbers.size());
+        ++compared;
+    }
+    EXPECT_EQ(compared, 6);
+}
+
+TEST(SkeletonData, WithoutParentsCylindersFindThem) {
+    const auto files = files_in("qsm");
+    if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
+    for (const char* name : {"rtwig_QSM.csv", "rtwig_QSM2.csv", "qsm2shade_walnut.cylinders.csv"}) {
+        SCOPED_TRACE(name);
+        const std::string text = read_file(kData / "qsm" / name);
+        const auto known = parse_cylinders(text, name).cylinders;
+        const std::size_t at = text.find("parent");
+        const auto found =
+            parse_cylinders(text.substr(0, at) + "former" + text.substr(at + 6), name).cylinders;
+        ASSERT_EQ(found.size(), known.size());
+        std::size_t same = 0;
+        for (std::size_t i = 0; i < known.size(); ++i) same += found[i].parent == known[i].parent;
+        // Those of SimpleForest and aRchi start where their parents end.
+        EXPECT_GE(same, (std::string_view(name).starts_with("rtwig") ? 1.0 : 0.96) * known.size());
+    }
+}
+
 TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
     const auto files = files_in("qsm");
     if (files.empty()) GTEST_SKIP() << "no data beside the checkout";
@@ -120,7 +157,7 @@ TEST(SkeletonData, MatFilesHoldTheCylindersOfTheirTables) {
         SCOPED_TRACE(path.filename());
         auto table_path = path;
         table_path.replace_extension(".cylinders.csv");
-        const auto table = parse_cylinders(read_file(table_path), table_path.string());
+        const auto table = parse_cylinders(read_file(table_path), table_path.string()).cylinders;
         const auto mat = parse_mat(read_file(path), path.string(), 0).cylinders;
         ASSERT_EQ(mat.size(), table.size());
         for (std::size_t i = 0; i < mat.size(); ++i) {

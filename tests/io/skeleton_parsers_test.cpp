@@ -56,11 +56,8 @@ TEST(Text, CellsWithQuotes) {
     EXPECT_EQ(cells, (std::vector<std::string_view>{"\"open", "x"}));
 }
 
-constexpr const char* kTreeQsmRow =
-    "0.5\t2\t1\t2\t3\t0\t0\t1\t0\t2\t1\t0\t1\t0.001\t0.9\t0\t0.5\t\n0."
-    "25\t1\t1\t2\t5\t1\t0\t0\t1\t0\t1\t0\t2\t0.001\t0.9\t0\t0.25\n";
-
-void expect_two_cylinders(const std::vector<RawCylinder>& c) {
+void expect_two_cylinders(const RawCylinders& read) {
+    const std::vector<RawCylinder>& c = read.cylinders;
     ASSERT_EQ(c.size(), 2u);
     EXPECT_EQ(c[0].parent, -1);
     EXPECT_EQ(c[0].start, Vec3d(1, 2, 3));
@@ -70,92 +67,6 @@ void expect_two_cylinders(const std::vector<RawCylinder>& c) {
     EXPECT_EQ(c[1].start, Vec3d(1, 2, 5));
     EXPECT_EQ(c[1].end, Vec3d(2, 2, 5));
     EXPECT_EQ(c[1].radius, 0.25);
-}
-
-TEST(CylinderTable, TreeQsmWithThirteenNamesForSeventeenColumns) {
-    const std::string head =
-        "radius (m)\tlength (m)\tstart_point\taxis_direction\tparent\textension\tbranch\tbranch_order\t"
-        "position_in_branch\tmad\tSurfCov\tadded\tUnmodRadius (m)\n";
-    expect_two_cylinders(parse_cylinders(head + kTreeQsmRow, "t.txt"));
-}
-
-TEST(CylinderTable, TreeQsmWithoutHeader) {
-    expect_two_cylinders(parse_cylinders(kTreeQsmRow, "t.txt"));
-    expect_two_cylinders(parse_cylinders(
-        "0.5 2 1 2 3 0 0 1 0 2 0 .5 1 0 1\r\n0.25 1 1 2 5 1 0 0 1 0 0 .25 1 0 2\r\n", "t.txt"));
-}
-
-TEST(CylinderTable, SimpleForestInAnyOrderAndCase) {
-    expect_two_cylinders(parse_cylinders(
-        " id, PARENTID, startX, startY, startZ, endX, endY, endZ, radius, length, growthLength\n"
-        "0,-1,1,2,3,1,2,5,0.5,2,3\n1,0,1,2,5,2,2,5,0.25,1,1\n",
-        "t.csv"));
-    expect_two_cylinders(
-        parse_cylinders("radius;endz;endy;endx;startz;starty;startx;parentid;id\n0,5;5;2;1;3;2;1;-1;0\n0,25;"
-                        "5;2;2;5;2;1;0;1\n",
-                        "t.csv"));
-}
-
-TEST(CylinderTable, ArchiArborAndTreegraphNames) {
-    expect_two_cylinders(parse_cylinders(
-        "startX,startY,startZ,endX,endY,endZ,cyl_ID,parent_ID,extension_ID,radius_cyl,length\n"
-        "1,2,3,1,2,5,1,0,2,0.5,2\n1,2,5,2,2,5,2,1,0,0.25,1\n",
-        "t.csv"));
-    expect_two_cylinders(
-        parse_cylinders("startX,startY,startZ,endX,endY,endZ,cyl_ID,parent_ID,axis_ID,branch_order,dist_to_"
-                        "root,subtree_length,radius,quality\n"
-                        "1,2,3,1,2,5,4,NA,1,0,0,3,0.5,1\n1,2,5,2,2,5,9,4,1,0,2,1,0.25,1\n",
-                        "t.csv"));
-    expect_two_cylinders(parse_cylinders(
-        "p1,p2,sx,sy,sz,ax,ay,az,radius,length,nbranch\n0,-1,1,2,3,0,0,1,0.5,2,0\n1,0,1,2,5,1,0,0,0.25,1,0\n",
-        "t.csv"));
-}
-
-TEST(CylinderTable, RowsWithMoreValuesThanColumnsAreRefused) {
-    // 0,1,1,5,... would be read as a start at 1, 5 where it is at 1.5.
-    EXPECT_EQ(
-        error_of<InvalidInput>([] {
-            parse_cylinders(
-                "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
-                "1,0,1,5,0,0,0,0,1,0,0,1\n",
-                "t.csv");
-        }),
-        "t.csv:2: the row has 12 values for 9 columns; if commas stand for decimal points, write them as "
-        "points, or separate the columns by semicolons");
-}
-
-TEST(CylinderTable, QuotedNamesAndRowNamesOfR) {
-    expect_two_cylinders(
-        parse_cylinders("\"startX\",\"startY\",\"startZ\",\"endX\",\"endY\",\"endZ\",\"cyl_ID\",\"parent_"
-                        "ID\",\"radius_cyl\"\n"
-                        "\"1\",1,2,3,1,2,5,1,0,0.5\n\"2\",1,2,5,2,2,5,2,1,0.25\n",
-                        "t.csv"));
-}
-
-TEST(CylinderTable, ErrorsNameWhatIsMissing) {
-    const auto error = [](const std::string& text) {
-        return error_of<InvalidInput>([&] { parse_cylinders(text, "t.csv"); });
-    };
-    EXPECT_EQ(error("ID,parentID,startX,startY,startZ,endX,endY,endZ\n"),
-              "t.csv:1: no column of the header gives the radius ('radius'); see docs/user/formats.md for "
-              "the names");
-    EXPECT_EQ(error("# c\nradius,parent,startX,startY,startZ,length\n"),
-              "t.csv:2: no column of the header gives the end ('endX', 'endY', 'endZ', or 'axis_x', "
-              "'axis_y', 'axis_z' "
-              "and 'length'); see docs/user/formats.md for the names");
-    const std::string head = "parent,radius,startX,startY,startZ,endX,endY,endZ\n";
-    EXPECT_EQ(error(head + "0,1,1,2,3,1,2\n"), "t.csv:2: the row has 7 values, but the end is column 8");
-    EXPECT_EQ(error(head + "0,abc,1,2,3,1,2,3\n"),
-              "t.csv:2: 'abc' is not a number; column 2 should be the radius");
-    EXPECT_EQ(error(head + "0.5,1,1,2,3,1,2,3\n"),
-              "t.csv:2: '0.5' is not a whole number; column 1 should be the parent");
-    EXPECT_EQ(error("1 2 3\n"),
-              "t.csv:1: no header names the columns, and there are too few for TreeQSM's order: radius "
-              "length start(3) "
-              "axis(3) parent extension");
-    EXPECT_EQ(error("1 2 3 4 5 6 7 8 9 10\n"),
-              "t.csv:1: no header names the columns, and columns 6 to 8 are no axis of length 1 as in "
-              "TreeQSM's order");
 }
 
 TEST(Raycloud, SeveralTreesWithAttributes) {
@@ -386,8 +297,8 @@ class MatWriter {
     mat_t* file_;
 };
 
-std::vector<RawCylinder> read_mat(const std::filesystem::path& path, int model) {
-    return parse_mat(read_file(path), path.string(), model).cylinders;
+RawCylinders read_mat(const std::filesystem::path& path, int model) {
+    return parse_mat(read_file(path), path.string(), model);
 }
 
 TEST(Mat, StructOfColumns) {
@@ -420,9 +331,9 @@ TEST(Mat, SeveralModelsAskWhich) {
     const auto path = writer.close();
     EXPECT_EQ(error_of<InvalidInput>([&] { read_mat(path, 0); }),
               path.string() + ": holds 3 models; choose one with the option model, 1 to 3");
-    EXPECT_EQ(read_mat(path, 1)[0].start.x, 8);
+    EXPECT_EQ(read_mat(path, 1).cylinders[0].start.x, 8);
     expect_two_cylinders(read_mat(path, 2));
-    EXPECT_EQ(read_mat(path, 3)[0].start.x, 10);
+    EXPECT_EQ(read_mat(path, 3).cylinders[0].start.x, 10);
 }
 
 TEST(Mat, VariablesOfTheOldLayout) {
@@ -531,13 +442,11 @@ class RawMat {
 TEST(Mat, BothByteOrders) {
     for (const bool big_endian : {false, true}) {
         const RawMat mat(big_endian);
-        expect_two_cylinders(
-            parse_mat(
-                mat.with(mat.doubles("Rad", 2, 1, {0.5, 0.25}) + mat.doubles("Len", 2, 1, {2, 1}) +
-                         mat.doubles("Sta", 2, 3, {1, 1, 2, 2, 3, 5}) +
-                         mat.doubles("Axe", 2, 3, {0, 1, 0, 0, 1, 0}) + mat.doubles("CPar", 2, 1, {0, 1})),
-                "t.mat", 0)
-                .cylinders);
+        expect_two_cylinders(parse_mat(
+            mat.with(mat.doubles("Rad", 2, 1, {0.5, 0.25}) + mat.doubles("Len", 2, 1, {2, 1}) +
+                     mat.doubles("Sta", 2, 3, {1, 1, 2, 2, 3, 5}) +
+                     mat.doubles("Axe", 2, 3, {0, 1, 0, 0, 1, 0}) + mat.doubles("CPar", 2, 1, {0, 1})),
+            "t.mat", 0));
     }
 }
 

@@ -104,6 +104,27 @@ TEST(SkeletonWriter, CylindersHaveTheVolumeOfTheirSegments) {
     EXPECT_EQ(file.skeleton.tree_count(), 1u);
 }
 
+TEST(SkeletonWriter, CylindersKeepTheOrdersAxesAndTreesOfTheirNodes) {
+    const std::uint32_t count = fork().size();
+    const std::vector<NodeAttribute> known{{"order", std::vector<float>(count, 3)},
+                                           {"axis", std::vector<float>(count, 9)},
+                                           {"tree", std::vector<float>(count, 17)}};
+    const std::string text = encode_skeleton(fork(), {SkeletonFormat::cylinders}, known);
+    EXPECT_NE(text.find(",parentSegmentID,treeID\n"), std::string::npos);
+    EXPECT_NE(text.find(",3,9,0,-1,17\n"), std::string::npos);
+    const SkeletonFile back = parse_skeleton(text, "t.csv");
+    EXPECT_EQ(back.skeleton.tree_count(), 1u);
+    for (const NodeAttribute& a : known) {
+        const auto read = back.attribute(a.name);
+        EXPECT_EQ(std::vector<float>(read.begin(), read.end()),
+                  std::vector<float>(back.skeleton.size(), a.values[0]));
+    }
+    // Halves are no orders.
+    const std::vector<NodeAttribute> halves{{"order", std::vector<float>(count, 0.5f)}};
+    EXPECT_EQ(encode_skeleton(fork(), {SkeletonFormat::cylinders}, halves),
+              encode_skeleton(fork(), {SkeletonFormat::cylinders}));
+}
+
 TEST(SkeletonWriter, FilesAreNamedByTheirEnding) {
     const std::filesystem::path folder(testing::TempDir());
     for (const char* name : {"w.swc", "w.JSON", "w.obj", "w.ply", "w.rsml", "w.mtg"}) {

@@ -8,6 +8,7 @@
 
 #include "coppice/base/ascii.h"
 #include "coppice/io/ply_header.h"
+#include "coppice/io/skeleton/cylinders/columns_internal.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -87,11 +88,14 @@ bool are_swc_rows(std::string_view content) {
     return rows.are_linked();
 }
 
-/// A row of TreeQSM's table: radius, length, start, axis of length 1, parent, extension.
-bool is_treeqsm_row(const std::vector<double>& row) {
-    if (row.size() < kLeastHeaderlessColumns || !(row[0] > 0) || !(row[1] >= 0)) return false;
-    const double axis = std::hypot(row[5], row[6], row[7]);
-    return std::abs(axis - 1) < 0.05 && std::trunc(row[8]) == row[8] && std::trunc(row[9]) == row[9];
+/// Whether a table of cylinders comes behind lines of something else, titles or another table, the first of
+/// which begins with a word.
+bool holds_cylinders(std::string_view content) {
+    constexpr std::uint32_t kLines = 5000;
+    LineReader lines(content);
+    while (lines.number() < kLines && lines.next())
+        if (begins_cylinders(lines.line())) return true;
+    return false;
 }
 
 /// The format of a text by its first line that is neither empty nor a comment, and those after it where it
@@ -110,6 +114,7 @@ std::optional<SkeletonFormat> format_of_lines(std::string_view line, std::string
     if (first.starts_with("CODE") && line.find("FORM-") != line.npos) return SkeletonFormat::mtg;
     if (is_raycloud_header(line)) return SkeletonFormat::raycloud;
     if (is_cylinder_header(line) || is_treeqsm_row(numbers_of(line, true))) return SkeletonFormat::cylinders;
+    if (!parse_number(first) && holds_cylinders(content)) return SkeletonFormat::cylinders;
     return std::nullopt;
 }
 

@@ -19,7 +19,7 @@ enum class SkeletonFormat {
     ply,        ///< PLY with vertices and edges, as AdTree writes it
     gel,        ///< GEL's graph: nodes and connections without radii; read only
     obj,        ///< OBJ with line elements
-    json,       ///< Coppice's own
+    json,       ///< Coppice's own; treegraph's is read
     rsml,       ///< RSML: the root systems of RootSystemML
     mtg         ///< MTG: OpenAlea's multi-scale tree graphs
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,13 +37,32 @@ inline constexpr std::string_view kSwcType = "type";
 inline constexpr std::string_view kSwcId = "id";
 inline constexpr std::uint32_t kMaxSwcId = std::uint32_t{1} << 24;
 
-/// A table with a header naming its columns, or without one in TreeQSM's order.
-std::vector<RawCylinder> parse_cylinders(std::string_view text, const std::string& source,
-                                         const Context& ctx = {});
-bool is_cylinder_header(std::string_view line);
+/// Attributes with the order of the axis that a node lies on, the number of that axis, and that of the tree.
+inline constexpr std::string_view kOrderOfNode = "order";
+inline constexpr std::string_view kAxisOfNode = "axis";
+inline constexpr std::string_view kTreeOfNode = "tree";
 
-/// A table without a header needs radius, length, start, axis, parent and extension.
-inline constexpr std::size_t kLeastHeaderlessColumns = 10;
+struct RawCylinders {
+    std::vector<RawCylinder> cylinders;
+    std::vector<RawAttribute> attributes;  ///< numbers of cylinders
+    std::vector<std::string> notes;        ///< see SkeletonFile::notes
+    std::size_t models = 1;                ///< how many the file holds
+};
+
+/// Tables with headers naming their columns, or without in TreeQSM's order; other lines are passed over. Each
+/// table is a model: number `model`, from 1, is read, and 0 takes the only one. Throws InvalidInput saying
+/// how many there are when `model` names none of them.
+RawCylinders parse_cylinders(std::string_view text, const std::string& source, int model = 0,
+                             const Context& ctx = {});
+/// The same of the structs in a TreeQSM .mat file.
+RawCylinders parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx = {});
+bool is_cylinder_header(std::string_view line);
+/// Whether it is the first line of a table that parse_cylinders() finds behind others.
+bool begins_cylinders(std::string_view line);
+
+/// The table of cylinders in the JSON of treegraph; none where the text is no such file.
+std::optional<RawCylinders> parse_treegraph(std::string_view text, const std::string& source,
+                                            const Context& ctx = {});
 
 std::vector<RawNode> parse_raycloud(std::string_view text, const std::string& source,
                                     const Context& ctx = {});
@@ -89,14 +109,5 @@ struct Forest {
 /// part is rooted at its thickest end, or its lowest when there are no radii, and searched by breadth, so
 /// that a loop is cut far from the root. Throws InvalidInput for positions that are not finite. O(n log n).
 Forest forest_of(const EdgeGraph& graph, const std::string& source);
-
-struct MatModel {
-    std::vector<RawCylinder> cylinders;
-    std::size_t models = 1;  ///< how many the file holds
-};
-
-/// Model number `model`, from 1, of a TreeQSM .mat file; 0 takes the only one. Throws InvalidInput saying how
-/// many models there are when `model` names none of them.
-MatModel parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx = {});
 
 }  // namespace coppice

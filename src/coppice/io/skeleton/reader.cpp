@@ -138,7 +138,7 @@ class Reading {
             case SkeletonFormat::swc:
                 return finish(parse_swc(text, source_, ctx_));
             case SkeletonFormat::cylinders:
-                return finish(parse_cylinders(text, source_, ctx_));
+                return finish(parse_cylinders(text, source_, options_.model, ctx_));
             case SkeletonFormat::raycloud:
                 return finish(parse_raycloud(text, source_, ctx_));
             case SkeletonFormat::ply:
@@ -148,6 +148,8 @@ class Reading {
             case SkeletonFormat::obj:
                 return finish(parse_obj_lines(text, source_, ctx_));
             case SkeletonFormat::json:
+                if (auto cylinders = parse_treegraph(text, source_, ctx_))
+                    return finish(*std::move(cylinders));
                 return finish(parse_skeleton_json(text, source_, ctx_));
             case SkeletonFormat::rsml:
                 return finish(parse_rsml(text, source_, ctx_));
@@ -162,21 +164,19 @@ class Reading {
     }
 
   private:
-    SkeletonFile finish(std::vector<RawCylinder> cylinders) {
-        for (RawCylinder& c : cylinders) {
+    SkeletonFile finish(RawCylinders raw) {
+        notes_ = std::move(raw.notes);
+        models_ = raw.models;
+        for (RawCylinder& c : raw.cylinders) {
             c.start = placed(c.start);
             c.end = placed(c.end);
             c.radius *= scale_;
         }
-        fill_radii(cylinders);
-        SkeletonFile file = file_of(repaired(cylinders));
-        file.declared = totals_of(cylinders);
-        return file;
-    }
-
-    SkeletonFile finish(MatModel model) {
-        SkeletonFile file = finish(std::move(model.cylinders));
-        file.models = model.models;
+        fill_radii(raw.cylinders);
+        RepairResult result = repaired(raw.cylinders);
+        auto attributes = kept_attributes(raw.attributes, result.source);
+        SkeletonFile file = file_of(std::move(result), std::move(attributes));
+        file.declared = totals_of(raw.cylinders);
         return file;
     }
 
@@ -242,7 +242,7 @@ class Reading {
 
     template <class Raw>
     RepairResult repaired(const std::vector<Raw>& items) const {
-        if (options_.model > 1 && format_ != SkeletonFormat::mat) {
+        if (options_.model > 1 && models_ == 1) {
             throw InvalidInput(
                 fmt::format("{}: there is no model {}; the file holds 1", source_, options_.model));
         }
@@ -258,7 +258,7 @@ class Reading {
                 std::move(notes_),
                 std::move(attributes),
                 std::nullopt,
-                1};
+                models_};
     }
 
     SkeletonFormat format_;
@@ -267,6 +267,7 @@ class Reading {
     const Context& ctx_;
     double scale_;
     LengthUnit units_ = LengthUnit::automatic;
+    std::size_t models_ = 1;
     std::vector<std::string> notes_;
 };
 

@@ -68,9 +68,9 @@ struct SkeletonFile {
     std::string format;                ///< name of the SkeletonFormat it was read as
     LengthUnit units = LengthUnit::m;  ///< what all lengths here are in; never automatic
     std::vector<std::string> notes;    ///< what else the user should know, one sentence each
-    /// What JSON, PLY, RSML and MTG, and SWC as `type`, say of each node besides, where that is a finite
-    /// number and well named (see is_attribute_name()). Of SWC also the ids, as `id`, unless they are 1, 2, 3
-    /// and so on, or not all from 1 to 2^24.
+    /// What JSON, PLY, RSML and MTG, SWC as `type`, and cylinders as `order`, `axis` and `tree`, say of each
+    /// node besides, where that is a finite number and well named (see is_attribute_name()). Of SWC also the
+    /// ids, as `id`, unless they are 1, 2, 3 and so on, or not all from 1 to 2^24.
     std::vector<NodeAttribute> attributes;
     std::optional<CylinderTotals> declared = std::nullopt;  ///< of files of cylinders
     std::size_t models = 1;                                 ///< how many the file holds, this one included

@@ -19,14 +19,14 @@ namespace coppice {
 
 namespace {
 
-/// The types of the nodes for SWC, where they are all whole numbers from 0 on; else none.
-std::span<const float> swc_types(std::span<const NodeAttribute> attributes) {
+/// An attribute whose values are all whole numbers from 0 on; else none.
+std::span<const float> whole_numbers(std::span<const NodeAttribute> attributes, std::string_view name) {
     constexpr float kMostExact = 1 << 24;
-    const auto found = std::ranges::find(attributes, kSwcType, &NodeAttribute::name);
+    const auto found = std::ranges::find(attributes, name, &NodeAttribute::name);
     if (found == attributes.end()) return {};
-    const auto is_type = [](float t) { return t >= 0 && t <= kMostExact && t == std::trunc(t); };
-    return std::ranges::all_of(found->values, is_type) ? std::span<const float>(found->values)
-                                                       : std::span<const float>{};
+    const auto is_whole = [](float v) { return v >= 0 && v <= kMostExact && v == std::trunc(v); };
+    return std::ranges::all_of(found->values, is_whole) ? std::span<const float>(found->values)
+                                                        : std::span<const float>{};
 }
 
 /// The ids of the nodes for SWC: those of the attribute `id`, and from the largest of these on for nodes that
@@ -59,7 +59,7 @@ std::string_view unit_name(LengthUnit units) {
 
 std::string encode_swc(const Skeleton& s, LengthUnit units, std::span<const NodeAttribute> attributes,
                        const Context& ctx) {
-    const std::span<const float> types = swc_types(attributes);
+    const std::span<const float> types = whole_numbers(attributes, kSwcType);
     const std::vector<std::uint32_t> ids = swc_ids(s, attributes);
     Encoder out(s, ctx);
     out.add(FMT_COMPILE("# SWC written by Coppice; units: {}\n# id type x y z radius parent\n"),
@@ -177,12 +177,15 @@ std::string encode_ply(const Skeleton& s, const WriteSkeletonOptions& options,
 /// What a cylinder list says of the place of a cylinder in its tree.
 struct CylinderPlace {
     std::int64_t id = -1;       ///< -1 for roots, which have no cylinder
-    std::uint32_t order = 0;    ///< how many times the way from the root left the thickest child
+    std::uint32_t order = 0;    ///< of its axis; else how often the way from the root left the thickest child
     std::int64_t branch = -1;   ///< axis of cylinders that follow the thickest child
     std::int64_t segment = -1;  ///< run of cylinders between two forks
 };
 
-std::vector<CylinderPlace> cylinder_places(const Skeleton& s) {
+/// Orders and axes are those of the attributes `order` and `axis`, where all are whole numbers.
+std::vector<CylinderPlace> cylinder_places(const Skeleton& s, std::span<const NodeAttribute> attributes) {
+    const std::span<const float> orders = whole_numbers(attributes, kOrderOfNode);
+    const std::span<const float> axes = whole_numbers(attributes, kAxisOfNode);
     std::vector<CylinderPlace> place(s.size());
     std::int64_t cylinders = 0, branches = 0, segments = 0;
     for (const NodeId n : nodes(s)) {
@@ -196,19 +199,25 @@ std::vector<CylinderPlace> cylinder_places(const Skeleton& s) {
         here.branch = leads && below.branch >= 0 ? below.branch : branches++;
         here.segment = s.children(parent).size() == 1 && below.segment >= 0 ? below.segment : segments++;
     }
+    for (const NodeId n : nodes(s)) {
+        if (!orders.empty()) place[n.index()].order = static_cast<std::uint32_t>(orders[n.index()]);
+        if (!axes.empty()) place[n.index()].branch = static_cast<std::int64_t>(axes[n.index()]);
+    }
     return place;
 }
 
-std::string encode_cylinders(const Skeleton& s, const Context& ctx) {
+std::string encode_cylinders(const Skeleton& s, std::span<const NodeAttribute> attributes,
+                             const Context& ctx) {
     if (s.size() == s.tree_count()) {
         throw Unsupported(
             "the skeleton has no segments, so there are no cylinders to write; choose another format");
     }
-    const std::vector<CylinderPlace> place = cylinder_places(s);
+    const std::vector<CylinderPlace> place = cylinder_places(s, attributes);
+    const std::span<const float> trees = whole_numbers(attributes, kTreeOfNode);
     Encoder out(s, ctx);
-    out.add(FMT_COMPILE(
-        "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,length,branchOrder,branchID,segmentID,"
-        "parentSegmentID\n"));
+    out.add(FMT_COMPILE("ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,length,branchOrder,branchID,"
+                        "segmentID,parentSegmentID{}\n"),
+            trees.empty() ? "" : ",treeID");
     for (const NodeId n : nodes(s)) {
         if (s.is_root(n)) continue;
         const CylinderPlace &here = place[n.index()], &below = place[s.parent(n).index()];
@@ -218,9 +227,10 @@ std::string encode_cylinders(const Skeleton& s, const Context& ctx) {
         out.add_position(s.parent(n), ',');
         out.add(FMT_COMPILE(","));
         out.add_position(n, ',');
-        out.add(FMT_COMPILE(",{},{},{},{},{},{}\n"),
-                static_cast<float>(std::sqrt((a * a + a * b + b * b) / 3)), distance(segment.a, segment.b),
-                here.order, here.branch, here.segment, below.segment);
+        out.add(FMT_COMPILE(",{},{},{},{},{},{}"), static_cast<float>(std::sqrt((a * a + a * b + b * b) / 3)),
+                distance(segment.a, segment.b), here.order, here.branch, here.segment, below.segment);
+        if (!trees.empty()) out.add(FMT_COMPILE(",{}"), trees[n.index()]);
+        out.add(FMT_COMPILE("\n"));
     }
     return out.text();
 }
@@ -249,7 +259,7 @@ std::string encode_skeleton(const Skeleton& skeleton, const WriteSkeletonOptions
         case SkeletonFormat::swc:
             return encode_swc(skeleton, options.units, attributes, ctx);
         case SkeletonFormat::cylinders:
-            return encode_cylinders(skeleton, ctx);
+            return encode_cylinders(skeleton, attributes, ctx);
         case SkeletonFormat::ply:
             return encode_ply(skeleton, options, attributes, ctx);
         case SkeletonFormat::obj:

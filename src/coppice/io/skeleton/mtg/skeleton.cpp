@@ -116,7 +116,7 @@ void add_orders(const Document& document, const std::vector<Nodes::Node>& nodes,
         order[v] = order[vertex.before] + (branches ? 1 : 0);
         axis[v] = branches || vertex.before == 0 ? axes++ : axis[vertex.before];
     }
-    RawAttribute orders{"order", {}}, axis_numbers{"axis", {}};
+    RawAttribute orders{std::string(kOrderOfNode), {}}, axis_numbers{std::string(kAxisOfNode), {}};
     for (const Nodes::Node& n : nodes) {
         orders.values.push_back(order[n.vertex]);
         axis_numbers.values.push_back(axis[n.vertex]);

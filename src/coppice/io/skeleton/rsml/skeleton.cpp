@@ -176,8 +176,8 @@ class SkeletonBuilder {
         for (std::size_t i = 0; i < quantities_.names.size(); ++i) {
             raw_.attributes.push_back({quantities_.names[i], std::move(values_[i])});
         }
-        raw_.attributes.push_back({"order", std::move(order_)});
-        raw_.attributes.push_back({"axis", std::move(axis_)});
+        raw_.attributes.push_back({std::string(kOrderOfNode), std::move(order_)});
+        raw_.attributes.push_back({std::string(kAxisOfNode), std::move(axis_)});
         return std::move(raw_);
     }
 

@@ -7,7 +7,8 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/skeleton/mat_file_internal.h"
+#include "coppice/io/skeleton/cylinders/mat_file_internal.h"
+#include "coppice/io/skeleton/cylinders/models_internal.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/text_internal.h"
 
@@ -16,14 +17,25 @@ namespace coppice {
 namespace {
 
 /// Names that versions of TreeQSM gave to the columns of the cylinder table, as `plain_name` writes them.
-enum Field { kRadius, kLength, kStart, kAxis, kParent, kFieldCount };
+/// From kBranch on they may be missing; the last has branch, its order and the place in it.
+enum Field { kRadius, kLength, kStart, kAxis, kParent, kBranch, kOrder, kRanks, kFieldCount };
 constexpr std::array<std::array<std::string_view, 2>, kFieldCount> kFieldNames{
-    {{"radius", "rad"}, {"length", "len"}, {"start", "sta"}, {"axis", "axe"}, {"parent", "cpar"}}};
+    {{"radius", "rad"},
+     {"length", "len"},
+     {"start", "sta"},
+     {"axis", "axe"},
+     {"parent", "cpar"},
+     {"branch", "branch"},
+     {"branchorder", "branchorder"},
+     {"boc", "boc"}}};
 
 /// The columns of one table of cylinders; null where a column is missing.
 using Table = std::array<const MatArray*, kFieldCount>;
 
-bool is_complete(const Table& table) { return std::find(table.begin(), table.end(), nullptr) == table.end(); }
+bool is_complete(const Table& table) {
+    return std::ranges::all_of(std::span(table).first(kBranch),
+                               [](const MatArray* column) { return column != nullptr; });
+}
 
 /// The arrays among `arrays` that are named as columns of cylinders.
 Table table_of(std::span<const MatArray> arrays) {
@@ -63,20 +75,37 @@ bool is_trees_toolbox(const MatArray& array) {
 class CylinderReader {
   public:
     CylinderReader(const Table& table, const std::string& source) : source_(source) {
-        for (std::size_t f = 0; f < kFieldCount; ++f) {
+        for (std::size_t f = 0; f < kBranch; ++f) {
             std::optional<std::vector<double>> numbers = table[f]->numbers();
             if (!numbers)
                 fail(fmt::format("the column '{}' of the cylinders is not an array of numbers",
                                  kFieldNames[f][0]));
             column_[f] = std::move(*numbers);
         }
-        for (std::size_t f = 0; f < kFieldCount; ++f) {
+        for (std::size_t f = 0; f < kBranch; ++f) {
             const bool point = f == kStart || f == kAxis;
             if (column_[f].size() != (point ? 3 : 1) * count() || (point && table[f]->dims[0] != count())) {
                 fail(fmt::format("there are {} radii, but the column '{}' has another shape", count(),
                                  kFieldNames[f][0]));
             }
         }
+        for (std::size_t f = kBranch; f < kFieldCount; ++f)
+            if (table[f]) column_[f] = table[f]->numbers().value_or(std::vector<double>{});
+    }
+
+    /// Orders and branches, where the file has them for all.
+    std::vector<RawAttribute> attributes() const {
+        std::vector<RawAttribute> out;
+        const std::span<const double> ranks(column_[kRanks]);
+        const bool has_ranks = ranks.size() == 3 * count();
+        const auto add = [&](std::string_view name, std::span<const double> own, std::size_t rank) {
+            const auto values =
+                own.size() == count() || !has_ranks ? own : ranks.subspan(rank * count(), count());
+            if (values.size() == count()) out.push_back({std::string(name), {values.begin(), values.end()}});
+        };
+        add(kOrderOfNode, column_[kOrder], 1);
+        add(kAxisOfNode, column_[kBranch], 0);
+        return out;
     }
 
     std::vector<RawCylinder> cylinders() const {
@@ -118,35 +147,26 @@ class CylinderReader {
 
 }  // namespace
 
-MatModel parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx) {
+RawCylinders parse_mat(std::string_view bytes, const std::string& source, int model, const Context& ctx) {
     const MatFile file(bytes, source, ctx);
     std::vector<Table> models;
     if (const Table loose = table_of(file.variables()); is_complete(loose)) models.push_back(loose);
     for (const MatArray& variable : file.variables()) collect(variable, models);
 
-    const auto fail = [&](const std::string& text) {
-        throw InvalidInput(fmt::format("{}: {}", source, text));
-    };
-    const std::size_t count = models.size();
-    if (count == 0 && std::ranges::any_of(file.variables(), is_trees_toolbox)) {
+    if (models.empty() && std::ranges::any_of(file.variables(), is_trees_toolbox)) {
         throw Unsupported(fmt::format(
             "{}: it is a tree of the TREES toolbox, which is not read; save it there as SWC: swc_tree(tree, "
             "'TREE.swc')",
             source));
     }
-    if (count == 0) {
-        fail(
-            "no cylinders in it: expected TreeQSM's 'QSM.cylinder' with radius, length, start, axis and "
-            "parent, or the "
-            "variables Rad, Len, Sta, Axe and CPar");
+    if (models.empty()) {
+        throw InvalidInput(fmt::format(
+            "{}: no cylinders in it: expected TreeQSM's 'QSM.cylinder' with radius, length, start, axis and "
+            "parent, or the variables Rad, Len, Sta, Axe and CPar",
+            source));
     }
-    if (model == 0 && count > 1)
-        fail(fmt::format("holds {} models; choose one with the option model, 1 to {}", count, count));
-    if (model < 0 || static_cast<std::size_t>(model) > count) {
-        fail(fmt::format("there is no model {}; the file holds {}", model, count));
-    }
-    const Table& chosen = models[model == 0 ? 0 : static_cast<std::size_t>(model) - 1];
-    return {CylinderReader(chosen, source).cylinders(), count};
+    const CylinderReader reader(models[chosen_model(models.size(), model, source)], source);
+    return {reader.cylinders(), reader.attributes(), {}, models.size()};
 }
 
 }  // namespace coppice

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
-#include "coppice/io/skeleton/mat_file_internal.h"
+#include "coppice/io/skeleton/cylinders/mat_file_internal.h"
 
 namespace coppice {
 
