@@ -156,6 +156,19 @@ add("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n1 2 3\n")
 add("long.xyz", "0 0 0\n500 1 2\n9 0 0\n")
 add("gap.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius\n"
     "1,0,0,0,0,0,0,1,0.1\n2,1,0,0,1.5,0,0,2,0.1\n")
+# A tree of 8 m with a branch, and two pieces of its crown that no cylinder joins to it.
+add("crumbs.csv", "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,branchOrder,branchID\n"
+    "1,0,0,0,0,0,0,4,0.1,0,1\n2,1,0,0,4,0,0,8,0.08,0,1\n3,1,0,0,4,3,0,5,0.03,1,2\n"
+    "4,0,3.5,0,5,4,0,5.2,0.02,2,3\n5,0,0,1,6,0,2,6.5,0.02,2,4\n")
+# Two trees of one table that numbers the cylinders of each, and says nothing of parents.
+add("pair.csv", "treeID;startX;startY;startZ;endX;endY;endZ;Diameter (cm)\n"
+    "A1;0;0;0;0;0;3;20\nB2;9;0;0;9;0;3;30\nA1;0;0;3;0;1;6;10,5\nB2;9;0;3;9;1;5;20\n")
+add("blocks.txt", "radius (m)\tlength (m)\tstart_point\taxis_direction\tparent\textension\tbranch\tbranch_order\n"
+    "0.1\t2\t0\t0\t0\t0\t0\t1\t0\t2\t1\t0\n0.1\t1\t0\t0\t2\t0\t0\t1\t1\t0\t1\t0\n"
+    "order\tparent\tdiameter (m)\tvolume (L)\n0\t0\t0.2\t94\nTotalVolume\t94.2\nDBHqsm\t0.2\n")
+add("treegraph.json", json.dumps({"name": "oak", "cyls": json.dumps({name: dict(enumerate(column)) for name, column in {
+    "p1": [1, 2], "p2": [0, 1], "sx": [0, 0], "sy": [0, 0], "sz": [2, 3], "ax": [0, 0], "ay": [0, 0], "az": [-1, -1],
+    "radius": [0.1, 0.1], "length": [2, 1], "nbranch": [0, 0], "is_tip": [False, True]}.items()})}))
 add("two.xyz", "0 0 0\n0 0 1\n")
 las = bytearray(227)
 las[0:4], las[24:26], las[94:96], las[96:100] = b"LASF", b"\x01\x02", b"\xe3\x00", b"\xe3\x00\x00\x00"

@@ -9,6 +9,7 @@
 #include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/stem/stem_form.h"
+#include "coppice/io/skeleton/stated_orders.h"
 #include "coppice/skeleton/architecture.h"
 #include "files.h"
 #include "options.h"
@@ -67,8 +68,9 @@ void add_taper(ChartSeries& series, std::span<const StemForm> forms) {
 double shown(const auto& part, ChartOf of) { return of == ChartOf::length ? part.length : part.volume; }
 
 /// What the chart shows of one skeleton.
-void add_values(ChartSeries& series, const Skeleton& s, ChartKind kind, std::span<const double> limits,
+void add_values(ChartSeries& series, const SkeletonFile& file, ChartKind kind, std::span<const double> limits,
                 const ChartFlags& flags) {
+    const Skeleton& s = file.skeleton;
     const auto add = [&](double y) {
         series.values.emplace_back(static_cast<double>(series.values.size()), y);
     };
@@ -76,7 +78,7 @@ void add_values(ChartSeries& series, const Skeleton& s, ChartKind kind, std::spa
         case ChartKind::taper:
             return add_taper(series, stem_forms(s));
         case ChartKind::orders:
-            for (const BranchOrder& o : branch_orders(s)) add(shown(o, flags.of));
+            for (const BranchOrder& o : branch_orders(file)) add(shown(o, flags.of));
             return;
         case ChartKind::diameters:
             for (const DiameterClass& c : diameter_classes(s, limits)) add(shown(c, flags.of));
@@ -140,7 +142,7 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
         } else {
             const SkeletonFile file = load_skeleton(run, path, flags.read);
             of_file = file.units;
-            add_values(series, file.skeleton, kind, limits, flags);
+            add_values(series, file, kind, limits, flags);
         }
         if (unit && *unit != of_file)
             throw UsageError(fmt::format("'{}' is in {}, but the files before it in {}; say --units for all",

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <utility>
 
 #include "command.h"
+#include "coppice/extract/stem/loose_parts.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
@@ -240,6 +242,20 @@ std::vector<Figures> describe_trees(const Skeleton& s, const TimberFlags& flags)
     return out;
 }
 
+/// What hangs loose beside the trees, if there is anything.
+void add_loose_parts(Figures& out, const LooseParts& parts) {
+    if (parts.loose.empty()) return;
+    out["loose_parts"] = parts.loose.size();
+    out["loose_length_percent"] = 100 * parts.share;
+    Figure& notes = out["notes"];
+    if (!std::holds_alternative<Figure::List>(notes.value)) notes = Figure::List();
+    std::get<Figure::List>(notes.value)
+        .emplace_back(
+            fmt::format("{} of its {} connected parts are short and do not stand on the ground: they are not "
+                        "taken for trees",
+                        parts.loose.size(), parts.loose.size() + parts.trees.size()));
+}
+
 /// With --forestry; of a mesh no stem can be told.
 ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
     if (kind == FileKind::mesh) {
@@ -265,7 +281,11 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
                             flags.file.string(), name_of(file.units)));
         }
         text = run.stage("measure", [&](const Context& ctx) {
-            return forestry(describe(file, ctx), describe_trees(file.skeleton, flags.timber), flags.json);
+            const LooseParts parts = find_loose_parts(file.skeleton);
+            Figures figures = describe(file, ctx);
+            add_loose_parts(figures, parts);
+            return forestry(std::move(figures),
+                            describe_trees(parts_of(file.skeleton, parts.trees), flags.timber), flags.json);
         });
     } else {
         const PointSet points = load_points(run, flags.file, flags.read.up, flags.read_points);

@@ -8,8 +8,10 @@
 #include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/plot/crown.h"
+#include "coppice/extract/stem/loose_parts.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/io/file.h"
+#include "coppice/io/skeleton/stated_orders.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -54,9 +56,14 @@ void add_forestry(Figures& row, const StemForm& form, const Crown& crown, double
     row["crown_volume"] = crown.hull_volume;
 }
 
-void add_crown(Figures& row, const Skeleton& s) {
+/// Of a single tree, whatever hangs loose beside it.
+void add_crown(Figures& row, const Skeleton& whole) {
+    const LooseParts parts = find_loose_parts(whole);
+    row["loose_parts"] = parts.loose.size();
+    row["loose_length_percent"] = 100 * parts.share;
+    if (parts.trees.size() != 1) return;  // a crown is that of a tree
+    const Skeleton s = parts_of(whole, parts.trees);
     const std::vector<StemForm> forms = stem_forms(s);
-    if (forms.size() != 1) return;  // a crown is that of a tree
     // Below its root a root system has no height, but a depth, which its extent says.
     if (forms.front().height < 0.5 * double{s.bounds().size().z}) return;
     const double base = crown_bases(s, forms).front(), above = forms.front().foot.z + base;
@@ -73,10 +80,11 @@ void add_timber(Figures& row, const SkeletonFile& file, double volume, const Tim
         row["biomass_kg"] = double{flags.wood_density} * volume;
 }
 
-void add_architecture(Figures& row, const Skeleton& s, const TableFlags& flags,
+void add_architecture(Figures& row, const SkeletonFile& file, const TableFlags& flags,
                       std::span<const double> limits) {
     constexpr std::size_t kOrders = 4;
-    const std::vector<BranchOrder> orders = branch_orders(s);
+    const Skeleton& s = file.skeleton;
+    const std::vector<BranchOrder> orders = branch_orders(file);
     std::uint64_t branches = 0;
     std::array<BranchOrder, kOrders> listed;
     for (std::size_t o = 0; o < orders.size(); ++o) {
@@ -141,7 +149,7 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     run.stage("measure", [&](const Context& ctx) { add_sums(row, file, m, plain_name, ctx); });
     if (file.units == LengthUnit::m) add_crown(row, s);
     add_timber(row, file, m.volume, flags.timber);
-    add_architecture(row, s, flags, limits);
+    add_architecture(row, file, flags, limits);
     add_surface(run, row, s, flags);
 }
 
