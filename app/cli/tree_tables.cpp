@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "coppice/io/mesh/writer.h"
+#include "coppice/io/skeleton/stated_axes.h"
 #include "coppice/skeleton/frustum.h"
 #include "files.h"
 
@@ -129,7 +130,8 @@ void TreeTables::add(Run& run, const std::string& path, int model, const Skeleto
     begin["model"] = model;
     run.stage("trees", [&](const Context& ctx) {
         const Skeleton& s = file.skeleton;
-        const BranchTable table = list_branches(s);
+        const NodeAxes axes = axes_of(file);
+        const BranchTable table = list_branches(s, axes.order, axes.axis);
         if (branches_) add_branches(begin, file, table);
         if (cylinders_) add_cylinders(begin, file, table);
         const std::vector<StemForm> forms = stem_forms(s);
@@ -164,7 +166,7 @@ void TreeTables::add_trees(const Figures& begin, const SkeletonFile& file, const
                            std::span<const StemForm> forms, std::span<const double> bases,
                            std::span<const Crown> crowns) {
     std::vector<BranchSums> stems(forms.size()), laterals(forms.size());
-    for (const Branch& b : table.branches) (b.order == 0 ? stems : laterals)[b.tree].add(b);
+    for (const Branch& b : table.branches) (b.is_stem() ? stems : laterals)[b.tree].add(b);
     const auto name = [&](std::string_view of, int power) { return in_unit(of, file.units, power); };
     const bool in_metres = file.units == LengthUnit::m;  // breast height is 1.3 m
     const Timber timber(file.skeleton, table, timber_);
@@ -237,7 +239,8 @@ void TreeTables::add_cylinders(const Figures& begin, const SkeletonFile& file, c
         row["tree"] = table.branches[branch].tree + 1;
         row["cylinder"] = n.index();
         row["parent"] = s.is_root(parent) ? Figure(NotChecked{}) : Figure(parent.index());
-        row["extension"] = s.is_tip(n) ? Figure(NotChecked{}) : Figure(s.leader(n).index());
+        const NodeId next = table.next_of[n.index()];
+        row["extension"] = next ? Figure(next.index()) : Figure(NotChecked{});
         row["branch"] = branch + 1;
         row["order"] = table.branches[branch].order;
         row["position"] = table.position_of[n.index()];

@@ -14,7 +14,7 @@
 #include "coppice/io/file.h"
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/skeleton/reader.h"
-#include "coppice/io/skeleton/stated_orders.h"
+#include "coppice/io/skeleton/stated_axes.h"
 #include "errors.h"
 #include "paths.h"
 
@@ -124,7 +124,9 @@ TEST(SkeletonData, BranchesAreThoseThatTreeQsmNumbers) {
         const std::span<const float> axis = file.attribute("axis");
         const std::set<float> numbers(axis.begin(), axis.end());
         std::size_t branches = 0;
-        for (const BranchOrder& o : branch_orders(file)) branches += o.branches;
+        const NodeAxes axes = axes_of(file);
+        for (const BranchOrder& o : branch_orders(file.skeleton, axes.order, axes.axis))
+            branches += o.branches;
         EXPECT_EQ(branches, numbers.size());
         ++compared;
     }

@@ -63,6 +63,24 @@ TEST(Branches, AreListedWithTheirPlacesSizesAndDirections) {
     EXPECT_EQ(table.branches[3].parent, kNoBranch);
 }
 
+TEST(Branches, FollowAxesThatAreKnown) {
+    // The thin child goes on with the stem, and the thick one is a lateral of order 2.
+    const std::vector<std::uint32_t> order{0, 0, 2, 0, 0, 3, 1, 1}, axis{5, 5, 7, 5, 5, 9, 6, 6};
+    const BranchTable table = list_branches(forked_tree(), order, axis);
+    EXPECT_EQ(table.branch_of, (std::vector<std::uint32_t>{0, 0, 1, 0, 0, 2, 3, 3}));
+    EXPECT_EQ(table.position_of, (std::vector<std::uint32_t>{0, 1, 1, 2, 3, 1, 0, 1}));
+    EXPECT_EQ(table.next_of[1], NodeId(3));
+    EXPECT_EQ(table.next_of[4], NodeId::none());
+    EXPECT_EQ(table.branches[1].order, 2u);
+    EXPECT_EQ(table.branches[2].order, 3u);
+    EXPECT_TRUE(table.branches[3].is_stem());
+    EXPECT_EQ(table.branches[3].order, 1u);
+    // The stem is 4 m long: 2 m up and 2 m aside; of the second tree 4 m.
+    const auto timber = timber_volumes(forked_tree(), table, 0.001);
+    EXPECT_DOUBLE_EQ(timber[0].stem_length, 4);
+    EXPECT_DOUBLE_EQ(timber[1].stem_length, 4);
+}
+
 TEST(Branches, DirectionsPassOverWhatLiesWithinTheParent) {
     // The lateral's first node lies 0.1 up within the bark; beyond two radii (0.4) it runs along (1, 0, 1).
     const Skeleton tree({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},

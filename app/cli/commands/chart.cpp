@@ -9,7 +9,7 @@
 #include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/stem/stem_form.h"
-#include "coppice/io/skeleton/stated_orders.h"
+#include "coppice/io/skeleton/stated_axes.h"
 #include "coppice/skeleton/architecture.h"
 #include "files.h"
 #include "options.h"
@@ -77,9 +77,11 @@ void add_values(ChartSeries& series, const SkeletonFile& file, ChartKind kind, s
     switch (kind) {
         case ChartKind::taper:
             return add_taper(series, stem_forms(s));
-        case ChartKind::orders:
-            for (const BranchOrder& o : branch_orders(file)) add(shown(o, flags.of));
+        case ChartKind::orders: {
+            const NodeAxes axes = axes_of(file);
+            for (const BranchOrder& o : branch_orders(s, axes.order, axes.axis)) add(shown(o, flags.of));
             return;
+        }
         case ChartKind::diameters:
             for (const DiameterClass& c : diameter_classes(s, limits)) add(shown(c, flags.of));
             return;

@@ -244,14 +244,14 @@ MapCrs crs_of(const ExtractFlags& flags) {
 
 ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
     PlotFiles files{.folder = flags.output,
-                          .mesh = flags.mesh_output,
-                          .tree_points = flags.tree_points,
-                          .leaf_points = flags.leaf_output,
-                          .map = flags.map,
-                          .crowns = flags.crowns,
-                          .crs = crs_of(flags),
-                          .write = flags.write,
-                          .surface = flags.mesh};
+                    .mesh = flags.mesh_output,
+                    .tree_points = flags.tree_points,
+                    .leaf_points = flags.leaf_output,
+                    .map = flags.map,
+                    .crowns = flags.crowns,
+                    .crs = crs_of(flags),
+                    .write = flags.write,
+                    .surface = flags.mesh};
     check_plot_files(files);
     check_plot_options(given, flags);
     check_groups(given, flags.input, FileKind::points);

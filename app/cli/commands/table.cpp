@@ -11,7 +11,7 @@
 #include "coppice/extract/stem/loose_parts.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/io/file.h"
-#include "coppice/io/skeleton/stated_orders.h"
+#include "coppice/io/skeleton/stated_axes.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -75,7 +75,8 @@ std::string plain_name(std::string_view name, int) { return std::string(name); }
 
 void add_timber(Figures& row, const SkeletonFile& file, double volume, const TimberFlags& flags) {
     const Skeleton& s = file.skeleton;
-    Timber(s, list_branches(s), flags).add_all(row, plain_name);
+    const NodeAxes axes = axes_of(file);
+    Timber(s, list_branches(s, axes.order, axes.axis), flags).add_all(row, plain_name);
     if (flags.wood_density > 0 && file.units == LengthUnit::m)
         row["biomass_kg"] = double{flags.wood_density} * volume;
 }
@@ -84,7 +85,8 @@ void add_architecture(Figures& row, const SkeletonFile& file, const TableFlags& 
                       std::span<const double> limits) {
     constexpr std::size_t kOrders = 4;
     const Skeleton& s = file.skeleton;
-    const std::vector<BranchOrder> orders = branch_orders(file);
+    const NodeAxes axes = axes_of(file);
+    const std::vector<BranchOrder> orders = branch_orders(s, axes.order, axes.axis);
     std::uint64_t branches = 0;
     std::array<BranchOrder, kOrders> listed;
     for (std::size_t o = 0; o < orders.size(); ++o) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "coppice/base/error.h"
+#include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/frustum.h"
 #include "coppice/skeleton/measure.h"
 
@@ -84,7 +85,7 @@ class TimberSum {
             if (!s_.is_root(n)) add_wood(n);
         }
         for (const Branch& branch : table_.branches) {
-            if (branch.order == 0) add_stem(branch);
+            if (branch.is_stem()) add_stem(branch);
         }
         return std::move(trees_);
     }
@@ -95,7 +96,7 @@ class TimberSum {
     /// The part of a segment that is not of the stump: all of it, where it is not of the stem.
     Part above_stump(NodeId n) const {
         Part out;
-        if (branch_of(n).order > 0) return out;
+        if (!branch_of(n).is_stem()) return out;
         const Segment segment = s_.segment(n);
         out.cut_to_least(place(s_, roots_[n.index()]).z + stump_height_, segment.a.z, segment.b.z);
         return out;
@@ -117,7 +118,8 @@ class TimberSum {
     /// From the stump to the end of its last part that is as thick.
     void add_stem(const Branch& stem) {
         std::vector<NodeId> axis;
-        for (NodeId n = s_.leader(stem.first); n; n = s_.leader(n)) axis.push_back(n);
+        for (NodeId n = table_.next_of[stem.first.index()]; n; n = table_.next_of[n.index()])
+            axis.push_back(n);
         while (!axis.empty() && as_thick(axis.back()).empty()) axis.pop_back();
         for (const NodeId n : axis) {
             Part part = above_stump(n);
@@ -139,27 +141,38 @@ class TimberSum {
 }  // namespace
 
 BranchTable list_branches(const Skeleton& s) {
+    const std::vector<std::uint32_t> order = axis_orders(s);
+    return list_branches(s, order, order);
+}
+
+BranchTable list_branches(const Skeleton& s, std::span<const std::uint32_t> order,
+                          std::span<const std::uint32_t> axis) {
+    COPPICE_ASSERT(order.size() == s.size() && axis.size() == s.size());
     BranchTable out;
     out.branch_of.resize(s.size());
     out.position_of.resize(s.size(), 0);
+    out.next_of.resize(s.size());
     const std::vector<NodeId> roots = tree_roots(s);
     std::uint32_t trees = 0;
     for (const NodeId n : nodes(s)) {
-        const std::uint32_t parent = s.is_root(n) ? kNoBranch : out.branch_of[s.parent(n).index()];
-        std::uint32_t& index = out.branch_of[n.index()];
+        const std::uint32_t i = n.index(), p = s.is_root(n) ? i : s.parent(n).index();
+        const std::uint32_t parent = i == p ? kNoBranch : out.branch_of[p];
+        std::uint32_t& index = out.branch_of[i];
         index = parent;
-        if (s.is_root(n) || s.leader(s.parent(n)) != n) {
+        if (i == p || axis[i] != axis[p] || order[i] != order[p]) {
             index = static_cast<std::uint32_t>(out.branches.size());
             out.branches.push_back(begin_branch(s, n, roots[n.index()]));
             Branch& branch = out.branches.back();
             branch.parent = parent;
             branch.tree = s.is_root(n) ? trees++ : out.branches[parent].tree;
-            branch.order = s.is_root(n) ? 0 : out.branches[parent].order + 1;
+            branch.order = order[i];
+        } else if (!out.next_of[p]) {
+            out.next_of[p] = n;
         }
         if (s.is_root(n)) continue;
         Branch& branch = out.branches[index];
         const Frustum cone = frustum(s.segment(n));
-        out.position_of[n.index()] = ++branch.segments;
+        out.position_of[i] = ++branch.segments;
         branch.length += cone.length;
         branch.area += cone.mantle();
         branch.volume += cone.volume();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "coppice/skeleton/skeleton.h"
@@ -12,11 +13,11 @@ namespace coppice {
 /// In place of the index of a branch: a stem leaves no other.
 inline constexpr std::uint32_t kNoBranch = std::numeric_limits<std::uint32_t>::max();
 
-/// An axis: from a root, or from a node that a child leaves beside the leader, along leaders to a tip.
+/// An axis: from a root, or from a node that a child leaves beside the one that goes on, to a tip.
 struct Branch {
     NodeId first;                      ///< a root, or the first node of a lateral
     std::uint32_t tree = 0;            ///< counted in the order of the roots, from 0
-    std::uint32_t order = 0;           ///< of its axis, 0 for stems, as axis_orders() has it
+    std::uint32_t order = 0;           ///< as axis_orders() has it, or as it is known otherwise
     std::uint32_t parent = kNoBranch;  ///< the branch that it leaves
     std::uint32_t segments = 0;        ///< how many; none where a tree is a single node
     double diameter = 0;               ///< [m] where it begins
@@ -27,6 +28,8 @@ struct Branch {
     double angle = 0;                  ///< [rad] to the branch that it leaves, there; 0 for stems
     double azimuth = 0;  ///< [rad] of its direction at the base, from +x towards +y, in (-pi, pi]
     double zenith = 0;   ///< [rad] of that from upward, in [0, pi]
+
+    bool is_stem() const { return parent == kNoBranch; }  ///< it begins at a root
 };
 
 /// All branches, and where each segment is.
@@ -34,6 +37,7 @@ struct BranchTable {
     std::vector<Branch> branches;            ///< parents before those that leave them
     std::vector<std::uint32_t> branch_of;    ///< per node the branch of its segment
     std::vector<std::uint32_t> position_of;  ///< per node which segment of the branch, from 1; 0 for roots
+    std::vector<NodeId> next_of;             ///< per node the next one on its branch; none at its end
 };
 
 /// Lists the branches of a skeleton, after the thickest child as branch_orders() does. Directions at the base
@@ -41,6 +45,10 @@ struct BranchTable {
 /// at least two radii of the parent away (its tip, if none is), and of the segment of the parent that ends
 /// there. O(n).
 BranchTable list_branches(const Skeleton& skeleton);
+
+/// The same for orders and axes that are known otherwise, as in branch_orders(). O(n).
+BranchTable list_branches(const Skeleton& skeleton, std::span<const std::uint32_t> order,
+                          std::span<const std::uint32_t> axis);
 
 /// Wood of a tree that has at least a diameter.
 struct TimberVolume {
@@ -50,7 +58,7 @@ struct TimberVolume {
 };
 
 /// Volumes of the cones of the segments of each tree, in the order of the roots, that are at least as thick
-/// as a top diameter [m] > 0. The stem is the branch of order 0, cut `stump_height` [m] >= 0 above the root.
+/// as a top diameter [m] > 0. The stem is the branch at the root, cut `stump_height` [m] >= 0 above the root.
 /// Thinner places below its last one that is as thick do not end it. `table` is that of list_branches().
 /// Throws InvalidInput for numbers that are out of range. O(n).
 std::vector<TimberVolume> timber_volumes(const Skeleton& skeleton, const BranchTable& table,

@@ -157,7 +157,7 @@ struct LasRecord {
 
 inline constexpr std::string_view kLasSpecification = "LASF_Spec", kLasProjection = "LASF_Projection";
 inline constexpr std::uint16_t kExtraBytes = 4, kWkt = CoordinateSystem::kWkt;  ///< ids of records
-inline constexpr std::size_t kVlrHeader = 54, kDimension = 192;  ///< [bytes]
+inline constexpr std::size_t kVlrHeader = 54, kDimension = 192;                 ///< [bytes]
 
 /// The records before and after the points, as far as they lie within the file.
 std::vector<LasRecord> las_records(std::string_view bytes, const LasHeader& h);

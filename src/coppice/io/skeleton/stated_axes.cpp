@@ -1,4 +1,4 @@
-#include "coppice/io/skeleton/stated_orders.h"
+#include "coppice/io/skeleton/stated_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,12 +25,14 @@ std::vector<std::uint32_t> ranks_of(std::span<const float> values) {
 
 }  // namespace
 
-std::vector<BranchOrder> branch_orders(const SkeletonFile& file) {
-    const Skeleton& s = file.skeleton;
-    const std::vector<std::uint32_t> order = ranks_of(file.attribute(kOrderOfNode));
-    if (order.empty() || std::ranges::max(order) >= s.size()) return branch_orders(s);
-    const std::vector<std::uint32_t> axis = ranks_of(file.attribute(kAxisOfNode));
-    return branch_orders(s, order, axis.empty() ? order : axis);
+NodeAxes axes_of(const SkeletonFile& file) {
+    NodeAxes out{ranks_of(file.attribute(kOrderOfNode)), ranks_of(file.attribute(kAxisOfNode))};
+    if (out.order.empty() || std::ranges::max(out.order) >= file.skeleton.size()) {
+        out.order = axis_orders(file.skeleton);
+        out.axis = out.order;
+    }
+    if (out.axis.empty()) out.axis = out.order;
+    return out;
 }
 
 }  // namespace coppice
