@@ -10,7 +10,8 @@ namespace coppice {
 
 /// The order and the axis of each node, as branch_orders() and list_branches() take them.
 struct NodeAxes {
-    std::vector<std::uint32_t> order, axis;
+    std::vector<std::uint32_t> order;  ///< from 0
+    std::vector<std::uint32_t> axis;   ///< a number that differs where an axis begins
 };
 
 /// The axes that a skeleton file states: orders by its attribute `order`, counted from the least, axes
