@@ -177,6 +177,29 @@ TEST(FromCloud, TakesNoTreesForWhatHangsInACrown) {
     EXPECT_EQ(found.cleaning.unreached, 2500u);
 }
 
+TEST(FromCloud, KeepsATreeThatStandsHigherOnASlope) {
+    PointSet set;
+    for (const double x : {0.0, 3.0}) {
+        strew_cone(set, {x, 0, x}, {x, 0, x + 4}, 0.08, 0.05, 5000, 0.002);
+        strew_cone(set, {x, 0, x + 3}, {x + 1.5, 0, x + 4}, 0.03, 0.02, 1500, 0.002);
+    }
+    const CloudExtraction found = extract_from_cloud(set);
+    EXPECT_EQ(found.skeleton.tree_count(), 2u);
+    EXPECT_LT(found.cleaning.unreached, 10u);
+}
+
+TEST(FromCloud, CountsNoOutlierOnAStemAsReached) {
+    PointSet set;
+    strew_cone(set, {0, 0, 0}, {0, 0, 4}, 0.1, 0.08, 8000, 0.002);
+    for (int k = 0; k < 5; ++k)  // off the stem, but within its reach
+        set.positions.push_back({0.126f * std::cos(1.2f * static_cast<float>(k)),
+                                 0.126f * std::sin(1.2f * static_cast<float>(k)),
+                                 1 + 0.5f * static_cast<float>(k)});
+    const CloudExtraction found = extract_from_cloud(set, {.outlier_factor = 1.6f});
+    EXPECT_GT(found.cleaning.outliers, 0u);
+    EXPECT_LT(found.cleaning.unreached, 100u);
+}
+
 TEST(FromCloud, GivesFewTwigsToNeedles) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 5}, 0.08, 0.05, 3000, 0.002);

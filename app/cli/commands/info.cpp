@@ -114,7 +114,7 @@ Figures describe(const PointSet& points, const Context& ctx) {
 void add_tree_ids(Figures& out, std::vector<std::uint32_t> ids) {
     std::ranges::sort(ids);
     const auto none = static_cast<std::uint64_t>(std::ranges::upper_bound(ids, 0u) - ids.begin());
-    ids.erase(std::ranges::unique(ids).begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     out["tree_ids"] = ids.size() - (none > 0 ? 1 : 0);
     out["points_of_no_tree"] = none;
 }

@@ -141,8 +141,9 @@ std::vector<std::uint32_t> entries_of(const FitSamples& samples, const Tubes& tu
 std::uint64_t attach_tubes(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
                            std::span<const std::uint32_t> standing, bool add_roots, const Context& ctx) {
     std::vector<std::uint32_t> sources;
+    const auto is_linked = [&](std::uint32_t p) { return cloud.graph.first[p] < cloud.graph.first[p + 1]; };
     for (std::uint32_t p = 0; p < samples.node.size(); ++p)
-        if (samples.node[p] != kNone && tree.fixed[samples.node[p]]) sources.push_back(p);
+        if (samples.node[p] != kNone && tree.fixed[samples.node[p]] && is_linked(p)) sources.push_back(p);
     for (const auto& base : cloud.bases) sources.insert(sources.end(), base.begin(), base.end());
     const std::vector<std::uint32_t> taken(samples.node.size(), kNone);
     const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.cost(samples.positions), ctx);

@@ -29,8 +29,7 @@ constexpr std::uint32_t kSpacingRank = 4;  // the neighbour whose distance is ta
 constexpr double kGapSpacings = 10;        // widest gap that is bridged, where the user says nothing
 constexpr double kGapHeight = 0.03;        // the same, of the height of the cloud
 constexpr double kWidestGap = 1.5, kWidestOfHeight = 0.15;  // [m], of the height: to what is large for it
-constexpr double kSteep = 0.5;    // way aside per height, at which crowns widen and no slope rises
-constexpr double kHanging = 0.5;  // [reach of the crown] above the foot: what begins higher stands nowhere
+constexpr float kSteep = 0.5f;          // way aside per height, where slopes are steeper than any ground
 constexpr double kDetailHeight = 0.02;  // of the height, clusters of leaves that get a twig
 // The share of the time that has gone by then, on clouds of trees.
 constexpr float kCleaned = 0.005f, kNeighboursFound = 0.04f, kLeavesSplit = 0.1f, kDrafted = 0.8f;
@@ -156,39 +155,15 @@ std::vector<std::uint8_t> parts_with_stems(const Cloud& cloud, const PathCloud& 
     return out;
 }
 
-/// Whether nothing that stands on the ground begins at a place: it is above a stem, within its crown.
-class Hanging {
-  public:
-    Hanging(const Cloud& cloud, const Components& parts, std::span<const std::uint8_t> has_stem,
-            std::span<const StemAxis> stems)
-        : stems_(stems), reach_(stems.size(), 0) {
-        for (std::uint32_t p = 0; p < cloud.points.size() && !stems.empty(); ++p) {
-            if (!has_stem[parts.of[p]]) continue;
-            const auto [s, off] = nearest(Vec3d(cloud.points[p]));
-            reach_[s] = std::max(reach_[s], off);
-        }
+/// Whether a place is above points of a tree with a measured stem, in a steep cone: no ground is there.
+bool hangs(const Cloud& cloud, const Components& parts, std::span<const std::uint8_t> has_stem, Vec3 at) {
+    for (std::uint32_t p = 0; p < cloud.points.size(); ++p) {
+        if (cloud.outlier[p] || !has_stem[parts.of[p]]) continue;
+        const Vec3 d = at - cloud.points[p];
+        if (std::hypot(d.x, d.y) < kSteep * d.z) return true;
     }
-    bool operator()(Vec3d at) const {
-        if (stems_.empty()) return false;
-        const auto [s, off] = nearest(at);
-        const double above = at.z - stems_[s].position.front().z;
-        return above > kHanging * reach_[s] && off < reach_[s] + kSteep * above;
-    }
-
-  private:
-    /// The stem whose foot is closest, seen level, and how far off that is [m].
-    std::pair<std::size_t, double> nearest(Vec3d at) const {
-        std::pair<std::size_t, double> best{0, std::numeric_limits<double>::infinity()};
-        for (std::size_t s = 0; s < stems_.size(); ++s) {
-            const Vec3d d = at - stems_[s].position.front();
-            const double off = std::hypot(d.x, d.y);
-            if (off < best.second) best = {s, off};
-        }
-        return best;
-    }
-    std::span<const StemAxis> stems_;
-    std::vector<double> reach_;  // [m] of the crown of each stem
-};
+    return false;
+}
 
 /// The bases of trees that stand on the ground and whose stem is not among those that were measured.
 std::vector<std::vector<std::uint32_t>> other_bases(const Cloud& cloud, const PathCloud& paths,
@@ -199,9 +174,8 @@ std::vector<std::vector<std::uint32_t>> other_bases(const Cloud& cloud, const Pa
     const std::vector<std::uint8_t> has_stem = parts_with_stems(cloud, paths, stems);
     const Graph near = make_graph(cloud.near, cloud.outlier, paths.graph.bridges, ctx, paths.gap);
     auto bases = find_roots(cloud.points, near, parts, options, ctx);
-    const Hanging hangs(cloud, parts, has_stem, stems);
     std::erase_if(bases, [&](const auto& base) {
-        return has_stem[parts.of[base[0]]] != 0 || hangs(Vec3d(cloud.points[base[0]]));
+        return has_stem[parts.of[base[0]]] != 0 || hangs(cloud, parts, has_stem, cloud.points[base[0]]);
     });
     if (options.most_trees > 0) {
         const auto left = static_cast<std::size_t>(options.most_trees);
