@@ -245,9 +245,8 @@ TEST(LasReader, NamesTheCoordinateSystem) {
         add_record(bytes, "LASF_Projection", id, data);
         return parse_point_file(bytes, "p.las").system.name();
     };
-    EXPECT_EQ(named(2112, std::string_view(
-                              "PROJCS[\"ETRS89 / UTM zone 32N\",AUTHORITY[\"EPSG\",\"25832\"]]\0", 61)),
-              "EPSG:25832");
+    const std::string zone = "PROJCS[\"ETRS89 / UTM zone 32N\",AUTHORITY[\"EPSG\",\"25832\"]]";
+    EXPECT_EQ(named(2112, zone + '\0'), "EPSG:25832");
     EXPECT_EQ(
         named(2112, "PROJCS[\"Local grid\",UNIT[\"metre\",1,AUTHORITY[\"EPSG\",\"9001\"]],AXIS[\"X\",EAST]]"),
         "Local grid");
