@@ -5,6 +5,7 @@
 
 #include "coppice/io/skeleton/parsers_internal.h"
 #include "coppice/io/skeleton/reader.h"
+#include "io/two_cylinders.h"
 #include "skeleton/text.h"
 
 namespace coppice {
@@ -15,19 +16,6 @@ using test::error_of;
 constexpr const char* kTreeQsmRow =
     "0.5\t2\t1\t2\t3\t0\t0\t1\t0\t2\t1\t0\t1\t0.001\t0.9\t0\t0.5\t\n0."
     "25\t1\t1\t2\t5\t1\t0\t0\t1\t0\t1\t0\t2\t0.001\t0.9\t0\t0.25\n";
-
-void expect_two_cylinders(const RawCylinders& read) {
-    const std::vector<RawCylinder>& c = read.cylinders;
-    ASSERT_EQ(c.size(), 2u);
-    EXPECT_EQ(c[0].parent, -1);
-    EXPECT_EQ(c[0].start, Vec3d(1, 2, 3));
-    EXPECT_EQ(c[0].end, Vec3d(1, 2, 5));
-    EXPECT_EQ(c[0].radius, 0.5);
-    EXPECT_EQ(c[1].parent, c[0].id);
-    EXPECT_EQ(c[1].start, Vec3d(1, 2, 5));
-    EXPECT_EQ(c[1].end, Vec3d(2, 2, 5));
-    EXPECT_EQ(c[1].radius, 0.25);
-}
 
 TEST(CylinderTable, TreeQsmWithThirteenNamesForSeventeenColumns) {
     const std::string head =

@@ -14,6 +14,7 @@
 
 #include "coppice/io/file.h"
 #include "coppice/io/text_internal.h"
+#include "io/two_cylinders.h"
 #include "skeleton/text.h"
 
 namespace coppice {
@@ -54,19 +55,6 @@ TEST(Text, CellsWithQuotes) {
     EXPECT_EQ(cells, (std::vector<std::string_view>{"a", "b, c", "", "d"}));
     split_at("\"open,x", ',', cells);
     EXPECT_EQ(cells, (std::vector<std::string_view>{"\"open", "x"}));
-}
-
-void expect_two_cylinders(const RawCylinders& read) {
-    const std::vector<RawCylinder>& c = read.cylinders;
-    ASSERT_EQ(c.size(), 2u);
-    EXPECT_EQ(c[0].parent, -1);
-    EXPECT_EQ(c[0].start, Vec3d(1, 2, 3));
-    EXPECT_EQ(c[0].end, Vec3d(1, 2, 5));
-    EXPECT_EQ(c[0].radius, 0.5);
-    EXPECT_EQ(c[1].parent, c[0].id);
-    EXPECT_EQ(c[1].start, Vec3d(1, 2, 5));
-    EXPECT_EQ(c[1].end, Vec3d(2, 2, 5));
-    EXPECT_EQ(c[1].radius, 0.25);
 }
 
 TEST(Raycloud, SeveralTreesWithAttributes) {

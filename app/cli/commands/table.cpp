@@ -73,19 +73,17 @@ void add_crown(Figures& row, const Skeleton& whole) {
 /// Figures of a row are in its units.
 std::string plain_name(std::string_view name, int) { return std::string(name); }
 
-void add_timber(Figures& row, const SkeletonFile& file, double volume, const TimberFlags& flags) {
+void add_timber(Figures& row, const SkeletonFile& file, const NodeAxes& axes, double volume,
+                const TimberFlags& flags) {
     const Skeleton& s = file.skeleton;
-    const NodeAxes axes = axes_of(file);
     Timber(s, list_branches(s, axes.order, axes.axis), flags).add_all(row, plain_name);
     if (flags.wood_density > 0 && file.units == LengthUnit::m)
         row["biomass_kg"] = double{flags.wood_density} * volume;
 }
 
-void add_architecture(Figures& row, const SkeletonFile& file, const TableFlags& flags,
+void add_architecture(Figures& row, const Skeleton& s, const NodeAxes& axes, const TableFlags& flags,
                       std::span<const double> limits) {
     constexpr std::size_t kOrders = 4;
-    const Skeleton& s = file.skeleton;
-    const NodeAxes axes = axes_of(file);
     const std::vector<BranchOrder> orders = branch_orders(s, axes.order, axes.axis);
     std::uint64_t branches = 0;
     std::array<BranchOrder, kOrders> listed;
@@ -150,8 +148,9 @@ void describe(Run& run, Figures& row, const SkeletonFile& file, const TableFlags
     row["longest_path"] = m.longest_path;
     run.stage("measure", [&](const Context& ctx) { add_sums(row, file, m, plain_name, ctx); });
     if (file.units == LengthUnit::m) add_crown(row, s);
-    add_timber(row, file, m.volume, flags.timber);
-    add_architecture(row, file, flags, limits);
+    const NodeAxes axes = axes_of(file);
+    add_timber(row, file, axes, m.volume, flags.timber);
+    add_architecture(row, s, axes, flags, limits);
     add_surface(run, row, s, flags);
 }
 

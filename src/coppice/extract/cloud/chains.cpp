@@ -76,8 +76,7 @@ void grow_chains(DraftTree& tree, FitSamples& samples, const DraftCloud& cloud,
         if (dead[tip] || samples.node[tip] != kNone) continue;
         ctx.throw_if_cancelled();
         const std::uint32_t owner = samples.node[trace_path(branch, points, tip, paths)];
-        const double least =
-            least_rise(branch, cloud.options, tree.radius[owner], owner < margin.size() ? margin[owner] : 0);
+        const double least = least_rise(branch, cloud.options, tree.radius[owner], margin[owner]);
         bool good = rise_of(tree, distances, tip, Vec3d(samples.positions[tip]), owner) >= least;
         if (good) {
             fit_centerline(branch, points, tree.radius[owner]);

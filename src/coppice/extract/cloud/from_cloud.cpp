@@ -113,8 +113,9 @@ std::uint64_t mark_understorey(Cloud& cloud, const Terrain& terrain, std::span<c
     return count;
 }
 
-PathCloud make_path_cloud(const Cloud& cloud, const CloudOptions& options, const Context& ctx) {
-    PathCloud out{local_spacing(cloud.near, kSpacingRank), {}};
+PathCloud make_path_cloud(const Cloud& cloud, Buffer<float> spacing, const CloudOptions& options,
+                          const Context& ctx) {
+    PathCloud out{std::move(spacing), {}};
     const GapRule gap = gap_of(cloud.points, median(out.spacing), options);
     out.gap = gap.usual;
     out.graph = connect_points(cloud.points, cloud.near, cloud.outlier, gap, ctx);
@@ -239,12 +240,13 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
 
     std::optional<Vec3d> root;
     if (options.root) root = *options.root - set.origin;
-    cleaning.spacing = median(local_spacing(cloud.near, kSpacingRank));
+    Buffer<float> spacing = local_spacing(cloud.near, kSpacingRank);
+    cleaning.spacing = median(spacing);
     const std::vector<StemAxis> stems =
         find_stem_axes(cloud.points, clean.terrain, {cleaning.spacing, root, options.max_trees}, ctx);
     cleaning.understorey = mark_understorey(cloud, clean.terrain, stems, cleaning.spacing,
                                             gap_of(cloud.points, cleaning.spacing, options).widest, ctx);
-    const PathCloud paths = make_path_cloud(cloud, options, ctx);
+    const PathCloud paths = make_path_cloud(cloud, std::move(spacing), options, ctx);
     std::vector<std::uint8_t> leaf;
     if (options.leaves != LeafRule::keep) {
         const GapRule gap = gap_of(cloud.points, cleaning.spacing, options);
@@ -262,8 +264,8 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
         rough = rough_draft(cloud, paths, options, stems, root, part_of(ctx, kLeavesSplit, kDrafted));
     } else {
         const Wood wood = wood_of(cloud, leaf, ctx);
-        rough = rough_draft(wood, make_path_cloud(wood, options, ctx), options, stems, root,
-                            part_of(ctx, kLeavesSplit, kDrafted));
+        rough = rough_draft(wood, make_path_cloud(wood, local_spacing(wood.near, kSpacingRank), options, ctx),
+                            options, stems, root, part_of(ctx, kLeavesSplit, kDrafted));
         place_among(rough, cloud.points, wood.place);
     }
     const DraftOptions wanted{.step = options.step,

@@ -191,10 +191,9 @@ struct GapLinks {
     std::vector<Link> aligned;  ///< between ends of limbs that lead on to each other
 };
 
-/// Of at most `limit` [m].
-GapLinks find_gap_links(std::span<const Vec3> points, const Neighbours& neighbours,
-                        std::span<const std::uint8_t> ignored, const Components& parts, double limit,
-                        const Context& ctx) {
+/// Of at most `limit` [m]; `spacing` [m] is the median one of the points.
+GapLinks find_gap_links(std::span<const Vec3> points, std::span<const std::uint8_t> ignored,
+                        const Components& parts, double limit, double spacing, const Context& ctx) {
     VoxelPoints voxels;
     for (std::uint32_t p = 0; p < points.size(); ++p) {
         if (ignored[p]) continue;
@@ -202,8 +201,7 @@ GapLinks find_gap_links(std::span<const Vec3> points, const Neighbours& neighbou
         voxels.at.push_back(points[p]);
     }
     GapLinks links;
-    const Buffer<float> spacing = local_spacing(neighbours, std::min(kVoxelRank, neighbours.count));
-    for (double edge = 2 * double{median(spacing)}; edge <= limit && voxels.at.size() > 1; edge *= 2) {
+    for (double edge = 2 * spacing; edge <= limit && voxels.at.size() > 1; edge *= 2) {
         voxels = merge_voxels(voxels, edge, ctx);
         const Neighbours near = nearest_neighbours(voxels.at, kVoxelNeighbours, ctx);
         for (std::uint32_t v = 0; v < voxels.at.size(); ++v) {
@@ -282,7 +280,8 @@ ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& ne
     out.components = components(make_graph(neighbours, ignored, {}, ctx, gap.usual), ctx);
     out.bridges = bridge_gaps(points, ignored, out.components, gap.usual, ctx);
     std::vector<Link> links = out.bridges;
-    const GapLinks across = find_gap_links(points, neighbours, ignored, out.components, gap.widest, ctx);
+    const double spacing = median(local_spacing(neighbours, std::min(kVoxelRank, neighbours.count)));
+    const GapLinks across = find_gap_links(points, ignored, out.components, gap.widest, spacing, ctx);
     for (const Link& link : across.close)
         if (double{link.length} <= gap.usual) links.push_back(link);
     if (!links.empty())
@@ -296,10 +295,9 @@ ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& ne
             links.push_back(link);
         }
     };
-    const auto as_long = [](float length) { return length; };
-    add_wide(bridge_gaps(points, ignored, out.components, gap.widest, ctx), kOfExtent, false, as_long);
-    add_wide(across.close, kOfExtent, false, as_long);
-    const double spacing = median(local_spacing(neighbours, std::min(kVoxelRank, neighbours.count)));
+    std::vector<Link> close = bridge_gaps(points, ignored, out.components, gap.widest, ctx);
+    close.insert(close.end(), across.close.begin(), across.close.end());
+    add_wide(close, kOfExtent, false, [](float length) { return length; });
     add_wide(across.aligned, kOfExtentAligned, true,
              [&](float length) { return static_cast<float>(std::sqrt(kUnseen * double{length} * spacing)); });
     out.graph = make_graph(neighbours, ignored, links, ctx, gap.usual);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/base/error.h"
 #include "coppice/base/kernel/segment_distance.h"
 #include "coppice/spatial/kd_tree.h"
@@ -47,27 +48,6 @@ class IdIndex {
     std::vector<Entry> entries_;
 };
 
-/// Sets that grow together.
-class Groups {
-  public:
-    explicit Groups(std::size_t count) : up_(count) { std::iota(up_.begin(), up_.end(), 0u); }
-
-    /// Whether they were two groups until now.
-    bool join(std::uint32_t a, std::uint32_t b) {
-        a = top(a);
-        b = top(b);
-        up_[a] = b;
-        return a != b;
-    }
-
-  private:
-    std::uint32_t top(std::uint32_t i) {
-        for (; up_[i] != i; i = up_[i]) up_[i] = up_[up_[i]];
-        return i;
-    }
-    std::vector<std::uint32_t> up_;
-};
-
 double known_radius(const RawCylinder& c) { return c.radius > 0 ? c.radius : 0; }
 
 /// What a link from the start of a cylinder to another counts; infinite where it is too long.
@@ -92,10 +72,10 @@ class Joiner {
     void run(const Context& ctx) {
         std::vector<Link> links = find_links(ctx);
         std::ranges::sort(links);
-        Groups groups(members_.size());
+        DisjointSets joined(members_.size());
         std::vector<bool> has_parent(members_.size(), false);
         for (const auto& [cost, child, parent] : links) {
-            if (has_parent[child] || !groups.join(child, parent)) continue;
+            if (has_parent[child] || !joined.join(child, parent)) continue;
             has_parent[child] = true;
             at(child).parent = at(parent).id;
         }
