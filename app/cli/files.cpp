@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "coppice/io/mesh/format.h"
@@ -33,6 +34,25 @@ FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred) {
         fmt::format("the ending of '{}' names no format; use .obj, .ply, .stl, .glb or .usda for a mesh, "
                     ".swc, .json, .obj, .ply, .csv, .rsml or .mtg for a skeleton",
                     path.string()));
+}
+
+std::vector<std::filesystem::path> files_within(const std::vector<std::filesystem::path>& named) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> out;
+    for (const fs::path& path : named) {
+        std::error_code error;
+        if (!fs::is_directory(path, error)) {
+            out.push_back(path);
+            continue;
+        }
+        std::vector<fs::path> within;
+        fs::recursive_directory_iterator entry(path, fs::directory_options::skip_permission_denied, error);
+        for (; entry != fs::recursive_directory_iterator(); entry.increment(error))
+            if (entry->is_regular_file(error)) within.push_back(entry->path());
+        std::ranges::sort(within);
+        out.insert(out.end(), within.begin(), within.end());
+    }
+    return out;
 }
 
 std::string_view with_article(FileKind kind) {

@@ -21,6 +21,9 @@ FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format 
 /// What a file of this name is to hold, as in `kind_of_output`. Throws UsageError when the ending is unknown.
 FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred);
 
+/// The files that are named, and those within folders that are, in order of their names.
+std::vector<std::filesystem::path> files_within(const std::vector<std::filesystem::path>& named);
+
 /// "a skeleton", "a mesh", "a cloud of points"
 std::string_view with_article(FileKind kind);
 

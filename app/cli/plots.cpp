@@ -27,12 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kTable = "trees.csv";
 constexpr const char* kTaperTable = "taper.csv";
 constexpr Rgb kGroundColor{110, 95, 80}, kNoTreeColor{150, 150, 150};
-
-/// The path without the slash at its end.
-fs::path trimmed(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
 /// A folder that is filled under a hidden name beside its own, and gone unless `commit` gives it that.
 class UnfinishedFolder {
@@ -61,10 +57,10 @@ class UnfinishedFolder {
             fs::rename(hidden_, target_, error);
         } else {
             for (const auto& file : fs::directory_iterator(hidden_)) {
-                if (!error && file.path().filename() != kTable)
+                if (!error && file.path().filename() != kTreeTable)
                     fs::rename(file.path(), target_ / file.path().filename(), error);
             }
-            if (!error) fs::rename(hidden_ / kTable, target_ / kTable, error);
+            if (!error) fs::rename(hidden_ / kTreeTable, target_ / kTreeTable, error);
         }
         if (error) throw IoError(fmt::format("cannot write to '{}': {}", target_.string(), error.message()));
     }
@@ -72,18 +68,6 @@ class UnfinishedFolder {
   private:
     fs::path target_, hidden_;
 };
-
-/// "swc" of what is asked for.
-std::string ending_of(const WriteSkeletonOptions& write) {
-    switch (write.format) {
-        case SkeletonFormat::automatic:
-            return "swc";
-        case SkeletonFormat::cylinders:
-            return "csv";
-        default:
-            return std::string(name_of(write.format));
-    }
-}
 
 std::string name_of_tree(std::size_t tree, const std::string& ending) {
     return fmt::format("tree_{:03}{}", tree + 1, ending);
@@ -274,7 +258,7 @@ std::string summary_of(const std::vector<PlotTree>& trees, const PlotFiles& file
         warned += !tree.warnings.empty();
     }
     std::string out =
-        fmt::format("{}: {} trees", (trimmed(files.folder) / kTable).string(), grouped(trees.size()));
+        fmt::format("{}: {} trees", (trimmed(files.folder) / kTreeTable).string(), grouped(trees.size()));
     if (failed > 0) out += fmt::format(", {} without a skeleton", grouped(failed));
     if (warned > 0) out += fmt::format(", {} with warnings", grouped(warned));
     return out;
@@ -289,31 +273,48 @@ bool is_plot_folder(const fs::path& output, SkeletonFormat format) {
     return format == SkeletonFormat::automatic && !output.has_extension() && !fs::exists(output, error);
 }
 
-void check_plot_files(const PlotFiles& files) {
-    const fs::path folder = trimmed(files.folder);
+fs::path trimmed(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
+
+std::string ending_of(const WriteSkeletonOptions& write) {
+    switch (write.format) {
+        case SkeletonFormat::automatic:
+            return "swc";
+        case SkeletonFormat::cylinders:
+            return "csv";
+        default:
+            return std::string(name_of(write.format));
+    }
+}
+
+void check_tree_folder(const fs::path& named, const WriteSkeletonOptions& write, const fs::path& mesh) {
+    const fs::path folder = trimmed(named);
     std::error_code error;
     if (folder.empty() || (fs::exists(folder, error) && !fs::is_directory(folder, error)))
-        throw UsageError(fmt::format("'{}' is no folder; name one for the trees", files.folder.string()));
+        throw UsageError(fmt::format("'{}' is no folder; name one for the trees", named.string()));
     check_output_folder(folder);
     using enum SkeletonFormat;
-    if (files.write.format == mat || files.write.format == raycloud || files.write.format == gel)
+    if (write.format == mat || write.format == raycloud || write.format == gel)
         throw UsageError(fmt::format("--format {} is read only; use swc, cylinders, ply, obj or json",
-                                     name_of(files.write.format)));
-    if (!files.mesh.empty()) {
-        const std::string ending = files.mesh.string();
+                                     name_of(write.format)));
+    if (!mesh.empty()) {
+        const std::string ending = mesh.string();
         const auto format = mesh_format_of_name(fmt::format("tree{}", ending));
         if (ending.front() != '.' || !format || *format == MeshFormat::off) {
             throw UsageError(
-                fmt::format("of a plot each tree gets a surface of its own: --then-mesh takes an ending, "
+                fmt::format("each tree of a folder gets a surface of its own: --then-mesh takes an ending, "
                             ".obj, .ply, .stl, .glb or .usda, not '{}'",
                             ending));
         }
-        if (ending.substr(1) == ending_of(files.write))
+        if (ending.substr(1) == ending_of(write))
             throw UsageError(
-                fmt::format("skeletons and surfaces would both be tree_001{}; use another --format or "
+                fmt::format("skeletons and surfaces would both be NAME{}; use another --format or "
                             "--then-mesh",
                             ending));
     }
+}
+
+void check_plot_files(const PlotFiles& files) {
+    check_tree_folder(files.folder, files.write, files.mesh);
     if (!files.leaf_points.empty()) check_points_output(files.leaf_points);
     if (!files.crowns.empty()) check_mesh_output(files.crowns);
     if (!files.map.empty()) {
@@ -347,7 +348,7 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
     run.stage("write tables", [&](const Context& ctx) {
         const std::vector<Figures> rows = rows_of(trees, plot.segments, ending);
-        write_rows(folder / kTable, rows);
+        write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);
         if (!files.map.empty()) write_map(files.map, layers_of(trees, rows), files.crs, ctx);
     });

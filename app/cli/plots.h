@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "coppice/base/fields.h"
@@ -37,6 +38,20 @@ struct PlotFiles {
 /// Whether -o names a folder: by a slash at its end, because it is one, or for want of an ending where no
 /// format is asked for.
 bool is_plot_folder(const std::filesystem::path& output, SkeletonFormat format);
+
+/// The table of the trees that are written to a folder.
+inline constexpr const char* kTreeTable = "trees.csv";
+
+/// The path without the slash at its end.
+std::filesystem::path trimmed(const std::filesystem::path& path);
+
+/// The ending of the skeletons in a folder without its point: "swc" where no format is asked for.
+std::string ending_of(const WriteSkeletonOptions& write);
+
+/// Throws UsageError where `folder` is no folder, skeletons cannot be written in that format, or `mesh` is no
+/// ending of surfaces beside them; IoError where the folder above it is missing.
+void check_tree_folder(const std::filesystem::path& folder, const WriteSkeletonOptions& write,
+                       const std::filesystem::path& mesh);
 
 /// Throws what writing would throw in the end: UsageError for endings that name no format, IoError where a
 /// folder is missing.

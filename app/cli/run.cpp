@@ -97,7 +97,8 @@ void Run::show_progress(const std::string& stage, float fraction) {
     if (percent == shown_percent_) return;
     shown_percent_ = percent;
     const std::string bar(static_cast<std::size_t>(percent * kBarWidth / 100), '#');
-    print_error(fmt::format("\r{:<10} [{:<{}}] {:>3} %", stage, bar, kBarWidth, percent));
+    const std::string subject = subject_.empty() ? "" : one_line(subject_) + ": ";
+    print_error(fmt::format("\r\033[K{}{:<10} [{:<{}}] {:>3} %", subject, stage, bar, kBarWidth, percent));
 }
 
 void Run::clear_progress() {
@@ -137,8 +138,14 @@ void Run::finish(const std::string& summary) {
     const double total = seconds_since(start_);
     if (!flags_.report.empty()) write_file(flags_.report, figures_json(report(total)));
     if (!terminal_) return;
+    std::vector<std::pair<std::string_view, double>> sums;  // of stages of one name, as those of many files
+    for (const auto& [name, seconds] : stages_) {
+        const auto known =
+            std::ranges::find(sums, std::string_view(name), [](const auto& s) { return s.first; });
+        known == sums.end() ? void(sums.emplace_back(name, seconds)) : void(known->second += seconds);
+    }
     std::vector<std::string> parts;
-    for (const auto& [name, seconds] : stages_) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
+    for (const auto& [name, seconds] : sums) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
     print_error(fmt::format("{}\n{:.2f} s ({}), {} MB at most\n", one_line(summary), total,
                             fmt::join(parts, ", "), peak_memory_bytes() / 1'000'000));
 }

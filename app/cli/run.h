@@ -36,6 +36,9 @@ class Run {
         return std::forward<Stage>(stage)(context(name));
     }
 
+    /// What the stages from here on work on, for the progress: "3 of 20, oak.las".
+    void set_subject(std::string subject) { subject_ = std::move(subject); }
+
     /// A stage that another part of the program has timed.
     void add_stage(const std::string& name, double seconds) { stages_.emplace_back(name, seconds); }
 
@@ -82,6 +85,7 @@ class Run {
     CommonFlags flags_;
     Signals& signals_;
     bool terminal_;
+    std::string subject_;
     int shown_percent_ = -1;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::vector<std::pair<std::string, double>> stages_;

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
+#include <utility>
 
+#include "batch.h"
 #include "command.h"
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
@@ -18,6 +21,7 @@
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 #include "files.h"
+#include "memory.h"
 #include "options.h"
 #include "plots.h"
 #include "surfaces.h"
@@ -31,7 +35,9 @@ constexpr const char* kPlotGroup = "From a plot of many trees (-o FOLDER)";
 
 struct ExtractFlags {
     std::vector<std::string> wood_classes;
-    std::filesystem::path input, output, mesh_output, leaf_output, tree_points, mapping, map, crowns;
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path input;  ///< that is worked on
+    std::filesystem::path output, mesh_output, leaf_output, tree_points, mapping, map, crowns;
     std::filesystem::path crs;  ///< a name, no file
     FromMeshOptions from_mesh;
     CloudOptions from_cloud;
@@ -104,10 +110,14 @@ void write_mapping(const std::filesystem::path& path, const FromMeshResult& resu
                          {.note = "the vertices of each node of the skeleton in a colour of its own"}, ctx);
 }
 
-/// A skeleton, and whether its figures are in doubt.
+/// A skeleton, and the figures of its trees where it is of a cloud.
 struct Extracted {
     ExtractResult result;
-    bool in_doubt = false;
+    std::vector<TreeFigures> trees = {};
+
+    bool in_doubt() const {
+        return std::ranges::any_of(trees, [](const TreeFigures& t) { return !t.doubts.empty(); });
+    }
 };
 
 Extracted from_mesh(Run& run, const ExtractFlags& flags, std::string& summary) {
@@ -186,9 +196,8 @@ Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) 
             write_painted_points(flags.leaf_output, {result.leaves, {}, {}}, {.system = file.system}, ctx);
         });
     }
-    const bool in_doubt =
-        std::ranges::any_of(result.trees, [](const TreeFigures& t) { return !t.doubts.empty(); });
-    return {std::move(result), in_doubt};
+    std::vector<TreeFigures> trees = std::move(result.trees);
+    return {std::move(result), std::move(trees)};
 }
 
 /// An option for the other kind of input would do nothing.
@@ -288,7 +297,115 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
                : kDone;
 }
 
+/// What the file to work on holds; not a skeleton.
+FileKind kind_to_extract(const ExtractFlags& flags) {
+    const FileKind kind = kind_of_input(flags.input);
+    if (kind != FileKind::skeleton) return kind;
+    throw UsageError(fmt::format("'{}' is a skeleton already; a mesh or a cloud of points is needed",
+                                 flags.input.string()));
+}
+
+/// Extracts and writes the skeleton of one file, and its surface.
+Extracted extract_file(Run& run, const ExtractFlags& flags, FileKind kind, std::string& summary) {
+    std::string found;
+    Extracted made = kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
+    run.stage("write", [&](const Context&) {
+        write_skeleton(flags.output, made.result.skeleton, flags.write,
+                       node_attributes(made.result.confidence, kind == FileKind::points));
+    });
+    fill_report(run, made.result);
+    const std::string surface = then_mesh(run, flags.mesh_output, made.result.skeleton, flags.mesh);
+    summary =
+        fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
+                    grouped(made.result.skeleton.size()), grouped(made.result.report.trees), found, surface);
+    return made;
+}
+
+/// Extracts one of many files: what goes wrong is a row of the table.
+ExitCode extract_of_batch(Run& run, ExtractFlags flags, const BatchFile& file, BatchTable& table) {
+    flags.input = file.input;
+    flags.output = file.skeleton;
+    flags.mesh_output = file.mesh;
+    const auto failed = [&](const char* what) {
+        run.warn(what);
+        table.add_failure(file, what);
+        return kFileTrouble;
+    };
+    try {
+        const FileKind kind = kind_to_extract(flags);
+        std::string summary;
+        const Extracted made = extract_file(run, flags, kind, summary);
+        const bool of_points = kind == FileKind::points;
+        table.add(file, made.result,
+                  of_points ? made.trees : tree_figures(made.result.skeleton, made.result.confidence, {}),
+                  of_points);
+        return made.in_doubt() ? kCheckFailed : kDone;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error& error) {
+        return failed(error.what());
+    } catch (const std::bad_alloc&) {
+        renew_memory_limit();
+        return failed(fmt::format("{}: {}", file.input.string(), out_of_memory_text()).c_str());
+    }
+}
+
+/// Options of single files, of plots, and of a kind that no file has, would do nothing.
+void check_batch_options(const GivenOptions& given, const Batch& batch) {
+    for (const Option* option : given) {
+        if (option->group == kPlotGroup)
+            throw UsageError(fmt::format("{} is for a plot of many trees; name one cloud", option->name));
+        if (option->name == "--mapping" || option->name == "--leaf-points")
+            throw UsageError(fmt::format("{} is for one file; name one, and its skeleton", option->name));
+    }
+    const BatchFile& first = batch.files.front();
+    const auto same = [&](const BatchFile& f) { return f.kind == first.kind; };
+    if (first.kind && std::ranges::all_of(batch.files, same)) check_groups(given, first.input, *first.kind);
+}
+
+/// Extracts each of many files by itself. The files that are done stay, whatever happens later.
+ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags) {
+    if (!is_plot_folder(flags.output, flags.write.format))
+        throw UsageError("many files need a folder for their skeletons: coppice extract FILES... -o FOLDER/");
+    flags.from_cloud.root = flags.from_mesh.root;
+    (void)wood_classes(flags);  // what is wrong with them is told before any work
+    const Batch batch = plan_batch(flags.inputs, trimmed(flags.output), flags.write, flags.mesh_output);
+    check_batch_options(given, batch);
+    BatchTable table(batch);
+    std::array<std::size_t, kFileTrouble + 1> files_of_code{};
+    Figure::List reports;
+    try {
+        for (std::size_t i = 0; i < batch.files.size(); ++i) {
+            const BatchFile& file = batch.files[i];
+            run.set_subject(fmt::format("{} of {}, {:.40}", grouped(i + 1), grouped(batch.files.size()),
+                                        file.input.filename().string()));
+            ++files_of_code[extract_of_batch(run, flags, file, table)];
+            Figures report;
+            report["input"] = file.input.string();
+            report["counts"] = std::exchange(run.counts(), {});
+            report["repairs"] = std::exchange(run.repairs(), {});
+            reports.emplace_back(std::move(report));
+        }
+    } catch (const Cancelled&) {
+        table.commit();
+        throw;
+    }
+    table.commit();
+    const std::size_t failed = files_of_code[kFileTrouble], in_doubt = files_of_code[kCheckFailed];
+    run.counts()["failed"] = failed;
+    run.counts()["in_doubt"] = in_doubt;
+    run.counts()["passed_over"] = batch.passed_over;
+    run.counts()["trees_found"] = table.rows();
+    run.counts()["files"] = std::move(reports);
+    run.finish(fmt::format("{}: {} files, {} of them failed, {} in doubt",
+                           (batch.folder / kTreeTable).string(), grouped(batch.files.size()), grouped(failed),
+                           grouped(in_doubt)));
+    return failed > 0 ? kFileTrouble : in_doubt > 0 ? kCheckFailed : kDone;
+}
+
 ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
+    if (is_batch(flags.inputs)) return extract_batch(run, given, flags);
+    if (!flags.inputs.empty()) flags.input = flags.inputs.front();
     if (!flags.input.empty() && is_plot_folder(flags.output, flags.write.format))
         return from_plot(run, given, flags);
     for (const Option* option : given) {
@@ -297,27 +414,14 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
             fmt::format("{} is for plots of many trees; name a folder for them, as -o trees/", option->name));
     }
     check_flags(flags);
-    const FileKind kind = kind_of_input(flags.input);
-    if (kind == FileKind::skeleton) {
-        throw UsageError(fmt::format("'{}' is a skeleton already; a mesh or a cloud of points is needed",
-                                     flags.input.string()));
-    }
+    const FileKind kind = kind_to_extract(flags);
     check_groups(given, flags.input, kind);
     if (is_given(given, "--ground-height") && flags.from_cloud.ground != GroundRule::height)
         throw UsageError("--ground-height is for the rule of that name; add --ground height");
-    std::string found;
-    const Extracted made =
-        kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
-    run.stage("write", [&](const Context&) {
-        write_skeleton(flags.output, made.result.skeleton, flags.write,
-                       node_attributes(made.result.confidence, kind == FileKind::points));
-    });
-    fill_report(run, made.result);
-    const std::string surface = then_mesh(run, flags.mesh_output, made.result.skeleton, flags.mesh);
-    run.finish(fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
-                           grouped(made.result.skeleton.size()), grouped(made.result.report.trees), found,
-                           surface));
-    return made.in_doubt ? kCheckFailed : kDone;
+    std::string summary;
+    const Extracted made = extract_file(run, flags, kind, summary);
+    run.finish(summary);
+    return made.in_doubt() ? kCheckFailed : kDone;
 }
 
 }  // namespace
@@ -325,15 +429,15 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
 Command extract_command() {
     const auto flags = std::make_shared<ExtractFlags>();
     OptionList options;
-    options.file("input", "FILE", flags->input,
-                 "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
-                 ".pcd, .las, .laz, .e57) to read");
-    options.output(
-        "-o,--output", "SKELETON", flags->output,
-        "Skeleton to write, its extension selects the format; or a folder for the trees of a plot");
+    options.files("input", "FILES", flags->inputs,
+                  "Mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, .pts, .ptx, .ply, "
+                  ".pcd, .las, .laz, .e57) to read; or many, or folders, each by itself");
+    options.output("-o,--output", "SKELETON", flags->output,
+                   "Skeleton to write, its extension selects the format; or a folder for the trees of a "
+                   "plot, or of many files");
     options.output(
         "--then-mesh", "MESH", flags->mesh_output,
-        "Also write the surface of the skeleton; of every tree of a plot, with this extension (.ply)");
+        "Also write the surface of the skeleton; in a folder of every tree, with this extension (.ply)");
     // Of both kinds of input, and so not among the options of either.
     options.value(
         {common_field("root",

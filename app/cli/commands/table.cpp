@@ -184,25 +184,6 @@ void describe(Run& run, Figures& row, const PolygonMesh& mesh) {
     run.stage("measure", [&](const Context& ctx) { add_surface(row, mesh, ctx); });
 }
 
-/// The files that are named, and those within folders that are, in order of their names.
-std::vector<fs::path> files_of(const std::vector<fs::path>& named) {
-    std::vector<fs::path> out;
-    for (const fs::path& path : named) {
-        std::error_code error;
-        if (!fs::is_directory(path, error)) {
-            out.push_back(path);
-            continue;
-        }
-        std::vector<fs::path> within;
-        fs::recursive_directory_iterator entry(path, fs::directory_options::skip_permission_denied, error);
-        for (; entry != fs::recursive_directory_iterator(); entry.increment(error))
-            if (entry->is_regular_file(error)) within.push_back(entry->path());
-        std::ranges::sort(within);
-        out.insert(out.end(), within.begin(), within.end());
-    }
-    return out;
-}
-
 /// Adds the rows of a file: one for each of its models.
 void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs::path& path,
               const TableFlags& flags, std::span<const double> limits) {
@@ -235,7 +216,7 @@ void add_rows(Run& run, std::vector<Figures>& rows, TreeTables& parts, const fs:
 std::vector<Figures> rows_of(Run& run, TreeTables& parts, const TableFlags& flags,
                              std::span<const double> limits) {
     std::vector<Figures> rows;
-    for (const fs::path& path : files_of(flags.files)) {
+    for (const fs::path& path : files_within(flags.files)) {
         rows.emplace_back()["file"] = path.string();
         try {
             add_rows(run, rows, parts, path, flags, limits);
