@@ -1,11 +1,9 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
-#include "coppice/base/fields.h"
 #include "coppice/extract/plot/plot.h"
 #include "coppice/io/map/map_file.h"
 #include "coppice/io/points/reader.h"
@@ -14,12 +12,6 @@
 #include "run.h"
 
 namespace coppice::cli {
-
-/// What tells the trees of a plot apart.
-enum class TreeRule {
-    stems,  ///< what hangs on each stem
-    ids     ///< the ids that the points have
-};
 
 /// What is written of a plot.
 struct PlotFiles {
@@ -64,8 +56,3 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
                 const std::string& summary);
 
 }  // namespace coppice::cli
-
-template <>
-struct coppice::EnumNames<coppice::cli::TreeRule> {
-    static constexpr std::array<std::string_view, 2> names{"stems", "ids"};
-};

@@ -211,6 +211,8 @@ add("rays.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" +
     "".join("property uchar %s\n" % name for name in ("red", "green", "blue", "alpha")) +
     "end_header\n0 0 0 1 0 0 5 9 9 9 255\n1 0 0 2 0 0 5 9 9 9 0\n1 2 3 3 0 0 5 9 9 9 128\n")
 add("cut.las", las_of(plot[:10], [1] * 10)[:-40])
+add("ids.coppice", "extract all plot_ids.las trees_by=ids\nsave all ids.json\n")
+add("truncated.coppice", "extract all cut.las allow_truncated=yes\nsave all cut.swc\n")
 add("scan.las.gz", b"\x1f\x8b\x08\0")
 add("scan.pts", "3\n0 0 0 -700 1 2 3\n1 0 0 800 1 2 3\n1 2 3 0 1 2 3\n")
 add("scan.ptx", "1\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 0 0 1\n0 0 0 0.5\n1 0 0 0.5\n1 2 3 0.5\n")

@@ -198,5 +198,33 @@ TEST_F(SceneExtract, FilesOutsideAreRefused) {
     EXPECT_NE(refusal("extract a /etc/passwd").find("cannot"), std::string::npos);
 }
 
+TEST_F(SceneExtract, ReadsTheTreesThatPointsName) {
+    std::ofstream file(folder_ / "two.txt");
+    file << "x y z tree_id\n";
+    for (int ring = 0; ring < 60; ++ring) {
+        for (int k = 0; k < 30; ++k) {
+            const double a = 2 * std::numbers::pi * k / 30, x = 0.2 * std::cos(a), y = 0.2 * std::sin(a);
+            file << fmt::format("{} {} {} 7\n{} {} {} 4\n", x, y, 0.05 * ring, x + 5, y, 0.05 * ring);
+        }
+    }
+    file.close();
+    scene.run("extract all two.txt trees_by=ids");
+    ASSERT_EQ(tree("all").tree_count(), 2u);
+    const std::vector<std::string> names = attributes("all");
+    EXPECT_EQ(names.back(), "tree");
+    const std::vector<float>& ids = object("all").attributes.back().values;
+    for (const NodeId n : nodes(tree("all"))) {
+        const double x = tree("all").origin().x + double{tree("all").position(n).x};
+        EXPECT_EQ(ids[n.index()], x > 2.5 ? 4.0f : 7.0f);  // in the order of the ids
+    }
+    EXPECT_EQ(ids.front(), 4.0f);
+    EXPECT_NE(refusal("extract a stem.xyz trees_by=ids").find("its points have no ids of trees"),
+              std::string::npos);
+    EXPECT_NE(refusal("extract a from=p trees_by=ids").find("trees_by= is for files"), std::string::npos);
+    EXPECT_NE(refusal("extract a two.txt trees_by=ids max_trees=1")
+                  .find("max_trees= does nothing with trees_by=ids"),
+              std::string::npos);
+}
+
 }  // namespace
 }  // namespace coppice

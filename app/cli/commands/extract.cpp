@@ -215,6 +215,11 @@ bool is_given(const GivenOptions& given, std::string_view name) {
     return std::ranges::any_of(given, [&](const Option* option) { return option->name == name; });
 }
 
+void check_ground(const GivenOptions& given, const ExtractFlags& flags) {
+    if (is_given(given, "--ground-height") && flags.from_cloud.ground != GroundRule::height)
+        throw UsageError("--ground-height is for the rule of that name; add --ground height");
+}
+
 /// A plot has a ground, and roots, of its own.
 void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
     for (const char* name : {"--root", "--ground", "--ground-height", "--max-trees"}) {
@@ -272,18 +277,10 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
     files.system = file.system;
     if (files.crs.undefined()) files.crs = map_crs_of(file.system);
     const bool by_ids = flags.trees_by == TreeRule::ids;
-    if (by_ids && file.painted.tree_ids.empty())
-        throw InvalidInput(fmt::format(
-            "{}: its points have no ids of trees; these are read from a column, property or extra "
-            "dimension tree_id, treeID, PredInstance, instance or label",
-            flags.input.string()));
     const PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
-        if (!by_ids) return extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
-        return extract_trees(points, segment_plot_by_ids(points, file.painted.tree_ids, ctx),
-                             flags.from_cloud, ctx);
+        return by_ids ? extract_trees_by_ids(file.painted, flags.from_cloud, ctx)
+                      : extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
     });
-    if (by_ids && plot.trees.empty())
-        throw InvalidInput(fmt::format("{}: extract: no id of a tree has 50 points", flags.input.string()));
     if (plot.trees.empty()) {
         throw InvalidInput(
             fmt::format("{0}: extract: no stem of a tree is seen from 0.3 to 3.9 m above the ground; "
@@ -344,6 +341,8 @@ ExitCode extract_of_batch(Run& run, ExtractFlags flags, const BatchFile& file, B
         throw;
     } catch (const Error& error) {
         return failed(error.what());
+    } catch (const std::filesystem::filesystem_error& error) {
+        return failed(error.what());
     } catch (const std::bad_alloc&) {
         renew_memory_limit();
         return failed(fmt::format("{}: {}", file.input.string(), out_of_memory_text()).c_str());
@@ -368,6 +367,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     if (!is_plot_folder(flags.output, flags.write.format))
         throw UsageError("many files need a folder for their skeletons: coppice extract FILES... -o FOLDER/");
     flags.from_cloud.root = flags.from_mesh.root;
+    check_ground(given, flags);
     (void)wood_classes(flags);  // what is wrong with them is told before any work
     const Batch batch = plan_batch(flags.inputs, trimmed(flags.output), flags.write, flags.mesh_output);
     check_batch_options(given, batch);
@@ -387,7 +387,7 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
             reports.emplace_back(std::move(report));
         }
     } catch (const Cancelled&) {
-        table.commit();
+        if (!table.rows().empty()) table.commit();
         throw;
     }
     table.commit();
@@ -416,8 +416,7 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     check_flags(flags);
     const FileKind kind = kind_to_extract(flags);
     check_groups(given, flags.input, kind);
-    if (is_given(given, "--ground-height") && flags.from_cloud.ground != GroundRule::height)
-        throw UsageError("--ground-height is for the rule of that name; add --ground height");
+    check_ground(given, flags);
     std::string summary;
     const Extracted made = extract_file(run, flags, kind, summary);
     run.finish(summary);
@@ -456,10 +455,7 @@ Command extract_command() {
                    "also write the points that are left out as leaves, if any",
                    {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
-    options.value(
-        {Field{"trees_by", "What tells trees apart: their stems, or the ids of trees that points have"},
-         choice_of(flags->trees_by)},
-        kPlotGroup);
+    options.value({kTreesByField, choice_of(flags->trees_by)}, kPlotGroup);
     options.output("--tree-points", "POINTS", flags->tree_points,
                    "also write all points, with ids, classes and colours of their trees",
                    {.group = kPlotGroup, .common = false});

@@ -2,8 +2,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "coppice/base/progress.h"
 #include "coppice/extract/mesh/from_mesh.h"
@@ -16,13 +19,15 @@
 #include "coppice/points/wood_classes.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/extraction.h"
+#include "coppice/skeleton/assemble.h"
 
 namespace coppice {
 namespace {
 
 using namespace table;
 
-const std::string kMesh = "extract_mesh", kCloud = "extract_cloud", kFile = "extract_file";
+const std::string kMesh = "extract_mesh", kCloud = "extract_cloud", kFile = "extract_file",
+                  kReadPoints = "read_points";
 
 constexpr float kShareOfReading = 0.1f;  // of the progress
 
@@ -41,8 +46,11 @@ Context reading(const SceneCall& call) { return part_of(call.context(), 0, kShar
 Context extracting(const SceneCall& call) { return part_of(call.context(), kShareOfReading, 1); }
 
 bool is_for_mesh(const Argument& a) { return a.field.starts_with(kMesh + ".") && a.name != "root"; }
+/// What an object does not say of itself.
+bool is_for_file(const Argument& a) { return a.field == kFile || a.field.starts_with(kReadPoints + "."); }
 bool is_for_cloud(const Argument& a) {
-    return a.field.starts_with(kCloud + ".") || a.name == kWoodClassesField.name;
+    return a.field.starts_with(kCloud + ".") || a.field.starts_with(kReadPoints + ".") ||
+           a.name == kWoodClassesField.name || a.name == kTreesByField.name;
 }
 
 /// An option that would do nothing is an error.
@@ -55,17 +63,24 @@ void check_options(const SceneCall& call, const Source& source) {
                                        for_mesh ? "a cloud of points" : "a mesh"));
     }
     for (const Argument& a : call.command().arguments) {
-        if (a.field != kFile || call.has("file") || is_default(call, a)) continue;
+        if (!is_for_file(a) || call.has("file") || is_default(call, a)) continue;
         throw InvalidInput(fmt::format("{}= is for files, and '{}' is an object", a.name, source.name));
+    }
+    const bool by_ids = call.text(kTreesByField.name) == name_of(TreeRule::ids);
+    for (const Argument& a : call.command().arguments) {
+        constexpr std::array<std::string_view, 4> kOfOneTree{"root", "ground", "ground_height", "max_trees"};
+        if (by_ids && std::ranges::find(kOfOneTree, a.name) != kOfOneTree.end() && !is_default(call, a))
+            throw InvalidInput(fmt::format("{}= does nothing with {}=ids", a.name, kTreesByField.name));
     }
     if (call.text("ground") != name_of(GroundRule::height) && call.number("ground_height") != 0)
         throw InvalidInput("ground_height= is for the rule of that name; add ground=height");
 }
 
 SceneOutcome outcome(const SceneCall& call, const Source& source, const ExtractResult& result,
-                     const std::string& found) {
-    SceneOutcome out =
-        makes_tree(call.text("tree"), result.skeleton, node_attributes(result.confidence, source.cloud));
+                     const std::string& found, std::vector<NodeAttribute> more = {}) {
+    std::vector<NodeAttribute> attributes = node_attributes(result.confidence, source.cloud);
+    std::ranges::move(more, std::back_inserter(attributes));
+    SceneOutcome out = makes_tree(call.text("tree"), result.skeleton, std::move(attributes));
     out.text = fmt::format("{} taken for {}: {} nodes in {} {}{}\n", source.name,
                            source.cloud ? "a cloud of points" : "a mesh", grouped(result.skeleton.size()),
                            grouped(result.report.trees), result.report.trees == 1 ? "tree" : "trees", found);
@@ -82,21 +97,52 @@ SceneOutcome from_mesh(const SceneCall& call, const Source& source, const Polygo
     return outcome(call, source, result, fmt::format(", {} loops cut", grouped(result.report.loops)));
 }
 
-SceneOutcome from_cloud(const SceneCall& call, const Source& source, const PointSet& points,
-                        const std::string& left_out) {
+/// Options of a cloud of so many points, whose memory is set aside.
+CloudOptions cloud_options(const SceneCall& call, std::size_t points) {
     constexpr double kBytesOfPoint = 500, kBytesOfGivenPoint = 40;  // of those that are used; of all
     auto options = call.options<CloudOptions>(kCloud);
     options.root = call.options<FromMeshOptions>(kMesh).root;
-    const double given = static_cast<double>(points.size());
+    const double given = static_cast<double>(points);
     call.reserve(kBytesOfGivenPoint * given +
                  kBytesOfPoint * std::min(given, static_cast<double>(options.max_points)));
-    const CloudExtraction result = extract_from_cloud(points, options, extracting(call));
+    return options;
+}
+
+SceneOutcome from_cloud(const SceneCall& call, const Source& source, const PointSet& points,
+                        const std::string& left_out) {
+    const CloudExtraction result =
+        extract_from_cloud(points, cloud_options(call, points.size()), extracting(call));
     std::string said = left_out + text_of_points_left_out(result.cleaning);
     for (const TreeFigures& tree : result.trees) {
         if (result.trees.size() == 1) said += text_of_tree(tree);
         for (const std::string& doubt : tree.doubts) said += fmt::format("; in doubt: {}", doubt);
     }
     return outcome(call, source, result, said);
+}
+
+/// The trees that the points name, as one skeleton, in the order of their ids, which its nodes keep as
+/// `tree`.
+SceneOutcome from_ids(const SceneCall& call, const Source& source, const PaintedPoints& scan,
+                      const std::string& left_out) {
+    const PlotExtraction plot =
+        extract_trees_by_ids(scan, cloud_options(call, scan.points.size()), extracting(call));
+    std::vector<const Skeleton*> skeletons;
+    std::vector<NodeConfidence> confidence;
+    NodeAttribute ids{"tree", {}};
+    std::string said = left_out;
+    for (std::size_t t = 0; t < plot.trees.size(); ++t) {
+        const PlotTree& tree = plot.trees[t];
+        for (const std::string& warning : tree.warnings)
+            said += fmt::format("; tree {}: {}", plot.segments.ids[t], warning);
+        if (!tree.result) continue;
+        skeletons.push_back(&tree.result->skeleton);
+        std::ranges::copy(tree.result->confidence, std::back_inserter(confidence));
+        ids.values.resize(confidence.size(), static_cast<float>(plot.segments.ids[t]));
+    }
+    if (skeletons.empty()) throw InvalidInput(fmt::format("{}: no tree has a skeleton{}", source.name, said));
+    ExtractResult all{joined(skeletons), std::move(confidence), {}};
+    all.report.trees = all.skeleton.tree_count();
+    return outcome(call, source, all, said, {std::move(ids)});
 }
 
 /// Says of each option what it is for.
@@ -126,10 +172,14 @@ WoodClasses wood_classes(const SceneCall& call) {
 }
 
 SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const std::filesystem::path& path) {
-    const WoodClasses wood = wood_classes(call);
+    WoodClasses wood = wood_classes(call);
     PointColumns columns = kNoColumns;
     columns.classes = true;
-    PaintedPoints scan = read_painted_points(path, columns, reading(call));
+    columns.tree_ids = call.text(kTreesByField.name) == name_of(TreeRule::ids);
+    wood.ground = columns.tree_ids;
+    PointFile file =
+        read_point_file(path, columns, call.options<ReadPointsOptions>(kReadPoints), reading(call));
+    PaintedPoints& scan = file.painted;
     turn_from_file(scan.points, up_of(call));
     const std::size_t all = scan.points.size();
     const ClassSelection out =
@@ -137,7 +187,10 @@ SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const 
     std::string left_out;
     if (out.count > 0)
         left_out = fmt::format(", {} of {} points left out by their class", grouped(out.count), grouped(all));
-    SceneOutcome made = from_cloud(call, source, scan.points, left_out);
+    if (file.missing > 0)
+        left_out += fmt::format(", {} points missing of a file that is cut off", grouped(file.missing));
+    SceneOutcome made = columns.tree_ids ? from_ids(call, source, scan, left_out)
+                                         : from_cloud(call, source, scan.points, left_out);
     if (out.doubt) made.text += *out.doubt + "\n";
     return made;
 }
@@ -187,6 +240,8 @@ SceneCommand extract_command() {
     up.field = kFile;
     Argument wood = argument_of(kWoodClassesField, std::vector<std::string>{});
     wood.field = kFile;
+    Argument trees_by = argument_of(kTreesByField, TreeRule::stems);
+    trees_by.field = kFile;
     c.arguments = {new_name("tree", "name of the new skeleton"),
                    positional(file("file", ArgumentType::input_file,
                                    "a mesh (.ply, .obj, .off, .stl, .glb) or points (.xyz, .txt, .asc, .csv, "
@@ -195,7 +250,9 @@ SceneCommand extract_command() {
                    std::move(from), std::move(up)};
     add_options(c.arguments, FromMeshOptions{}, kMesh, {"up"});
     add_options(c.arguments, CloudOptions{}, kCloud, {"root"});
+    add_options(c.arguments, ReadPointsOptions{}, kReadPoints);
     c.arguments.push_back(std::move(wood));
+    c.arguments.push_back(std::move(trees_by));
     name_kinds(c.arguments);
     c.run = [](const SceneCall& call) {
         std::optional<std::filesystem::path> path;
