@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Ctrl-C acts at once while a file is read, on a pipe that nobody writes to and in the middle of a large file, and within the loops
-of a scene."""
+"""Ctrl-C acts at once while a file is read, on a pipe that nobody writes to and in the middle of a large file, between files, and
+within the loops of a scene."""
 
+import math
 import os
 import signal
 import subprocess
@@ -40,6 +41,14 @@ def main():
             for _ in range(20):
                 file.write("1.234567 2.345678 3.456789 255 255 255\n" * 250_000)
         wrong.append(interrupted(program, "info", "large.xyz", "--threads", "1"))
+        # What is finished of many files stays.
+        with open("stem.xyz", "w", encoding="ascii") as file:
+            for i in range(816):
+                turn = math.pi * (i % 16) / 8
+                file.write(f"{0.1 * math.cos(turn)} {0.1 * math.sin(turn)} {i // 16 / 25}\n")
+        wrong.append(interrupted(program, "extract", "stem.xyz", "large.xyz", "-o", "many", "--threads", "1", after=1))
+        if sorted(os.listdir("many")) != ["stem.swc", "trees.csv"]:
+            wrong.append(f"many files left {os.listdir('many')}")
         with open("loops.coppice", "w", encoding="ascii") as file:
             file.write("sphere s\nrepeat 300\nrepeat 300\npointset gen s count=5000\nend\nend\n")
         wrong.append(interrupted(program, "run", "loops.coppice"))
