@@ -78,10 +78,15 @@ std::uint32_t id_of_tree(const PlotSegments& segments, std::size_t tree) {
     return segments.ids.empty() ? static_cast<std::uint32_t>(tree + 1) : segments.ids[tree];
 }
 
-/// Colours, ids as the table has them, and classes of LAS.
-PaintedPoints painted(const PointSet& points, const PlotSegments& segments) {
+/// Colours, ids as the table has them, and classes of LAS; of the scan its intensities and returns.
+PaintedPoints painted(const PaintedPoints& scan, const PlotSegments& segments) {
     constexpr std::uint8_t kUnclassified = 1, kGround = 2, kHighVegetation = 5;
-    PaintedPoints out{points, {}, {}};
+    PaintedPoints out{.points = scan.points,
+                      .distances = {},
+                      .colors = {},
+                      .intensities = scan.intensities,
+                      .return_numbers = scan.return_numbers,
+                      .return_counts = scan.return_counts};
     for (const std::uint32_t tree : segments.tree_of) {
         const bool none = tree == kPointOfGround || tree == kPointOfNoTree;
         out.tree_ids.push_back(none ? 0 : id_of_tree(segments, tree));
@@ -327,7 +332,7 @@ void check_plot_files(const PlotFiles& files) {
     check_painted_output(files.tree_points);
 }
 
-void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files,
+void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot, const PlotFiles& files,
                 const std::string& summary) {
     std::vector<PlotTree> trees = plot.trees;
     UnfinishedFolder folder(trimmed(files.folder));
@@ -356,15 +361,15 @@ void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, co
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
             write_painted_points(
-                files.tree_points, painted(points, plot.segments),
+                files.tree_points, painted(scan, plot.segments),
                 {.note = "each tree in a colour of its own, as trees.csv has it", .system = files.system},
                 ctx);
         }
-        if (!files.leaf_points.empty()) write_leaves(files, trees, plot.segments, points.origin, ctx);
+        if (!files.leaf_points.empty()) write_leaves(files, trees, plot.segments, scan.points.origin, ctx);
         folder.commit();
     });
     warn_of_leftovers(run, trimmed(files.folder), trees.size());
-    count(run, points, plot, trees);
+    count(run, scan.points, plot, trees);
     run.finish(summary_of(trees, files) + summary);
 }
 

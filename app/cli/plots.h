@@ -52,7 +52,7 @@ void check_plot_files(const PlotFiles& files);
 /// Writes tree_001.swc and so on, trees.csv, taper.csv, and what else is asked for, as stages of the run;
 /// fills its counts, and says what came out, then `summary`. The folder appears whole, or what is new in it
 /// does; nothing of it where that fails. A tree of which no surface can be made says so in its row.
-void write_plot(Run& run, const PointSet& points, const PlotExtraction& plot, const PlotFiles& files,
+void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot, const PlotFiles& files,
                 const std::string& summary);
 
 }  // namespace coppice::cli

@@ -120,6 +120,7 @@ for x, y, r in ((1.5, 1.5, 0.1), (4.5, 2, 0.12), (3, 4.5, 0.08)):
     plot += ["%.4f %.4f %.4f" % (x + 0.02 * k * side, y + 0.03 * math.sin(k), 0.2 * x + 3 + 0.01 * k + 0.03 * math.cos(k))
              for k in range(40) for side in (-1, 1)]
 add("plot.xyz", "\n".join(plot))
+add("plot_strong.txt", "x y z intensity\n" + "\n".join("%s %d" % (row, i % 7) for i, row in enumerate(plot)))
 
 
 def las_of(points, ids):

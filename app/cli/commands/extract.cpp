@@ -147,6 +147,7 @@ WoodClasses wood_classes(const ExtractFlags& flags) {
 PointFile load_wood(Run& run, const ExtractFlags& flags, const WoodClasses& wood, std::string& summary) {
     PointColumns columns = kNoColumns;
     columns.classes = columns.tree_ids = true;
+    columns.intensities = columns.returns = !flags.tree_points.empty();
     const std::filesystem::path& input = flags.input;
     PointFile file = load_point_file(run, input, columns, flags.up, flags.read_points);
     PaintedPoints& scan = file.painted;
@@ -288,7 +289,7 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
                         "less, and a cloud of one tree is read by coppice extract {0} -o tree.swc",
                         flags.input.string()));
     }
-    write_plot(run, points, plot, files, found);
+    write_plot(run, file.painted, plot, files, found);
     return std::ranges::any_of(plot.trees, [](const PlotTree& t) { return !t.figures.doubts.empty(); })
                ? kCheckFailed
                : kDone;
