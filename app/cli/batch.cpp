@@ -44,7 +44,7 @@ Batch files_of(const std::vector<fs::path>& inputs) {
                 ++batch.passed_over;
                 continue;
             }
-            batch.files.push_back({path, {}, {}, kind});
+            batch.files.push_back({.input = path, .skeleton = {}, .mesh = {}, .points = {}, .kind = kind});
         }
     }
     return batch;
@@ -55,7 +55,7 @@ void check_names(const Batch& batch) {
     std::map<fs::path, fs::path> inputs, writers{{target_of(batch.folder / kTreeTable), kTreeTable}};
     for (const BatchFile& file : batch.files) inputs.emplace(target_of(file.input), file.input);
     for (const BatchFile& file : batch.files) {
-        for (const fs::path& output : {file.skeleton, file.mesh}) {
+        for (const fs::path& output : {file.skeleton, file.mesh, file.points}) {
             if (output.empty()) continue;
             const fs::path target = target_of(output);
             if (const auto input = inputs.find(target); input != inputs.end())
@@ -91,8 +91,16 @@ bool is_batch(std::span<const fs::path> inputs) {
 }
 
 Batch plan_batch(const std::vector<fs::path>& inputs, const fs::path& folder,
-                 const WriteSkeletonOptions& write, const fs::path& mesh) {
+                 const WriteSkeletonOptions& write, const fs::path& mesh, const fs::path& points) {
     check_tree_folder(folder, write, mesh);
+    if (!points.empty()) {
+        if (!points.string().starts_with('.'))
+            throw UsageError(
+                fmt::format("each of many files has points of its own: --tree-points takes an "
+                            "ending, .las, .ply, .txt or .csv, not '{}'",
+                            points.string()));
+        check_painted_output(fmt::format("points{}", points.string()));
+    }
     Batch batch = files_of(inputs);
     batch.folder = folder;
     if (batch.files.empty())
@@ -102,6 +110,8 @@ Batch plan_batch(const std::vector<fs::path>& inputs, const fs::path& folder,
         const std::string stem = file.input.stem().string();
         file.skeleton = folder / fmt::format("{}.{}", stem, ending_of(write));
         if (!mesh.empty()) file.mesh = folder / fmt::format("{}{}", stem, mesh.string());
+        if (!points.empty() && file.kind != FileKind::mesh)
+            file.points = folder / fmt::format("{}_points{}", stem, points.string());
     }
     check_names(batch);
     return batch;

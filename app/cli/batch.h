@@ -21,6 +21,7 @@ namespace coppice::cli {
 struct BatchFile {
     std::filesystem::path input, skeleton;
     std::filesystem::path mesh;         ///< surface of the skeleton; or none
+    std::filesystem::path points;       ///< labelled points of a cloud; or none
     std::optional<FileKind> kind = {};  ///< none where it cannot be told, which working on it tells of
 };
 
@@ -34,11 +35,12 @@ struct Batch {
 bool is_batch(std::span<const std::filesystem::path> inputs);
 
 /// The files that are named, and the meshes and clouds of points within folders, each with what is written of
-/// it: its own name with the ending of skeletons, and with `mesh`, ".ply". Throws UsageError where two would
-/// be the same file, or one would overwrite an input, and where `folder` is none; IoError where the folder
-/// above it is missing; InvalidInput where there are no files.
+/// it: its own name with the ending of skeletons, with `mesh`, ".ply", and `points`, "_points.ply". Throws
+/// UsageError where two would be the same file, or one would overwrite an input, and where `folder` is none;
+/// IoError where the folder above it is missing; InvalidInput where there are no files.
 Batch plan_batch(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& folder,
-                 const WriteSkeletonOptions& write, const std::filesystem::path& mesh);
+                 const WriteSkeletonOptions& write, const std::filesystem::path& mesh,
+                 const std::filesystem::path& points);
 
 /// The table of a batch, trees.csv: a row for each tree, or for a file of which there is none. It has what
 /// that of a plot has of trees.

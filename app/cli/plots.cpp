@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "coppice/extract/tree/label_points.h"
 #include "coppice/io/mesh/format.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/format.h"
@@ -28,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTaperTable = "taper.csv";
-constexpr Rgb kGroundColor{110, 95, 80}, kNoTreeColor{150, 150, 150};
+constexpr Rgb kGroundColor{110, 95, 80};
 
 /// A folder that is filled under a hidden name beside its own, and gone unless `commit` gives it that.
 class UnfinishedFolder {
@@ -78,8 +79,10 @@ std::uint32_t id_of_tree(const PlotSegments& segments, std::size_t tree) {
     return segments.ids.empty() ? static_cast<std::uint32_t>(tree + 1) : segments.ids[tree];
 }
 
-/// Colours, ids as the table has them, and classes of LAS; of the scan its intensities and returns.
-PaintedPoints painted(const PaintedPoints& scan, const PlotSegments& segments) {
+/// Colours, ids as the table has them, classes of LAS, and what points are by the skeletons; of the scan its
+/// intensities and returns.
+PaintedPoints labelled(const PaintedPoints& scan, const PlotSegments& segments,
+                       const std::vector<PlotTree>& trees, const Context& ctx) {
     constexpr std::uint8_t kUnclassified = 1, kGround = 2, kHighVegetation = 5;
     PaintedPoints out{.points = scan.points,
                       .distances = {},
@@ -87,14 +90,20 @@ PaintedPoints painted(const PaintedPoints& scan, const PlotSegments& segments) {
                       .intensities = scan.intensities,
                       .return_numbers = scan.return_numbers,
                       .return_counts = scan.return_counts};
-    for (const std::uint32_t tree : segments.tree_of) {
+    std::vector<std::vector<std::uint32_t>> points_of(trees.size());
+    for (std::uint32_t p = 0; p < segments.tree_of.size(); ++p) {
+        const std::uint32_t tree = segments.tree_of[p];
         const bool none = tree == kPointOfGround || tree == kPointOfNoTree;
+        if (!none) points_of[tree].push_back(p);
         out.tree_ids.push_back(none ? 0 : id_of_tree(segments, tree));
         out.classes.push_back(tree == kPointOfGround ? kGround : none ? kUnclassified : kHighVegetation);
         out.colors.push_back(tree == kPointOfGround ? kGroundColor
                              : none                 ? kNoTreeColor
                                                     : numbered_color(tree));
     }
+    for (std::size_t t = 0; t < trees.size(); ++t)
+        if (trees[t].result)
+            label_points(out, points_of[t], *trees[t].result, trees[t].result->cleaning.spacing, ctx);
     return out;
 }
 
@@ -361,7 +370,7 @@ void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot,
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
             write_painted_points(
-                files.tree_points, painted(scan, plot.segments),
+                files.tree_points, labelled(scan, plot.segments, trees, ctx),
                 {.note = "each tree in a colour of its own, as trees.csv has it", .system = files.system},
                 ctx);
         }

@@ -17,7 +17,7 @@ namespace coppice::cli {
 struct PlotFiles {
     std::filesystem::path folder;
     std::filesystem::path mesh;         ///< ".ply": each tree as a surface; or none
-    std::filesystem::path tree_points;  ///< all points, in the colours of their trees; or none
+    std::filesystem::path tree_points;  ///< all points, with what they are; or none
     std::filesystem::path leaf_points;  ///< of all trees; or none
     std::filesystem::path map;          ///< places of stems and outlines of crowns; or none
     std::filesystem::path crowns;       ///< the convex hulls of all crowns, a mesh; or none
@@ -30,6 +30,9 @@ struct PlotFiles {
 /// Whether -o names a folder: by a slash at its end, because it is one, or for want of an ending where no
 /// format is asked for.
 bool is_plot_folder(const std::filesystem::path& output, SkeletonFormat format);
+
+/// Of points that belong to no tree, or are no wood.
+inline constexpr Rgb kNoTreeColor{150, 150, 150};
 
 /// The table of the trees that are written to a folder.
 inline constexpr const char* kTreeTable = "trees.csv";

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <new>
+#include <numeric>
 #include <utility>
 
 #include "batch.h"
@@ -11,6 +12,7 @@
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
 #include "coppice/extract/plot/plot.h"
+#include "coppice/extract/tree/label_points.h"
 #include "coppice/io/points/writer.h"
 #include "coppice/io/skeleton/writer.h"
 #include "coppice/pipeline/mesh_skeleton.h"
@@ -62,6 +64,7 @@ void check_flags(ExtractFlags& flags) {
     if (!flags.mesh_output.empty()) check_mesh_output(flags.mesh_output);
     if (!flags.leaf_output.empty()) check_points_output(flags.leaf_output);
     if (!flags.mapping.empty()) check_painted_output(flags.mapping);
+    if (!flags.tree_points.empty()) check_painted_output(flags.tree_points);
     flags.from_cloud.root = flags.from_mesh.root;
 }
 
@@ -184,8 +187,23 @@ void report_trees(Run& run, const ExtractFlags& flags, const std::vector<TreeFig
     if (trees.size() == 1) summary += text_of_tree(trees[0]);
 }
 
+/// The points with what they are by the skeleton, wood in a colour for each order of branches.
+void write_labelled_points(const ExtractFlags& flags, PointFile& file, const CloudExtraction& result,
+                           const Context& ctx) {
+    PaintedPoints& scan = file.painted;
+    std::vector<std::uint32_t> all(scan.points.size());
+    std::iota(all.begin(), all.end(), 0u);
+    label_points(scan, all, result, result.cleaning.spacing, ctx);
+    scan.colors.resize(all.size(), kNoTreeColor);
+    for (const std::uint32_t p : all)
+        if (scan.wood[p] != 0) scan.colors[p] = numbered_color(scan.branch_orders[p]);
+    write_painted_points(
+        flags.tree_points, scan,
+        {.note = "points of wood in a colour for each order of branches", .system = file.system}, ctx);
+}
+
 Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) {
-    const PointFile file = load_wood(run, flags, wood_classes(flags), summary);
+    PointFile file = load_wood(run, flags, wood_classes(flags), summary);
     CloudExtraction result = extract_stage(run, flags.input, [&](const Context& ctx) {
         return extract_from_cloud(file.painted.points, flags.from_cloud, ctx);
     });
@@ -196,6 +214,10 @@ Extracted from_cloud(Run& run, const ExtractFlags& flags, std::string& summary) 
         run.stage("write leaves", [&](const Context& ctx) {
             write_painted_points(flags.leaf_output, {result.leaves, {}, {}}, {.system = file.system}, ctx);
         });
+    }
+    if (!flags.tree_points.empty()) {
+        run.stage("write points",
+                  [&](const Context& ctx) { write_labelled_points(flags, file, result, ctx); });
     }
     std::vector<TreeFigures> trees = std::move(result.trees);
     return {std::move(result), std::move(trees)};
@@ -324,6 +346,7 @@ ExitCode extract_of_batch(Run& run, ExtractFlags flags, const BatchFile& file, B
     flags.input = file.input;
     flags.output = file.skeleton;
     flags.mesh_output = file.mesh;
+    flags.tree_points = file.points;
     const auto failed = [&](const char* what) {
         run.warn(what);
         table.add_failure(file, what);
@@ -370,7 +393,8 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     flags.from_cloud.root = flags.from_mesh.root;
     check_ground(given, flags);
     (void)wood_classes(flags);  // what is wrong with them is told before any work
-    const Batch batch = plan_batch(flags.inputs, trimmed(flags.output), flags.write, flags.mesh_output);
+    const Batch batch =
+        plan_batch(flags.inputs, trimmed(flags.output), flags.write, flags.mesh_output, flags.tree_points);
     check_batch_options(given, batch);
     BatchTable table(batch);
     std::array<std::size_t, kFileTrouble + 1> files_of_code{};
@@ -455,11 +479,13 @@ Command extract_command() {
     options.output("--leaf-points", "POINTS", flags->leaf_output,
                    "also write the points that are left out as leaves, if any",
                    {.group = kCloudGroup, .common = false});
+    options.output(
+        "--tree-points", "POINTS", flags->tree_points,
+        "also write all points with what they are: wood or not, order and evidence of their branch, "
+        "in a plot id and colour of their tree; of many files with this extension (.las)",
+        {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
     options.value({kTreesByField, choice_of(flags->trees_by)}, kPlotGroup);
-    options.output("--tree-points", "POINTS", flags->tree_points,
-                   "also write all points, with ids, classes and colours of their trees",
-                   {.group = kPlotGroup, .common = false});
     options.output("--map", "MAP", flags->map,
                    "also write a map of stems and crowns, with what the table says of them (.gpkg, .geojson)",
                    {.group = kPlotGroup, .common = false});

@@ -28,6 +28,9 @@ struct PaintedPoints {
     std::vector<std::uint8_t> return_counts = {};   ///< echoes of its pulse
     /// The tree of each point by the number that a file gives it; 0 = of no tree.
     std::vector<std::uint32_t> tree_ids = {};
+    std::vector<std::uint8_t> wood = {};           ///< 1: on the surface of the wood that was extracted
+    std::vector<std::uint8_t> branch_orders = {};  ///< of the closest branch, 0 for stems; at most 255
+    std::vector<float> evidence = {};              ///< share of measures in its radius there; in [0, 1]
 };
 
 /// Calls visit(column) for every column, the places not among them.
@@ -41,6 +44,9 @@ void visit_columns(Points& points, Visitor&& visit) {
     visit(points.return_numbers);
     visit(points.return_counts);
     visit(points.tree_ids);
+    visit(points.wood);
+    visit(points.branch_orders);
+    visit(points.evidence);
 }
 
 /// Keeps those values of a column whose `kept` is not 0, in their order; a column of another size is left as

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint8_t kPlainFormat = 6, kColoredFormat = 7;
 constexpr std::uint16_t kPlainRecord = 30, kColoredRecord = 36;  // [bytes]
-constexpr std::uint8_t kUint32 = 5, kFloat32 = 9;                // types of extra dimensions
+constexpr std::size_t kMostExtraBytes = 14;                      // of a point, in all extra dimensions
 
 template <class T>
 void put(std::string& bytes, std::size_t at, T value) {
@@ -80,21 +80,40 @@ class Intensities {
     double low_ = 0, factor_ = 1;
 };
 
-/// An extra dimension, as the record about them has it.
-std::string dimension(std::string_view name, std::uint8_t type, std::string_view description) {
-    std::string entry(kDimension, '\0');
-    put(entry, 2, type);
-    put_text(entry, 4, name);
-    put_text(entry, 160, description);
-    return entry;
+/// Calls visit(name, description, values) for every column that LAS has no field for.
+template <class Visitor>
+void visit_extra_dimensions(const PaintedPoints& known, const Visitor& visit) {
+    const auto column = [&](std::string_view name, std::string_view description, const auto& values) {
+        if (!values.empty()) visit(name, description, values);
+    };
+    column("tree_id", "0 = of no tree", known.tree_ids);
+    column("distance", "from a surface [m]", known.distances);
+    column("wood", "1 = on extracted wood", known.wood);
+    column("branch_order", "of the closest branch", known.branch_orders);
+    column("evidence", "measured share of its radius", known.evidence);
 }
 
-std::string dimensions_of(const PaintedPoints& known) {
-    std::string out;
-    if (!known.tree_ids.empty()) out += dimension("tree_id", kUint32, "0 = of no tree");
-    if (!known.distances.empty()) out += dimension("distance", kFloat32, "from a surface [m]");
-    return out;
-}
+constexpr std::uint8_t type_of(std::uint8_t) { return 1; }
+constexpr std::uint8_t type_of(std::uint32_t) { return 5; }
+constexpr std::uint8_t type_of(float) { return 9; }
+
+/// The extra dimensions, as the record about them has them, and the bytes that a point has of them.
+struct Dimensions {
+    std::string entries;
+    std::size_t bytes = 0;
+
+    explicit Dimensions(const PaintedPoints& known) {
+        visit_extra_dimensions(known,
+                               [&](std::string_view name, std::string_view description, const auto& values) {
+                                   std::string entry(kDimension, '\0');
+                                   put(entry, 2, type_of(values.front()));
+                                   put_text(entry, 4, name);
+                                   put_text(entry, 160, description);
+                                   entries += entry;
+                                   bytes += sizeof(values.front());
+                               });
+    }
+};
 
 void append_record(std::string& bytes, std::string_view user, std::uint16_t id, std::string_view data) {
     const std::size_t at = bytes.size();
@@ -118,7 +137,7 @@ std::uint8_t returns_of(const PaintedPoints& known, std::size_t i) {
 std::string head_of(const PointSet& points, const PaintedPoints& known, const CoordinateSystem& system,
                     const Grid& grid) {
     const bool colored = !known.colors.empty();
-    const std::string dimensions = dimensions_of(known);
+    const Dimensions dimensions(known);
     std::string bytes(kNewLasHeader, '\0');
     put_text(bytes, 0, "LASF");
     put<std::uint16_t>(bytes, 6, system.has_wkt() ? 0x10 : 0);
@@ -129,12 +148,11 @@ std::string head_of(const PointSet& points, const PaintedPoints& known, const Co
     put(bytes, 94, static_cast<std::uint16_t>(kNewLasHeader));
     for (const CoordinateSystem::Record& r : system.records)
         append_record(bytes, kLasProjection, r.id, r.data);
-    if (!dimensions.empty()) append_record(bytes, kLasSpecification, kExtraBytes, dimensions);
+    if (dimensions.bytes > 0) append_record(bytes, kLasSpecification, kExtraBytes, dimensions.entries);
     put(bytes, 96, static_cast<std::uint32_t>(bytes.size()));
-    put(bytes, 100, static_cast<std::uint32_t>(system.records.size() + (dimensions.empty() ? 0 : 1)));
+    put(bytes, 100, static_cast<std::uint32_t>(system.records.size() + (dimensions.bytes > 0 ? 1 : 0)));
     put(bytes, 104, colored ? kColoredFormat : kPlainFormat);
-    const std::size_t own = dimensions.size() / kDimension * 4;
-    put(bytes, 105, static_cast<std::uint16_t>((colored ? kColoredRecord : kPlainRecord) + own));
+    put(bytes, 105, static_cast<std::uint16_t>((colored ? kColoredRecord : kPlainRecord) + dimensions.bytes));
     const Box3 box = bounds(points);
     for (int axis = 0; axis < 3; ++axis) {
         const std::size_t k = 8 * static_cast<std::size_t>(axis);
@@ -161,7 +179,7 @@ void write_las(AtomicFile& file, const PointSet& points, const PaintedPoints& kn
     const Intensities intensities(known.intensities);
     file.write(head_of(points, known, system, grid));
     write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
-        chunk.reserve(kColoredRecord + sizeof(std::uint32_t) + sizeof(float));
+        chunk.reserve(kColoredRecord + kMostExtraBytes);
         const Vec3d p = points.world(i);
         for (int axis = 0; axis < 3; ++axis) chunk.put_raw(grid.steps(p[axis], axis));
         chunk.put_raw(intensities[i]);
@@ -174,8 +192,8 @@ void write_las(AtomicFile& file, const PointSet& points, const PaintedPoints& kn
             for (const std::uint8_t c : known.colors[i])
                 chunk.put_raw(static_cast<std::uint16_t>(kTo16Bits * c));
         }
-        if (!known.tree_ids.empty()) chunk.put_raw(known.tree_ids[i]);
-        if (!known.distances.empty()) chunk.put_raw(known.distances[i]);
+        visit_extra_dimensions(
+            known, [&](std::string_view, std::string_view, const auto& values) { chunk.put_raw(values[i]); });
     });
 }
 

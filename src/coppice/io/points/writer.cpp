@@ -31,10 +31,13 @@ void visit_named_columns(const PaintedPoints& known, const Visitor& visit) {
     column({"return_number"}, "uchar", known.return_numbers);
     column({"number_of_returns"}, "uchar", known.return_counts);
     column({"tree_id"}, "uint", known.tree_ids);
+    column({"wood"}, "uchar", known.wood);
+    column({"branch_order"}, "uchar", known.branch_orders);
+    column({"evidence"}, "float", known.evidence);
 }
 
 /// Bytes of a row besides the place, in the largest form.
-constexpr std::size_t kColumns = 9;
+constexpr std::size_t kColumns = 12;
 
 template <class T>
 void put_place(Chunk& chunk, BasicVec3<T> p, char separator) {
