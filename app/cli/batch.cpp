@@ -76,7 +76,7 @@ Figure cell_if(bool is_known, const Figure& figure) { return is_known ? figure :
 Figures empty_row(const BatchFile& file) {
     Figures row;
     row["input"] = file.input.string();
-    for (const char* name : {"file", "tree", "x", "y", "z", "height_m", "dbh_m", "dbh_deviation_m",
+    for (const char* name : {"file", "tree", "x", "y", "z", "height_m", "dbh_m", "dbh_low_m", "dbh_high_m",
                              "dbh_of_skeleton_m", "length_m", "volume_m3", "volume_low_m3", "volume_high_m3",
                              "inferred", "form", "warnings", "error"})
         row[name] = NotChecked{};
@@ -143,7 +143,8 @@ void BatchTable::add(const BatchFile& file, const ExtractResult& result, std::sp
         row["z"] = foot.z;
         row["height_m"] = tree.height;
         row["dbh_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_of_points);
-        row["dbh_deviation_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_deviation);
+        row["dbh_low_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_low);
+        row["dbh_high_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_high);
         row["dbh_of_skeleton_m"] = cell_if(tree.dbh > 0, tree.dbh);
         row["length_m"] = tree.length;
         row["volume_m3"] = tree.volume;

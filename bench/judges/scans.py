@@ -249,6 +249,8 @@ def measure(coppice, out, index, options):
     row["low"] = sum(tree["volume_low_m3"] for tree in trees) / truth.volume()
     row["high"] = sum(tree["volume_high_m3"] for tree in trees) / truth.volume()
     row["held"] = row["low"] <= 1 <= row["high"]
+    seen = [tree for tree in trees if tree["dbh_high_m"] > 0]
+    row["diameter_held"] = seen[0]["dbh_low_m"] <= truth.diameter() <= seen[0]["dbh_high_m"] if seen else None
     row["marked"] = len(said["warnings"])
     return row
 
@@ -278,6 +280,8 @@ def main():
     within = {c: np.mean([abs(row[c] - 1) <= limit for row in good]) for c, limit in (("diameter", 0.03), ("length", 0.1), ("volume", 0.15))}
     lines.append("")
     lines.append(f"The interval holds the true volume in {100 * np.mean([row['held'] for row in good]):.0f} %.")
+    with_circle = [row["diameter_held"] for row in good if row["diameter_held"] is not None]
+    lines.append(f"That of the diameter of circles holds the true one in {sum(with_circle)} of {len(with_circle)}.")
     lines.append("Share within the goals: " + ", ".join(f"{c} {100 * v:.0f} %" for c, v in within.items()))
     text = "\n".join(lines) + "\n"
     with open(os.path.join(args.out, "scans.md"), "w", encoding="utf-8") as file:

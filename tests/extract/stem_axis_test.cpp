@@ -139,6 +139,10 @@ TEST(TreeFigures, DoubtWhatIsNotPlausible) {
     EXPECT_NE(unseen[2].find("% of its volume is inferred"), std::string::npos);
     SeenStem seen;
     seen.breast.diameter = 0.3;
+    seen.breast.deviation = 0.01;
+    const TreeFigures known = tree_figures(s, confidence, std::vector{seen}).at(0);
+    EXPECT_NEAR(known.dbh_high - 0.3, 1.645 * std::hypot(0.01, 0.025 * 0.3), 1e-9);
+    EXPECT_NEAR(0.3 - known.dbh_low, known.dbh_high - 0.3, 1e-12);
     EXPECT_EQ(doubts({seen})[0], "the diameter at breast height is 20.0 cm, but 30.0 cm in the points");
 }
 

@@ -54,8 +54,8 @@ std::string text_of_tree(const TreeFigures& tree) {
     std::string out;
     if (tree.dbh > 0) out += fmt::format(", DBH {:.1f} cm", 100 * tree.dbh);
     if (tree.dbh_of_points > 0) {
-        out += fmt::format(" ({:.1f} +- {:.1g} cm in the points)", 100 * tree.dbh_of_points,
-                           100 * tree.dbh_deviation);
+        out += fmt::format(" ({:.1f}, {:.1f} to {:.1f}, in the points)", 100 * tree.dbh_of_points,
+                           100 * tree.dbh_low, 100 * tree.dbh_high);
     }
     return out + fmt::format(", {:.2g} m3 ({:.2g} to {:.2g}), {:.0f} % inferred", tree.volume,
                              tree.volume_low, tree.volume_high, 100 * tree.inferred);

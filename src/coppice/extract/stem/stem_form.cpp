@@ -132,6 +132,11 @@ bool is_stem_in_slice(const PointSet& set, const Box3& box, const FoundCircle& c
 
 }  // namespace
 
+double StemDiameter::margin() const {
+    constexpr double kOfModel = 0.025;  // [diameter] standard deviation of sections from circles on a line
+    return kNineOfTen * std::hypot(deviation, kOfModel * diameter);
+}
+
 namespace extract_internal {
 
 std::vector<float> highest_below(const Skeleton& s) {

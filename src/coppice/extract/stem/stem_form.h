@@ -14,6 +14,9 @@ namespace coppice {
 /// [m] Above the ground, where foresters measure the diameter of a stem.
 inline constexpr double kBreastHeight = 1.3;
 
+/// [standard deviation] Nine of ten values of a normal distribution are within this of its mean.
+inline constexpr double kNineOfTen = 1.645;
+
 /// A diameter, and how sure it is.
 struct StemDiameter {
     double height = 0;     ///< [m] above the ground
@@ -22,6 +25,10 @@ struct StemDiameter {
     double residual = 0;   ///< [m] root mean square distance of the points from the circle
     double coverage = 0;   ///< share of the circumference that has points, in [0, 1]
     Vec3d center;          ///< [m] of the stem there, in the frame of the file
+
+    /// [m] The true diameter is within this of `diameter` in nine of ten cases, by its deviation and by 2.5 %
+    /// that circles through simulated scans are off besides.
+    double margin() const;
 };
 
 /// What forestry wants to know of a tree.

@@ -11,7 +11,6 @@
 namespace coppice {
 namespace {
 
-constexpr double kNineOfTen = 1.645;   // [standard deviation]
 constexpr double kInCommon = 0.5;      // of the errors of radii, to all branches
 constexpr double kOfCones = 0.03;      // [volume] standard deviation of what cones leave out
 constexpr double kMeasured = 0.5;      // evidence of a radius that was measured
@@ -77,7 +76,8 @@ std::vector<TreeFigures> tree_figures(const Skeleton& s, std::span<const NodeCon
         for (const SeenStem& stem : stems) {
             if (distance(stem.foot, forms[k].foot) > 1e-3 * (1 + t.height)) continue;
             t.dbh_of_points = stem.breast.diameter;
-            t.dbh_deviation = stem.breast.deviation;
+            t.dbh_low = stem.breast.diameter - stem.breast.margin();
+            t.dbh_high = stem.breast.diameter + stem.breast.margin();
         }
         const double error = kNineOfTen * std::sqrt(kInCommon * kInCommon * of.error * of.error + of.squares +
                                                     kOfCones * kOfCones * of.volume * of.volume);

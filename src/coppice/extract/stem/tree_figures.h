@@ -20,7 +20,8 @@ struct TreeFigures {
     double height = 0;         ///< [m] from the root to the highest point of the tree
     double dbh = 0;            ///< [m] diameter at breast height of the skeleton; 0: it is lower
     double dbh_of_points = 0;  ///< [m] of circles through the points; 0: none was seen
-    double dbh_deviation = 0;  ///< [m] standard deviation of that
+    double dbh_low = 0;        ///< [m] with `dbh_high`: the true diameter lies between in nine of ten cases
+    double dbh_high = 0;       ///< [m] 0 where no circle was seen
     double length = 0;         ///< [m] of the skeleton
     double volume = 0;         ///< [m^3] of the cones between its nodes
     double volume_low = 0;     ///< [m^3] with `volume_high`: the true volume lies between in nine of ten
@@ -36,7 +37,8 @@ void visit_figures(const TreeFigures& t, Visitor&& visit) {
     visit("height_m", t.height);
     visit("dbh_m", t.dbh);
     visit("dbh_of_points_m", t.dbh_of_points);
-    visit("dbh_deviation_m", t.dbh_deviation);
+    visit("dbh_low_m", t.dbh_low);
+    visit("dbh_high_m", t.dbh_high);
     visit("length_m", t.length);
     visit("volume_m3", t.volume);
     visit("volume_low_m3", t.volume_low);
