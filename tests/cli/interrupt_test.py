@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ctrl-C acts at once while a file is read, on a pipe that nobody writes to and in the middle of a large file, between files, and
+"""Ctrl-C acts at once while a file is read, on a pipe without a writer and in the middle of a large file, between files, and
 within the loops of a scene."""
 
 import math
