@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <system_error>
 
@@ -17,11 +16,6 @@ namespace coppice::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path target_of(const fs::path& path) {
-    std::error_code error;
-    return fs::weakly_canonical(fs::absolute(path, error), error);
-}
 
 /// What a file holds, as far as that can be told before it is worked on.
 std::optional<FileKind> kind_before(const fs::path& path) {
@@ -52,12 +46,12 @@ Batch files_of(const std::vector<fs::path>& inputs) {
 
 /// Throws UsageError where an output is that of another file, or an input.
 void check_names(const Batch& batch) {
-    std::map<fs::path, fs::path> inputs, writers{{target_of(batch.folder / kTreeTable), kTreeTable}};
-    for (const BatchFile& file : batch.files) inputs.emplace(target_of(file.input), file.input);
+    std::map<fs::path, fs::path> inputs, writers{{resolved_path(batch.folder / kTreeTable), kTreeTable}};
+    for (const BatchFile& file : batch.files) inputs.emplace(resolved_path(file.input), file.input);
     for (const BatchFile& file : batch.files) {
         for (const fs::path& output : {file.skeleton, file.mesh, file.points}) {
-            if (output.empty()) continue;
-            const fs::path target = target_of(output);
+            const fs::path target = output.empty() ? output : resolved_path(output);
+            if (target.empty()) continue;
             if (const auto input = inputs.find(target); input != inputs.end())
                 throw UsageError(fmt::format("'{}' would overwrite an input; name another folder or --format",
                                              output.string()));
@@ -72,7 +66,7 @@ void check_names(const Batch& batch) {
 /// A figure, or an empty cell.
 Figure cell_if(bool is_known, const Figure& figure) { return is_known ? figure : Figure(NotChecked{}); }
 
-/// A row whose file has no tree, with all columns.
+/// The row of a file without a tree, with all columns.
 Figures empty_row(const BatchFile& file) {
     Figures row;
     row["input"] = file.input.string();

@@ -36,6 +36,12 @@ FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred) {
                     path.string()));
 }
 
+std::filesystem::path resolved_path(const std::filesystem::path& path) {
+    std::error_code error;
+    auto resolved = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    return error ? std::filesystem::path() : resolved;
+}
+
 std::vector<std::filesystem::path> files_within(const std::vector<std::filesystem::path>& named) {
     namespace fs = std::filesystem;
     std::vector<fs::path> out;

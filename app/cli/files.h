@@ -21,6 +21,10 @@ FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format 
 /// What a file of this name is to hold, as in `kind_of_output`. Throws UsageError when the ending is unknown.
 FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred);
 
+/// The path of a file, absolute and without symbolic links, so that different names of it are equal; empty
+/// where the system does not tell.
+std::filesystem::path resolved_path(const std::filesystem::path& path);
+
 /// The files that are named, and those within folders that are, in order of their names.
 std::vector<std::filesystem::path> files_within(const std::vector<std::filesystem::path>& named);
 

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "files.h"
+
 namespace coppice::cli {
 namespace {
 
@@ -13,7 +15,7 @@ namespace fs = std::filesystem;
 struct NamedFile {
     const Option* option;
     fs::path name;    ///< as given
-    fs::path target;  ///< absolute, without symbolic links
+    fs::path target;  ///< see resolved_path()
 };
 
 /// Whether writing a file of this name replaces what is there: not for devices, pipes and folders.
@@ -34,9 +36,8 @@ std::vector<NamedFile> files_of(const GivenOptions& given, bool outputs) {
     for (const Option* option : given) {
         if (option->is_output != outputs) continue;
         for (const fs::path& name : names_of(option->target)) {
-            std::error_code error;
-            const fs::path target = fs::weakly_canonical(fs::absolute(name, error), error);
-            if (!error && is_replaced(target)) files.push_back({option, name, target});
+            const fs::path target = resolved_path(name);
+            if (!target.empty() && is_replaced(target)) files.push_back({option, name, target});
         }
     }
     return files;

@@ -115,8 +115,8 @@ Figures figures_of_tree(const PlotTree& tree) {
     out["z"] = tree.form.foot.z;
     out["height_m"] = tree.form.height;
     out["dbh_m"] = tree.form.breast.diameter;
-    out["dbh_low_m"] = tree.form.breast.diameter - tree.form.breast.margin();
-    out["dbh_high_m"] = tree.form.breast.diameter + tree.form.breast.margin();
+    out["dbh_low_m"] = tree.form.breast.low();
+    out["dbh_high_m"] = tree.form.breast.high();
     out["dbh_deviation_m"] = tree.form.breast.deviation;
     out["dbh_residual_m"] = tree.form.breast.residual;
     out["dbh_coverage"] = tree.form.breast.coverage;

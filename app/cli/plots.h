@@ -43,8 +43,8 @@ std::filesystem::path trimmed(const std::filesystem::path& path);
 /// The ending of the skeletons in a folder without its point: "swc" where no format is asked for.
 std::string ending_of(const WriteSkeletonOptions& write);
 
-/// Throws UsageError where `folder` is no folder, skeletons cannot be written in that format, or `mesh` is no
-/// ending of surfaces beside them; IoError where the folder above it is missing.
+/// Throws UsageError where `folder` is no folder, skeletons cannot be written in that format, or `mesh` is
+/// not an extension of surfaces or is that of the skeletons; IoError where the folder above it is missing.
 void check_tree_folder(const std::filesystem::path& folder, const WriteSkeletonOptions& write,
                        const std::filesystem::path& mesh);
 

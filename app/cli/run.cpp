@@ -142,7 +142,10 @@ void Run::finish(const std::string& summary) {
     for (const auto& [name, seconds] : stages_) {
         const auto known =
             std::ranges::find(sums, std::string_view(name), [](const auto& s) { return s.first; });
-        known == sums.end() ? void(sums.emplace_back(name, seconds)) : void(known->second += seconds);
+        if (known == sums.end())
+            sums.emplace_back(name, seconds);
+        else
+            known->second += seconds;
     }
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : sums) parts.push_back(fmt::format("{} {:.2f}", name, seconds));

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-/// A stem of 2 m, 0.1 m thick, and a lateral at 1 m whose radius is hardly measured.
+/// A stem of 2 m, 0.1 m thick, and a lateral at 1 m with a radius that is mostly inferred.
 ExtractResult tree() {
     const std::vector<NodeId> parents{NodeId::none(), NodeId(0), NodeId(1), NodeId(1)};
     ExtractResult out{Skeleton(parents, {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 1}},

@@ -179,8 +179,8 @@ Figures describe(const StemForm& form) {
     if (form.breast.diameter > 0) {
         out["dbh_m"] = form.breast.diameter;
         if (form.breast.coverage > 0) {
-            out["dbh_low_m"] = form.breast.diameter - form.breast.margin();
-            out["dbh_high_m"] = form.breast.diameter + form.breast.margin();
+            out["dbh_low_m"] = form.breast.low();
+            out["dbh_high_m"] = form.breast.high();
             out["dbh_deviation_m"] = form.breast.deviation;
             out["dbh_residual_m"] = form.breast.residual;
             out["dbh_coverage"] = form.breast.coverage;

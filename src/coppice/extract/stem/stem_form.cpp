@@ -130,12 +130,16 @@ bool is_stem_in_slice(const PointSet& set, const Box3& box, const FoundCircle& c
     return low > 0 && high > 0 && static_cast<double>(within) <= kMostWithin * static_cast<double>(on);
 }
 
+/// [m] The true diameter is this near in nine of ten cases.
+double margin_of(const StemDiameter& d) {
+    constexpr double kOfModel = 0.025;  // [diameter] standard deviation of sections from circles on a line
+    return kNineOfTen * std::hypot(d.deviation, kOfModel * d.diameter);
+}
+
 }  // namespace
 
-double StemDiameter::margin() const {
-    constexpr double kOfModel = 0.025;  // [diameter] standard deviation of sections from circles on a line
-    return kNineOfTen * std::hypot(deviation, kOfModel * diameter);
-}
+double StemDiameter::low() const { return diameter - margin_of(*this); }
+double StemDiameter::high() const { return diameter + margin_of(*this); }
 
 namespace extract_internal {
 

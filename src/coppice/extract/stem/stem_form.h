@@ -26,9 +26,10 @@ struct StemDiameter {
     double coverage = 0;   ///< share of the circumference that has points, in [0, 1]
     Vec3d center;          ///< [m] of the stem there, in the frame of the file
 
-    /// [m] The true diameter is within this of `diameter` in nine of ten cases, by its deviation and by 2.5 %
-    /// that circles through simulated scans are off besides.
-    double margin() const;
+    /// [m] With high(), the bounds of the true diameter in nine of ten cases, from its deviation and a
+    /// standard deviation of 2.5 % for the model, as found on simulated scans.
+    double low() const;
+    double high() const;  ///< [m] see low()
 };
 
 /// What forestry wants to know of a tree.

@@ -76,8 +76,8 @@ std::vector<TreeFigures> tree_figures(const Skeleton& s, std::span<const NodeCon
         for (const SeenStem& stem : stems) {
             if (distance(stem.foot, forms[k].foot) > 1e-3 * (1 + t.height)) continue;
             t.dbh_of_points = stem.breast.diameter;
-            t.dbh_low = stem.breast.diameter - stem.breast.margin();
-            t.dbh_high = stem.breast.diameter + stem.breast.margin();
+            t.dbh_low = stem.breast.low();
+            t.dbh_high = stem.breast.high();
         }
         const double error = kNineOfTen * std::sqrt(kInCommon * kInCommon * of.error * of.error + of.squares +
                                                     kOfCones * kOfCones * of.volume * of.volume);

@@ -20,7 +20,7 @@ struct TreeFigures {
     double height = 0;         ///< [m] from the root to the highest point of the tree
     double dbh = 0;            ///< [m] diameter at breast height of the skeleton; 0: it is lower
     double dbh_of_points = 0;  ///< [m] of circles through the points; 0: none was seen
-    double dbh_low = 0;        ///< [m] with `dbh_high`: the true diameter lies between in nine of ten cases
+    double dbh_low = 0;        ///< [m] with `dbh_high`: bounds of the true diameter in nine of ten cases
     double dbh_high = 0;       ///< [m] 0 where no circle was seen
     double length = 0;         ///< [m] of the skeleton
     double volume = 0;         ///< [m^3] of the cones between its nodes

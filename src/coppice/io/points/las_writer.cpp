@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::uint8_t kPlainFormat = 6, kColoredFormat = 7;
 constexpr std::uint16_t kPlainRecord = 30, kColoredRecord = 36;  // [bytes]
-constexpr std::size_t kMostExtraBytes = 14;                      // of a point, in all extra dimensions
 
 template <class T>
 void put(std::string& bytes, std::size_t at, T value) {
@@ -134,10 +133,9 @@ std::uint8_t returns_of(const PaintedPoints& known, std::size_t i) {
 }
 
 /// Everything before the points.
-std::string head_of(const PointSet& points, const PaintedPoints& known, const CoordinateSystem& system,
-                    const Grid& grid) {
+std::string head_of(const PointSet& points, const PaintedPoints& known, const Dimensions& dimensions,
+                    const CoordinateSystem& system, const Grid& grid) {
     const bool colored = !known.colors.empty();
-    const Dimensions dimensions(known);
     std::string bytes(kNewLasHeader, '\0');
     put_text(bytes, 0, "LASF");
     put<std::uint16_t>(bytes, 6, system.has_wkt() ? 0x10 : 0);
@@ -177,9 +175,10 @@ void write_las(AtomicFile& file, const PointSet& points, const PaintedPoints& kn
                const CoordinateSystem& system, const Context& ctx) {
     const Grid grid(points);
     const Intensities intensities(known.intensities);
-    file.write(head_of(points, known, system, grid));
+    const Dimensions dimensions(known);
+    file.write(head_of(points, known, dimensions, system, grid));
     write_items(file, points.size(), {}, ctx, [&](std::size_t i, Chunk& chunk) {
-        chunk.reserve(kColoredRecord + kMostExtraBytes);
+        chunk.reserve(kColoredRecord + dimensions.bytes);
         const Vec3d p = points.world(i);
         for (int axis = 0; axis < 3; ++axis) chunk.put_raw(grid.steps(p[axis], axis));
         chunk.put_raw(intensities[i]);

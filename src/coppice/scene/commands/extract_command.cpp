@@ -97,7 +97,7 @@ SceneOutcome from_mesh(const SceneCall& call, const Source& source, const Polygo
     return outcome(call, source, result, fmt::format(", {} loops cut", grouped(result.report.loops)));
 }
 
-/// Options of a cloud of so many points, whose memory is set aside.
+/// Returns the options for a cloud of so many points, and reserves its memory.
 CloudOptions cloud_options(const SceneCall& call, std::size_t points) {
     constexpr double kBytesOfPoint = 500, kBytesOfGivenPoint = 40;  // of those that are used; of all
     auto options = call.options<CloudOptions>(kCloud);
