@@ -143,6 +143,8 @@ TEST(TreeFigures, DoubtWhatIsNotPlausible) {
     const TreeFigures known = tree_figures(s, confidence, std::vector{seen}).at(0);
     EXPECT_NEAR(known.dbh_high - 0.3, 1.645 * std::hypot(0.01, 0.025 * 0.3), 1e-9);
     EXPECT_NEAR(0.3 - known.dbh_low, known.dbh_high - 0.3, 1e-12);
+    seen.breast.deviation = 0.3;  // next to nothing is known
+    EXPECT_EQ(tree_figures(s, confidence, std::vector{seen}).at(0).dbh_low, 0);
     EXPECT_EQ(doubts({seen})[0], "the diameter at breast height is 20.0 cm, but 30.0 cm in the points");
 }
 

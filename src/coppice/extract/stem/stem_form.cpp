@@ -138,7 +138,7 @@ double margin_of(const StemDiameter& d) {
 
 }  // namespace
 
-double StemDiameter::low() const { return diameter - margin_of(*this); }
+double StemDiameter::low() const { return std::max(diameter - margin_of(*this), 0.0); }
 double StemDiameter::high() const { return diameter + margin_of(*this); }
 
 namespace extract_internal {
