@@ -64,6 +64,31 @@ TEST(CircleSearch, FindsNothingAmidLeavesAlone) {
     EXPECT_EQ(find_circle(std::vector<PlanePoint>(50, {1, 1, 1}), {}).used, 0u);
 }
 
+TEST(CircleSearch, ContrastTellsAStemFromPointsStrewnEvenly) {
+    const CircleSearch search{
+        .least_radius = 0.1, .greatest_radius = 0.3, .noise = 0.008, .anywhere = false, .reach = 0.15};
+    const double least = std::log(kPi * 0.15 * 0.15 * 0.2 / std::pow(2 * search.noise, 3) / 0.01);
+    int passed = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        std::vector<PlanePoint> even, stem;
+        const CounterRandom random(seed, 1);
+        for (std::uint64_t k = 0; k < 80; ++k) {
+            const double r = 0.45 * std::sqrt(random.uniform(2 * k)),
+                         turn = 2 * kPi * random.uniform(2 * k + 1);
+            even.push_back({r * std::cos(turn), r * std::sin(turn), 1});
+            // A quarter of the points are leaves about a stem of which half is seen.
+            if (k % 4 == 0)
+                stem.push_back(even.back());
+            else
+                stem.push_back({0.2 * std::cos(0.5 * turn), 0.2 * std::sin(0.5 * turn), 1});
+        }
+        const FoundCircle found = find_circle(stem, search), chance = find_circle(even, search);
+        EXPECT_GT(circle_contrast(stem, found, search.noise, 0.45), least) << seed;
+        passed += chance.used > 0 && circle_contrast(even, chance, search.noise, 0.45) > least;
+    }
+    EXPECT_LE(passed, 2);
+}
+
 TEST(CircleSearch, KeepsToWhereItIsToLook) {
     std::vector<PlanePoint> points = arc(0, 2 * kPi, 100, 0.001);
     for (const PlanePoint& p : arc(0, 2 * kPi, 300, 0.001)) points.push_back({p.x + 0.6, p.y, 1});

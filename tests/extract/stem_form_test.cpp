@@ -126,6 +126,24 @@ TEST(StemForm, SaysNothingOfWhatIsNoStem) {
     EXPECT_THROW(stem_form(PointSet{{{0, 0, 0}, {0, 0, 1}}, {}}), InvalidInput);
 }
 
+TEST(StemForm, EndsWhereTheCrownShowsNoStem) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        PointSet set;
+        strew_cone(set, {0, 0, 0}, {0, 0, 3}, 0.08, 0.06, 3000, 0.004);
+        const CounterRandom random(seed, 3);
+        // A ball of leaves about the top of the stem.
+        for (std::uint64_t i = 0; i < 60000; ++i) {
+            const Vec3d p{random.uniform(3 * i, -1, 1), random.uniform(3 * i + 1, -1, 1),
+                          random.uniform(3 * i + 2, -1, 1)};
+            if (length(p) < 1) set.positions.push_back(Vec3(Vec3d{0, 0, 4} + 2.0 * p));
+        }
+        const StemForm form = stem_form(set);
+        ASSERT_FALSE(form.taper.empty());
+        EXPECT_GT(form.taper.back().height, 2.5) << seed;
+        EXPECT_LT(form.taper.back().height, 3.3) << seed;
+    }
+}
+
 TEST(StemForm, SameBitsForAnyNumberOfThreads) {
     const PointSet set = leaning_stem();
     const StemForm one = stem_form(set, {.threads = 1, .stop = {}, .progress = {}});

@@ -195,6 +195,38 @@ double outline_radius(std::span<const PlanePoint> points, const FoundCircle& cir
     return filled >= kLeastFilled * kSectors ? std::sqrt(squares / filled) : circle.radius;
 }
 
+double circle_contrast(std::span<const PlanePoint> points, const FoundCircle& circle, double noise,
+                       double reach) {
+    struct Region {
+        double area, filled = 0;  // [squares]
+        double share() const { return filled / area; }
+        /// Logarithm of the likelihood of what is filled, where a share of all squares is.
+        double log_likelihood(double p) const {
+            const double empty = area - filled;
+            return (filled > 0 ? filled * std::log(p) : 0) + (empty > 0 ? empty * std::log1p(-p) : 0);
+        }
+    };
+    const double tolerance = tolerance_of(circle.radius, noise), edge = 2 * tolerance;
+    const double low = circle.radius - tolerance, high = circle.radius + tolerance;
+    const auto disc = [&](double r) { return std::numbers::pi * r * r / (edge * edge); };
+    Region inside{disc(low)}, on{disc(high) - disc(low)}, outside{std::max(disc(reach) - disc(high), 1.0)};
+    for (const PlanePoint& p : thin_plane(points, edge)) {
+        const double d = std::hypot(p.x - circle.x, p.y - circle.y);
+        (d < low ? inside : d > high ? outside : on).filled += 1;
+    }
+    Region all{0};
+    for (Region* region : {&inside, &on, &outside}) {
+        region->area = std::max(region->area, region->filled);
+        all.area += region->area;
+        all.filled += region->filled;
+    }
+    if (!(on.share() > std::max(inside.share(), outside.share()))) return 0;
+    double gain = 0;
+    for (const Region& region : {inside, on, outside})
+        gain += region.log_likelihood(region.share()) - region.log_likelihood(all.share());
+    return gain;
+}
+
 std::vector<PlanePoint> thin_plane(std::span<const PlanePoint> points, double edge) {
     struct Place {
         std::int64_t i, j;

@@ -37,6 +37,14 @@ FoundCircle find_circle(std::span<const PlanePoint> points, const CircleSearch& 
 /// circle's radius where there are points in less than four of five directions. O(n log n).
 double outline_radius(std::span<const PlanePoint> points, const FoundCircle& circle, double noise);
 
+/// Returns by how much a circle explains the points within `reach` [m] of the origin better than chance: the
+/// logarithm of a ratio of likelihoods. The plane is divided into squares as wide as the circle is thick; one
+/// model has a share of squares with points for each of the inside, the circle and the outside, the other one
+/// share for all. Returns 0 where the circle does not have the largest share. Of n circles in points strewn
+/// evenly about p exceed log(n / p) [Desolneux2008]. O(n log n).
+double circle_contrast(std::span<const PlanePoint> points, const FoundCircle& circle, double noise,
+                       double reach);
+
 /// Keeps one point, the first, of every square of this edge [m]: what stands near the scanner has no more
 /// say than the rest. Orders the points. O(n log n).
 std::vector<PlanePoint> thin_plane(std::span<const PlanePoint> points, double edge);

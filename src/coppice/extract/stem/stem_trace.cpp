@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "coppice/base/median.h"
@@ -14,16 +15,31 @@ namespace {
 constexpr double kSlab = 0.12;      // [m] thickness of a section
 constexpr double kThickSlab = 0.4;  // [m] where points are few
 constexpr std::size_t kFewSections = 4;
-constexpr double kAbout = 0.45;        // [m] above and below a height, where its diameter is read
-constexpr double kAboutStep = 0.075;   // [m]
-constexpr std::size_t kOneSided = 20;  // times the points on one side of a section, than all
-constexpr double kHidden = 1.5;        // [m] without sections, after which a stem is lost
-constexpr double kThin = 0.004;        // [m] squares of which one point counts
+constexpr double kAbout = 0.45;                    // [m] above and below a height, where its diameter is read
+constexpr double kAboutStep = 0.075;               // [m]
+constexpr std::size_t kOneSided = 20;              // times the points on one side of a section, than all
+constexpr double kHidden = 0.6, kHiddenSteps = 3;  // [m], [step] without sections, after which a stem is lost
+constexpr double kThin = 0.004;                    // [m] squares of which one point counts
+constexpr double kUpward = 0.2;                    // weight of a section that is thicker than those below it
+constexpr double kChance = 0.01;                   // probability of a section where points are strewn evenly
+
+/// What the contrast of a circle must exceed: the circles of some thickness between which a search chooses
+/// are so many chances.
+double least_contrast(const CircleSearch& search, double thickness) {
+    const double places = search.reach / thickness;
+    const double radii = (search.greatest_radius - search.least_radius) / thickness;
+    return std::log(std::max(1.0, std::numbers::pi * places * places * radii) / kChance);
+}
 
 /// What is known of a stem where a section is to be cut.
 struct Guess {
     Vec3d center, direction;
-    double radius;
+    double radius, max_radius;
+
+    /// As far as other sections say nothing of how the stem tapers.
+    static Guess at(Vec3d center, Vec3d direction, double radius) {
+        return {center, direction, radius, 1.5 * radius};
+    }
 };
 
 /// A section about a guess; none where no circle is seen.
@@ -47,14 +63,16 @@ std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, do
     if (const std::size_t below = plane.size() - above; kOneSided * std::min(above, below) < plane.size())
         return {};
     plane = thin_plane(plane, kThin);
-    const FoundCircle c = find_circle(plane, {.least_radius = 0.5 * guess.radius,
-                                              .greatest_radius = 1.5 * guess.radius,
-                                              .noise = options.noise,
-                                              .seed = 1,
-                                              .anywhere = false,
-                                              .reach = 0.6 * guess.radius + 0.02});
+    const CircleSearch search{.least_radius = 0.5 * guess.radius,
+                              .greatest_radius = guess.max_radius,
+                              .noise = options.noise,
+                              .seed = 1,
+                              .anywhere = false,
+                              .reach = 0.6 * guess.radius + 0.02};
+    const FoundCircle c = find_circle(plane, search);
     if (c.used == 0 || c.inside > 0.5 || c.residual > 0.2 * c.radius + options.noise) return {};
     if (std::hypot(c.x, c.y) > 0.8 * guess.radius + 0.03) return {};
+    if (circle_contrast(plane, c, options.noise, wide) < least_contrast(search, 2 * options.noise)) return {};
     StemSection section{guess.center + u * c.x + v * c.y, 0, c};
     section.height = section.center.z - options.foot;
     section.circle.radius = outline_radius(plane, c, options.noise);
@@ -105,7 +123,7 @@ std::vector<StemSection> sections_about(const HeightOrder& points, const StemTra
         const double z = options.foot + height + off;
         if (z <= options.foot || z >= options.top) continue;
         if (const auto s =
-                cut(points, {track.at(z), track.direction_at(z), track.radius}, thickness, options))
+                cut(points, Guess::at(track.at(z), track.direction_at(z), track.radius), thickness, options))
             sections.push_back(*s);
     }
     return sections;
@@ -152,7 +170,7 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
     const double least = std::max(0.7 * options.spacing, 0.004);
     // Down first, then up, each from breast height.
     for (const double way : {-1.0, 1.0}) {
-        Guess guess{track.at(start), track.direction_at(start), track.radius};
+        Guess guess = Guess::at(track.at(start), track.direction_at(start), track.radius);
         std::vector<StemSection> found;
         double hidden = 0;
         for (double z = way < 0 ? start : start + step; z > options.foot && z < options.top;
@@ -160,10 +178,10 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
             guess.center = guess.center + guess.direction * ((z - guess.center.z) / guess.direction.z);
             auto section = cut(points, guess, kSlab, options);
             if (!section) section = cut(points, guess, 2.5 * kSlab, options);
-            if (section && way > 0 && section->radius() > 1.2 * guess.radius + options.noise) section.reset();
+            if (section && section->radius() > guess.max_radius) section.reset();
             if (!section) {
                 hidden += step;
-                if (hidden > std::max(kHidden, 3 * step)) break;
+                if (hidden > std::max(kHidden, kHiddenSteps * step)) break;
                 continue;
             }
             hidden = 0;
@@ -177,7 +195,9 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
                 if (along.z > 0.3) guess.direction = normalized(lerp(guess.direction, along, 0.6));
             }
             guess.center = section->center;
-            guess.radius = std::lerp(guess.radius, section->radius(), 0.6);
+            const bool thicker = section->radius() > guess.radius;
+            guess.radius = std::lerp(guess.radius, section->radius(), way > 0 && thicker ? kUpward : 0.6);
+            guess.max_radius = way > 0 ? 1.2 * guess.radius + options.noise : 1.5 * guess.radius;
         }
         sections.insert(sections.end(), found.begin(), found.end());
     }
