@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "coppice/base/error.h"
+
+namespace coppice {
+
+/// A priority queue for costs that never fall below the last one taken out, as those of shortest paths do: a
+/// radix heap [Ahuja1990] on the bits of the costs, which are in the order of non-negative doubles. What is
+/// about as cheap as the last entry is in a small binary heap, the rest in buckets by the highest bit that
+/// differs, without the cache misses of a large binary heap. Amortised O(log n) per entry. The order is that
+/// of `std::priority_queue`: of equal costs the least value comes first.
+class RadixHeap {
+  public:
+    /// A value with its cost.
+    struct Entry {
+        double cost;          ///< >= 0
+        std::uint32_t value;  ///< of equal costs the least is taken out first
+    };
+
+    bool empty() const { return front_.empty() && used_ == 0; }  ///< whether nothing is in it
+
+    /// The cost must not be less than that of the last entry taken out, nor -0 or NaN.
+    void push(double cost, std::uint32_t value) {
+        const Item item{std::bit_cast<std::uint64_t>(cost), value};
+        COPPICE_ASSERT(item.key >= last_ && item.key <= kInfinity);
+        if (bucket_of(item.key) > front_bits_) return put(item);
+        front_.push_back(item);
+        std::ranges::push_heap(front_, std::greater{});
+        if (front_.size() > kLarge && front_bits_ > 0) divide(last_);
+    }
+
+    /// Takes out the entry of the least cost. There must be one.
+    Entry pop() {
+        COPPICE_ASSERT(!empty());
+        if (front_.empty()) refill();
+        std::ranges::pop_heap(front_, std::greater{});
+        const Item item = front_.back();
+        front_.pop_back();
+        last_ = item.key;
+        return {std::bit_cast<double>(item.key), item.value};
+    }
+
+  private:
+    struct Item {
+        std::uint64_t key;
+        std::uint32_t value;
+        auto operator<=>(const Item&) const = default;
+    };
+    static constexpr std::uint64_t kInfinity = 0x7ff0000000000000u;
+    static constexpr std::size_t kSmall = 64, kLarge = 512;  // items of a bucket, and of a front, to divide
+
+    /// The number of low bits in which a key and the base may differ.
+    int bucket_of(std::uint64_t key) const { return std::bit_width(key ^ base_); }
+
+    void put(const Item& item) {
+        const int b = bucket_of(item.key);
+        bucket_[static_cast<std::size_t>(b)].push_back(item);
+        used_ |= std::uint64_t{1} << b;
+    }
+
+    /// Moves the lowest bucket to the front, all of it where it is small.
+    void refill() {
+        std::vector<Item>& bucket = bucket_[static_cast<std::size_t>(std::countr_zero(used_))];
+        used_ &= used_ - 1;
+        front_.swap(bucket);
+        if (front_.size() > kSmall) return divide(std::ranges::min(front_, {}, &Item::key).key);
+        const auto [least, most] = std::ranges::minmax(front_, {}, &Item::key);
+        front_bits_ = std::bit_width(least.key ^ most.key);
+        base_ = least.key >> front_bits_ << front_bits_;
+        std::ranges::make_heap(front_, std::greater{});
+    }
+
+    /// Leaves in the front only what has this key, the least that may come, and gives the rest to buckets.
+    void divide(std::uint64_t least) {
+        base_ = least;
+        front_bits_ = 0;
+        const auto rest = std::ranges::partition(front_, [&](const Item& item) { return item.key == base_; });
+        for (const Item& item : rest) put(item);
+        front_.erase(rest.begin(), rest.end());
+        std::ranges::make_heap(front_, std::greater{});
+    }
+
+    std::vector<Item> front_;  // a heap of what differs from the base in front_bits_ low bits
+    std::array<std::vector<Item>, 64> bucket_;  // by the highest bit that differs
+    std::uint64_t base_ = 0, last_ = 0;         // no key is below; the one taken out last
+    std::uint64_t used_ = 0;                    // a bit for every bucket that holds any
+    int front_bits_ = 0;
+};
+
+}  // namespace coppice
