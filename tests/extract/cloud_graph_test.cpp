@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "coppice/base/random.h"
@@ -80,6 +81,62 @@ TEST(CloudGraph, PathsPreferManyShortSteps) {
     EXPECT_EQ(paths.parent[3], 2u);
     EXPECT_EQ(paths.parent[2], 1u);
     EXPECT_NEAR(paths.distance[3], 3.02, 1e-5);
+}
+
+TEST(CloudGraph, PathsFromTakenPointsAreTheShortest) {
+    // Nine of ten points are taken, and start paths: some twice, most with none but taken ones about them.
+    const auto points = strewn(600, 6);
+    const Neighbours near = nearest_neighbours(points, 4, {});
+    const Graph graph = make_graph(near, std::vector<std::uint8_t>(points.size(), 0), {}, {});
+    const std::vector<float> spacing = std::vector<float>(points.size(), 0.1f);
+    std::vector<std::uint32_t> taken(points.size(), 0), sources;
+    std::vector<double> least(points.size(), 0);
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+        const bool is_free = points[p].x < 0.3f && points[p].y < 0.4f && p != 0;
+        if (is_free) {
+            taken[p] = kNone;
+            least[p] = std::numeric_limits<double>::infinity();
+        } else {
+            sources.insert(sources.end(), p % 7 == 0 ? 2 : 1, p);
+        }
+    }
+    const Paths paths = shortest_paths(graph, sources, taken, {spacing}, {});
+    for (bool better = true; better;) {  // Bellman and Ford
+        better = false;
+        for (std::uint32_t p = 0; p < points.size(); ++p) {
+            for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
+                const double share = double{graph.length[e]} / 0.1f, cost = least[p] + share * share;
+                if (!(cost < least[graph.to[e]])) continue;
+                least[graph.to[e]] = cost;
+                better = true;
+            }
+        }
+    }
+    std::size_t reached = 0;
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+        if (taken[p] != kNone) continue;
+        EXPECT_FLOAT_EQ(paths.distance[p], static_cast<float>(least[p])) << p;
+        reached += std::isfinite(least[p]);
+    }
+    EXPECT_GT(reached, 40u);
+    EXPECT_EQ(paths.order.size(), reached);
+    EXPECT_TRUE(std::ranges::is_sorted(paths.order, {}, [&](std::uint32_t p) { return paths.distance[p]; }));
+    // A start that is free is on its path once, however often it is named.
+    const std::vector<std::uint32_t> free(points.size(), kNone), twice{5, 5};
+    EXPECT_EQ(std::ranges::count(shortest_paths(graph, twice, free, {spacing}, {}).order, 5u), 1);
+}
+
+TEST(CloudGraph, ComponentsNeedNoGraph) {
+    const auto points = strewn(400, 7);
+    const Neighbours near = nearest_neighbours(points, 3, {});
+    std::vector<std::uint8_t> ignored(points.size(), 0);
+    for (std::size_t i = 0; i < points.size(); i += 5) ignored[i] = 1;
+    const std::vector<Link> more{{1, 398, 1}, {10, 11, 1}};
+    const Components expected = components(make_graph(near, ignored, more, {}, 0.08), {});
+    const Components found = components(near, ignored, more, {}, 0.08);
+    EXPECT_GT(expected.size.size(), 100u);
+    EXPECT_EQ(found.of, expected.of);
+    EXPECT_EQ(found.size, expected.size);
 }
 
 TEST(CloudGraph, StopsWhenAskedTo) {

@@ -277,15 +277,14 @@ std::vector<Link> bridge_gaps(std::span<const Vec3> points, std::span<const std:
 ConnectedGraph connect_points(std::span<const Vec3> points, const Neighbours& neighbours,
                               std::span<const std::uint8_t> ignored, const GapRule& gap, const Context& ctx) {
     ConnectedGraph out;
-    out.components = components(make_graph(neighbours, ignored, {}, ctx, gap.usual), ctx);
+    out.components = components(neighbours, ignored, {}, ctx, gap.usual);
     out.bridges = bridge_gaps(points, ignored, out.components, gap.usual, ctx);
     std::vector<Link> links = out.bridges;
     const double spacing = median(local_spacing(neighbours, std::min(kVoxelRank, neighbours.count)));
     const GapLinks across = find_gap_links(points, ignored, out.components, gap.widest, spacing, ctx);
     for (const Link& link : across.close)
         if (double{link.length} <= gap.usual) links.push_back(link);
-    if (!links.empty())
-        out.components = components(make_graph(neighbours, ignored, links, ctx, gap.usual), ctx);
+    if (!links.empty()) out.components = components(neighbours, ignored, links, ctx, gap.usual);
     const auto add_wide = [&](std::span<const Link> more, double share, bool within, const auto& cost) {
         const std::vector<double> reach = reach_of_parts(points, ignored, out.components, gap, share);
         for (Link link : more) {

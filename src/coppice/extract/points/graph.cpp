@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <queue>
+#include <limits>
 #include <utility>
 
 #include "coppice/base/compressed_rows.h"
+#include "coppice/base/disjoint_sets.h"
 #include "coppice/base/median.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
+#include "coppice/base/radix_heap.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -44,6 +45,74 @@ double detour(const PathCost& rule, std::span<const Vec3> heading, std::uint32_t
     if (rule.outward.empty()) return factor;
     const double off = 1 - double{dot(along, rule.outward[q])};
     return factor * (1 + kInward * off * off);
+}
+
+/// Dijkstra's algorithm.
+struct PathSearch {
+    PathSearch(const Graph& of, std::span<const std::uint32_t> taken_points, const PathCost& cost_rule)
+        : graph(of),
+          taken(taken_points),
+          rule(cost_rule),
+          cost(of.size(), std::numeric_limits<double>::infinity()),
+          spacing(rule.spacing.begin(), rule.spacing.end()),
+          heading(rule.position.size(), Vec3{}) {
+        const float most = median(rule.spacing);
+        for (float& s : spacing) s = std::min(s, most);
+        for (std::uint32_t p = 0; p < graph.size(); ++p)
+            if (taken[p] != kNone) cost[p] = kNever;
+        paths.parent.assign(graph.size(), kNone);
+        paths.distance.assign(graph.size(), std::numeric_limits<float>::infinity());
+    }
+
+    /// Ends the path to a point, of this cost, and leads on to what is not yet reached as cheaply.
+    void settle(std::uint32_t p, double at) {
+        if (taken[p] == kNone) {
+            paths.order.push_back(p);
+            paths.distance[p] = static_cast<float>(at);
+        }
+        for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
+            const std::uint32_t q = graph.to[e];
+            if (cost[q] <= at) continue;  // settled, or taken
+            const double share = double{graph.length[e]} / (0.5 * (double{spacing[p]} + double{spacing[q]}));
+            if (at + kLeastDetour * (share * share) >= cost[q]) continue;
+            Vec3 along;
+            if (!heading.empty()) along = normalized(rule.position[q] - rule.position[p], Vec3{});
+            const double next = at + share * share * detour(rule, heading, p, q, along);
+            if (!(next < cost[q])) continue;
+            cost[q] = next;
+            paths.parent[q] = p;
+            if (!heading.empty()) {
+                const auto keep = static_cast<float>(std::exp(-share / kHeading));
+                heading[q] = normalized(keep * heading[p] + (1 - keep) * along, along);
+            }
+            open.push(next, q);
+        }
+    }
+
+    static constexpr double kNever = -1;         // the cost of what is taken: no path is cheaper
+    static constexpr double kLeastDetour = 0.9;  // less than any, with rounding
+
+    const Graph& graph;
+    std::span<const std::uint32_t> taken;
+    const PathCost& rule;
+    Buffer<double> cost;
+    Buffer<float> spacing;  // [m] no more than the median one
+    Buffer<Vec3> heading;   // of the path at each point; empty where turns cost nothing
+    RadixHeap open;
+    Paths paths;
+};
+
+/// Unmarks starts that are taken and have none but taken points about them: no path leaves them.
+void drop_enclosed(const Graph& graph, std::span<const std::uint32_t> taken,
+                   std::vector<std::uint8_t>& starts) {
+    std::vector<std::uint8_t> enclosed(graph.size(), 1);
+    for (std::uint32_t p = 0; p < graph.size(); ++p) {
+        if (taken[p] != kNone) continue;
+        enclosed[p] = 0;
+        for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) enclosed[graph.to[e]] = 0;
+    }
+    for (std::uint32_t p = 0; p < graph.size(); ++p)
+        if (enclosed[p]) starts[p] = 0;
 }
 
 }  // namespace
@@ -96,53 +165,51 @@ Components components(const Graph& graph, const Context& ctx) {
     return parts;
 }
 
+Components components(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
+                      std::span<const Link> more, const Context& ctx, double longest) {
+    DisjointSets sets(ignored.size());
+    for (std::uint32_t i = 0; i < ignored.size(); ++i) {
+        poll_stop(ctx, i);
+        for (std::uint32_t k = 0; !ignored[i] && k < neighbours.count; ++k) {
+            const std::uint32_t j = neighbours.of(i)[k];
+            if (!ignored[j] && double{neighbours.distances(i)[k]} <= longest) sets.join(i, j);
+        }
+    }
+    for (const Link& link : more) sets.join(link.from, link.to);
+    Components parts;
+    parts.of.resize(ignored.size());
+    for (std::uint32_t i = 0; i < ignored.size(); ++i) {
+        const std::uint32_t first = sets.find(i);
+        if (first == i) {
+            parts.of[i] = static_cast<std::uint32_t>(parts.size.size());
+            parts.size.push_back(0);
+        }
+        parts.of[i] = parts.of[first];
+        ++parts.size[parts.of[i]];
+    }
+    return parts;
+}
+
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
                      std::span<const std::uint32_t> taken, const PathCost& rule, const Context& ctx) {
-    struct Entry {
-        double cost;
-        std::uint32_t point;
-        bool operator>(const Entry& b) const { return cost != b.cost ? cost > b.cost : point > b.point; }
-    };
-    Paths paths;
-    paths.parent.assign(graph.size(), kNone);
-    paths.distance.assign(graph.size(), std::numeric_limits<float>::infinity());
-    Buffer<double> cost(graph.size(), std::numeric_limits<double>::infinity());
-    Buffer<Vec3> heading(rule.position.size(), Vec3{});
-    const auto spacing_at = [&, most = median(rule.spacing)](std::uint32_t p) {
-        return double{std::min(rule.spacing[p], most)};
-    };
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    PathSearch search(graph, taken, rule);
+    std::vector<std::uint8_t> starts(graph.size(), 0);
     for (const std::uint32_t p : sources) {
-        cost[p] = 0;
-        open.push({0, p});
+        starts[p] = 1;
+        if (taken[p] == kNone) search.cost[p] = 0;
     }
-    for (std::size_t turn = 0; !open.empty(); ++turn) {
-        const auto [at, p] = open.top();
-        open.pop();
-        if (at > cost[p]) continue;
-        poll_stop(ctx, turn);
-        if (taken[p] == kNone) {
-            paths.order.push_back(p);
-            paths.distance[p] = static_cast<float>(at);
-        }
-        for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
-            const std::uint32_t q = graph.to[e];
-            if (taken[q] != kNone) continue;
-            const double share = double{graph.length[e]} / (0.5 * (spacing_at(p) + spacing_at(q)));
-            Vec3 along;
-            if (!heading.empty()) along = normalized(rule.position[q] - rule.position[p], Vec3{});
-            const double next = at + share * share * detour(rule, heading, p, q, along);
-            if (!(next < cost[q])) continue;
-            cost[q] = next;
-            paths.parent[q] = p;
-            if (!heading.empty()) {
-                const auto keep = static_cast<float>(std::exp(-share / kHeading));
-                heading[q] = normalized(keep * heading[p] + (1 - keep) * along, along);
-            }
-            open.push({next, q});
-        }
+    if (2 * sources.size() > graph.size()) drop_enclosed(graph, taken, starts);
+    std::size_t turn = 0;
+    for (std::uint32_t p = 0; p < graph.size(); ++p) {
+        poll_stop(ctx, turn++);
+        if (starts[p]) search.settle(p, 0);
     }
-    return paths;
+    while (!search.open.empty()) {
+        poll_stop(ctx, turn++);
+        const auto [cost, p] = search.open.pop();
+        if (cost == search.cost[p]) search.settle(p, cost);
+    }
+    return std::move(search.paths);
 }
 
 }  // namespace coppice::extract_internal

@@ -43,6 +43,11 @@ struct Components {
 };
 Components components(const Graph& graph, const Context& ctx);
 
+/// Those of the graph that `make_graph` makes of the same, without making it. O(n k).
+Components components(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
+                      std::span<const Link> more, const Context& ctx,
+                      double longest = std::numeric_limits<double>::infinity());
+
 /// Shortest paths from sources, where a link costs the square of its length in spacings, no more than the
 /// median one: many short steps go before one long jump, which keeps paths on the wood where points are
 /// dense, and a cost is about a number of points passed.

@@ -145,7 +145,7 @@ Buffer<float> wood_reach(const Buffer<float>& beyond, const Neighbours& near, do
 /// points that are ignored.
 void drop_small_wood(std::vector<std::uint8_t>& leaf, const Scale& scale, std::span<const std::uint8_t> out,
                      double least, const Context& ctx) {
-    const Components parts = components(make_graph(scale.near(), marked_voxels(scale, out), {}, ctx), ctx);
+    const Components parts = components(scale.near(), marked_voxels(scale, out), {}, ctx);
     std::vector<Box3> box(parts.size.size());
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (!out[i]) box[parts.of[scale.of(i)]].extend(scale.points[i]);
