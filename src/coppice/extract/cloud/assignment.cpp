@@ -11,7 +11,7 @@
 #include "coppice/extract/cloud/tree_internal.h"
 #include "coppice/extract/prior/evidence_internal.h"
 #include "coppice/extract/stem/stem_axis_internal.h"
-#include "coppice/spatial/box_tree.h"
+#include "coppice/spatial/overlap_queries.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -37,12 +37,19 @@ class Cones {
   public:
     /// Boxes hold what lies up to `beyond` [radius] outside.
     Cones(const DraftTree& tree, const DraftLinks& links, double beyond, const Context& ctx)
-        : cones_(cones_of(tree, links)), index_(boxes_of(cones_, beyond), ctx) {}
+        : cones_(cones_of(tree, links)), boxes_(boxes_of(cones_, beyond)), index_(boxes_, ctx) {}
     const RoundCone& operator[](std::uint32_t n) const { return cones_[n]; }
-    /// Visits those whose surface may be within reach of p.
-    template <class Visit>
-    void visit(Vec3 p, float reach, const Visit& visit) const {
-        index_.visit_overlapping(Box3{p, p}.inflated(reach), visit);
+    /// Calls visit(i, segments) for every point, with those whose surface may be within reach(i) [m] of it.
+    template <class Reach, class Visit>
+    void visit(std::span<const Vec3> points, const Reach& reach, const Context& ctx,
+               const Visit& visit) const {
+        parallel_for_ranges(ctx, points.size(), kAssignmentGrain, [&](IndexRange range) {
+            OverlapQueries queries(index_, boxes_);
+            const auto box_of = [&](std::size_t i) {
+                return Box3{points[i], points[i]}.inflated(static_cast<float>(reach(i)));
+            };
+            queries.visit(range, box_of, visit);
+        });
     }
 
   private:
@@ -60,6 +67,7 @@ class Cones {
         return boxes;
     }
     std::vector<RoundCone> cones_;
+    std::vector<Box3> boxes_;
     BoxTree index_;
 };
 
@@ -81,15 +89,16 @@ struct NearestBranches {
     float gain = 0;
 };
 
-/// Looks up the segments about a point; `branch` names the branch of each, `margin` [m] is how far off it
-/// points lie by chance.
-NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32_t> branch,
-                                 std::span<const double> margin, Vec3 point, double spacing) {
+/// Of the segments near a point; `branch` names the branch of each, `margin` [m] is how far off it points lie
+/// by chance.
+NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32_t> near,
+                                 std::span<const std::uint32_t> branch, std::span<const double> margin,
+                                 Vec3 point, double spacing) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Vec3d p(point);
     double best = kInfinity, next = kInfinity, best_radius = 0, next_radius = 0;
     NearestBranches out;
-    cones.visit(point, static_cast<float>(kSearchReach * spacing), [&](std::uint32_t n) {
+    for (const std::uint32_t n : near) {
         const RoundCone::Foot foot = cones[n].foot(p);
         const double d = foot.signed_distance(), r = foot.radius;
         if (d < best) {
@@ -106,7 +115,7 @@ NearestBranches nearest_branches(const Cones& cones, std::span<const std::uint32
             next_radius = r;
             out.second = n;
         }
-    });
+    }
     if (out.first == kNone) return out;
     if (out.second == kNone) {
         out.gain = 1;
@@ -188,11 +197,11 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
     samples.node.assign(count, kNone);
     // A thin branch may be nearer than the thick one that a point is on.
     std::vector<std::uint32_t> on(count, kNone);
-    parallel_for(ctx, count, kAssignmentGrain, [&](std::size_t i) {
+    const auto look = [&](std::size_t i) { return std::max(reach(i), kLook * double{spacing[i]}); };
+    cones.visit(samples.positions, look, ctx, [&](std::size_t i, std::span<const std::uint32_t> near_point) {
         double best = std::numeric_limits<double>::infinity(), least = 0;
         const Vec3d p(samples.positions[i]);
-        const double look = std::max(reach(i), kLook * double{spacing[i]});
-        cones.visit(samples.positions[i], static_cast<float>(look), [&](std::uint32_t n) {
+        for (const std::uint32_t n : near_point) {
             const RoundCone::Foot foot = cones[n].foot(p);
             const double d = foot.signed_distance();
             const double near = tree.fixed[n] ? reach_of_stem(foot.radius, double{spacing[i]}) - foot.radius
@@ -202,11 +211,11 @@ PointDistances assign_points(const DraftTree& tree, FitSamples& samples, std::sp
                 least = off;
                 on[i] = n;
             }
-            if (!(d < best || (d == best && n < samples.node[i]))) return;
+            if (!(d < best || (d == best && n < samples.node[i]))) continue;
             best = d;
             radius[i] = static_cast<float>(foot.radius);
             samples.node[i] = n;
-        });
+        }
         distances.distance[i] = static_cast<float>(best);
     });
     distances.noise = noise_of(distances.distance, radius, spacing);
@@ -228,8 +237,9 @@ std::uint32_t prune_redundant(DraftTree& tree, FitSamples& samples, std::span<co
         margin.push_back(std::max(kSigmas * noise, e.margin()));
     std::vector<NearestBranches> nearest(samples.positions.size());
     std::vector<std::uint32_t> key(nearest.size(), kNone);
-    parallel_for(ctx, nearest.size(), kAssignmentGrain, [&](std::size_t i) {
-        nearest[i] = nearest_branches(cones, branch, margin, samples.positions[i], spacing[i]);
+    const auto reach = [&](std::size_t i) { return kSearchReach * double{spacing[i]}; };
+    cones.visit(samples.positions, reach, ctx, [&](std::size_t i, std::span<const std::uint32_t> near) {
+        nearest[i] = nearest_branches(cones, near, branch, margin, samples.positions[i], spacing[i]);
         if (nearest[i].first != kNone) key[i] = branch[nearest[i].first];
     });
     const auto members = group_by(key, tree.size());

@@ -11,7 +11,7 @@
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/bins_internal.h"
 #include "coppice/extract/cloud/fit_internal.h"
-#include "coppice/spatial/box_tree.h"
+#include "coppice/spatial/overlap_queries.h"
 
 namespace coppice::extract_internal {
 namespace {
@@ -119,6 +119,7 @@ RoundCone tube_at(const CloudTree& tree, std::uint32_t n) {
 /// Gives the points on kept branches to them, and takes the others back.
 void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, std::span<const float> spacing,
                      const Context& ctx) {
+    std::vector<RoundCone> tubes;
     std::vector<Box3> boxes;
     std::vector<std::uint32_t> owner;
     const double widest = spacing.empty() ? 0 : double{*std::ranges::max_element(spacing)};
@@ -127,25 +128,28 @@ void assign_to_tubes(CloudTree& tree, std::span<const Vec3> points, std::span<co
     };
     for (std::uint32_t n = 0; n < tree.size(); ++n) {
         if (tree.parent[n] == kNone) continue;
-        const RoundCone tube = tube_at(tree, n);
+        const RoundCone& tube = tubes.emplace_back(tube_at(tree, n));
         const double reach = reach_of(n, std::max(tube.radius_a, tube.radius_b()), widest);
         boxes.push_back(capsule_box(Vec3(tube.a), Vec3(tube.b()), static_cast<float>(reach) * 1.0001f));
         owner.push_back(n);
     }
     const BoxTree index(boxes, ctx);
-    parallel_for(ctx, points.size(), 4096, [&](std::size_t i) {
-        double best = 1;
-        std::uint32_t found = kNone;
-        const Vec3d p(points[i]);
-        index.visit_overlapping({points[i], points[i]}, [&](std::uint32_t item) {
-            const std::uint32_t n = owner[item];
-            const RoundCone::Foot foot = tube_at(tree, n).foot(p);
-            const double rho = foot.distance() / reach_of(n, foot.radius, double{spacing[i]});
-            if (rho > best || (rho == best && found != kNone)) return;
-            best = rho;
-            found = foot.t < 0.5 ? tree.parent[n] : n;
-        });
-        tree.node_of_point[i] = found;
+    parallel_for_ranges(ctx, points.size(), 4096, [&](IndexRange range) {
+        const auto box_of = [&](std::size_t i) { return Box3{points[i], points[i]}; };
+        OverlapQueries(index, boxes)
+            .visit(range, box_of, [&](std::size_t i, std::span<const std::uint32_t> near) {
+                double best = 1;
+                std::uint32_t found = kNone;
+                for (const std::uint32_t item : near) {
+                    const std::uint32_t n = owner[item];
+                    const RoundCone::Foot foot = tubes[item].foot(Vec3d(points[i]));
+                    const double rho = foot.distance() / reach_of(n, foot.radius, double{spacing[i]});
+                    if (rho > best || (rho == best && found != kNone)) continue;
+                    best = rho;
+                    found = foot.t < 0.5 ? tree.parent[n] : n;
+                }
+                tree.node_of_point[i] = found;
+            });
     });
 }
 

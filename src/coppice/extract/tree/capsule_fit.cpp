@@ -27,11 +27,14 @@ struct Model {
     const DraftTree& tree;
     const DraftLinks& links;
     std::span<const Vec3> positions, normals;
+    std::vector<RoundCone> cones;  ///< of every node, as `update_cones` found the tree
 
-    /// Where sample i lies against the segment that ends at node n.
-    RoundCone::Foot foot(std::uint32_t n, std::size_t i) const {
-        return surface_cone(tree, links, n).foot(Vec3d(positions[i]));
+    void update_cones() {
+        cones.resize(tree.size());
+        for (std::uint32_t n = 0; n < tree.size(); ++n) cones[n] = surface_cone(tree, links, n);
     }
+    /// Where sample i lies against the segment that ends at node n.
+    RoundCone::Foot foot(std::uint32_t n, std::size_t i) const { return cones[n].foot(Vec3d(positions[i])); }
 };
 
 /// The depth in the segment; segments whose surface faces the other way count as far.
@@ -69,7 +72,8 @@ std::uint32_t deepest_segment(const Model& model, std::uint32_t n, std::size_t i
     return n;
 }
 
-void assign_samples(const Model& model, std::span<std::uint32_t> node, const Context& ctx) {
+void assign_samples(Model& model, std::span<std::uint32_t> node, const Context& ctx) {
+    model.update_cones();
     parallel_for(ctx, node.size(), kCapsuleFitGrain, [&](std::size_t i) {
         if (node[i] != kNone) node[i] = deepest_segment(model, node[i], i);
     });
@@ -229,7 +233,7 @@ void move_nodes(DraftTree& tree, std::span<const Vec4> step, std::span<const dou
 
 void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& options, const Context& ctx) {
     DraftLinks links(tree);
-    const Model model{tree, links, samples.positions, samples.normals};
+    Model model{tree, links, samples.positions, samples.normals, {}};
     const std::vector<double> first_radius = tree.radius;
     std::vector<Block> blocks(tree.size());
     for (int k = 0; k < options.iterations; ++k) {
@@ -250,7 +254,8 @@ void fit_capsules(DraftTree& tree, FitSamples& samples, const FitOptions& option
 std::vector<float> fit_residuals(const DraftTree& tree, const FitSamples& samples, const Context& ctx) {
     std::vector<float> out(samples.positions.size(), 0);
     const DraftLinks links(tree);
-    const Model model{tree, links, samples.positions, samples.normals};
+    Model model{tree, links, samples.positions, samples.normals, {}};
+    model.update_cones();
     parallel_for(ctx, out.size(), kCapsuleFitGrain, [&](std::size_t i) {
         if (samples.node[i] != kNone)
             out[i] = static_cast<float>(model.foot(samples.node[i], i).signed_distance());
