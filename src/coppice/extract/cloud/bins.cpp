@@ -43,7 +43,8 @@ DisjointSets connected_in_bins(std::span<const std::uint32_t> bin, const Graph& 
         poll_stop(ctx, turn++);
         for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
             const std::uint32_t q = graph.to[e];
-            if (bin[q] == bin[p] && graph.length[e] <= rule.link * std::max(rule.spacing[p], rule.spacing[q]))
+            if (q < p && bin[q] == bin[p] &&
+                graph.length[e] <= rule.link * std::max(rule.spacing[p], rule.spacing[q]))
                 sets.join(p, q);
         }
     }

@@ -111,8 +111,8 @@ Measured measure(const Axes& axes, std::uint32_t n, std::vector<PlanePoint>& pla
     }
     mx /= sum;
     my /= sum;
-    for (const PlanePoint& p : plane) far = std::max(far, std::hypot(p.x - mx, p.y - my));
-    const CircleFit fit = fit_circle(plane, 1.5 * far);
+    for (const PlanePoint& p : plane) far = std::max(far, (p.x - mx) * (p.x - mx) + (p.y - my) * (p.y - my));
+    const CircleFit fit = fit_circle(plane, 1.5 * std::sqrt(far));
     const Vec3d u = perpendicular(axes.direction[n]), v = cross(axes.direction[n], u);
     if (fit.good) {
         out.position += fit.x * u + fit.y * v;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t kFewest = 6;
 constexpr int kSteps = 8;
-constexpr int kSectors = 12;
+constexpr int kSectors = 12, kFewestSectors = 4;  // about the center; of them with points
 
 /// `std::hypot` without its care for overflow, which took an eighth of the time of an extraction.
 double norm(double x, double y) { return std::sqrt(x * x + y * y); }
@@ -64,12 +65,14 @@ bool taubin(std::span<const PlanePoint> points, Circle& out) {
     return std::isfinite(out.r);
 }
 
-/// One step of Gauss-Newton with Tukey's weights at `scale`; false where the points do not tell.
-bool improve(std::span<const PlanePoint> points, double scale, Circle& c) {
+/// One step of Gauss-Newton with Tukey's weights at `scale`, where `distance` is that of each point from the
+/// center; false where the points do not tell.
+bool improve(std::span<const PlanePoint> points, std::span<const double> distance, double scale, Circle& c) {
     std::array<double, 6> a{};  // xx xy xr yy yr rr
     std::array<double, 3> b{};
-    for (const PlanePoint& p : points) {
-        const double dx = p.x - c.x, dy = p.y - c.y, d = norm(dx, dy);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const PlanePoint& p = points[i];
+        const double dx = p.x - c.x, dy = p.y - c.y, d = distance[i];
         const double off = d - c.r, t = off / scale;
         if (!(d > 0) || std::abs(t) >= 1) continue;
         const double w = p.weight * (1 - t * t) * (1 - t * t), ux = dx / d, uy = dy / d;
@@ -98,11 +101,25 @@ bool improve(std::span<const PlanePoint> points, double scale, Circle& c) {
     return std::isfinite(c.x) && std::isfinite(c.y) && c.r > 0;
 }
 
-double scale_of(std::span<const PlanePoint> points, const Circle& c, std::vector<double>& scratch) {
-    scratch.clear();
-    for (const PlanePoint& p : points) scratch.push_back(std::abs(norm(p.x - c.x, p.y - c.y) - c.r));
-    // 4.685 standard deviations, as read from the median; never so narrow that rounding decides.
+/// 4.685 standard deviations of the points about a circle, as read from the median; never so narrow that
+/// rounding decides.
+double scale_of(std::span<const double> distance, const Circle& c, std::vector<double>& scratch) {
+    scratch.resize(distance.size());
+    for (std::size_t i = 0; i < distance.size(); ++i) scratch[i] = std::abs(distance[i] - c.r);
     return std::max(4.685 * 1.4826 * median_in_place(scratch), 0.02 * c.r);
+}
+
+/// Whether points near a circle are in enough sectors about its center.
+bool fills_sectors(std::span<const PlanePoint> points, const Circle& c, double scale) {
+    unsigned seen = 0;
+    for (const PlanePoint& p : points) {
+        const double dx = p.x - c.x, dy = p.y - c.y;
+        if (std::abs(norm(dx, dy) - c.r) >= scale) continue;
+        const double turn = (std::atan2(dy, dx) / (2 * std::numbers::pi) + 0.5) * kSectors;
+        seen |= 1u << static_cast<unsigned>(std::clamp(turn, 0.0, kSectors - 1.0));
+        if (std::popcount(seen) >= kFewestSectors) return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -111,31 +128,28 @@ CircleFit fit_circle(std::span<const PlanePoint> points, double greatest_radius)
     CircleFit fit;
     Circle c{};
     if (points.size() < kFewest || !taubin(points, c)) return fit;
-    std::vector<double> scratch;
-    scratch.reserve(points.size());
+    std::vector<double> distance(points.size()), scratch;
     double scale = 0;
     for (int step = 0; step < kSteps; ++step) {
-        scale = scale_of(points, c, scratch);
-        if (!improve(points, scale, c)) return fit;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            distance[i] = norm(points[i].x - c.x, points[i].y - c.y);
+        scale = scale_of(distance, c, scratch);
+        if (!improve(points, distance, scale, c)) return fit;
     }
-    std::array<std::size_t, kSectors> sector{};
     double squares = 0, weights = 0;
     for (const PlanePoint& p : points) {
-        const double dx = p.x - c.x, dy = p.y - c.y, off = norm(dx, dy) - c.r;
+        const double off = norm(p.x - c.x, p.y - c.y) - c.r;
         if (std::abs(off) >= scale) continue;
         ++fit.used;
         squares += p.weight * off * off;
         weights += p.weight;
-        const double turn = (std::atan2(dy, dx) / (2 * std::numbers::pi) + 0.5) * kSectors;
-        ++sector[static_cast<std::size_t>(std::clamp(turn, 0.0, kSectors - 1.0))];
     }
-    const auto filled = kSectors - std::ranges::count(sector, std::size_t{0});
     fit.x = c.x;
     fit.y = c.y;
     fit.radius = c.r;
     fit.residual = weights > 0 ? std::sqrt(squares / weights) : 0;
-    fit.good = fit.used >= kFewest && 2 * fit.used >= points.size() && filled >= 4 &&
-               c.r <= greatest_radius && fit.residual <= 0.35 * c.r;
+    fit.good = fit.used >= kFewest && 2 * fit.used >= points.size() && c.r <= greatest_radius &&
+               fit.residual <= 0.35 * c.r && fills_sectors(points, c, scale);
     return fit;
 }
 
