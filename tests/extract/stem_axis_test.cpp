@@ -76,7 +76,7 @@ TEST(StemAxis, BranchesGrowAwayFromALowerPlaceOfTheStem) {
     stem.position = {{0, 0, 0}, {0, 0, 10}};
     stem.radius = {0.1, 0.1};
     const std::vector<Vec3> points{{1, 0, 5}, {0, 2, 12}, {0, 0, 3}};
-    const Buffer<Vec3> out = growth_directions(points, {&stem, 1}, {});
+    const Buffer<Vec3> out = growth_directions(points, {&stem, 1}, {}, {});
     EXPECT_LT(distance(Vec3d(out[0]), normalized(Vec3d{1, 0, 1})), 1e-6);
     EXPECT_LT(distance(Vec3d(out[1]), normalized(Vec3d{0, 2, 2})), 1e-6);
     EXPECT_LT(distance(Vec3d(out[2]), Vec3d{0, 0, 1}), 1e-6);

@@ -9,6 +9,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/error.h"
 #include "coppice/base/median.h"
+#include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/clean_cloud_internal.h"
 #include "coppice/extract/cloud/draft_internal.h"
@@ -122,6 +123,21 @@ PathCloud make_path_cloud(const Cloud& cloud, Buffer<float> spacing, const Cloud
     return out;
 }
 
+/// Marks the points of leaves but for those on measured stems; empty where there are none.
+std::vector<std::uint8_t> leaves_of(const Cloud& cloud, std::span<const float> spacing,
+                                    std::span<const StemAxis> stems, std::optional<Vec3d> root,
+                                    const CloudOptions& options, const Context& ctx) {
+    if (options.leaves == LeafRule::keep) return {};
+    const GapRule gap = gap_of(cloud.points, median(spacing), options);
+    if (stems.size() == 1) root = stems[0].position[0];
+    std::vector<std::uint8_t> leaf = find_leaves(cloud.points, cloud.near, cloud.outlier,
+                                                 {options.leaves == LeafRule::drop, gap, root}, ctx);
+    for (std::size_t p = 0; p < leaf.size(); ++p)
+        if (leaf[p] && is_on_stem(stems, Vec3d(cloud.points[p]), double{spacing[p]})) leaf[p] = 0;
+    if (std::ranges::count(leaf, 1) == 0) leaf.clear();
+    return leaf;
+}
+
 /// The points of a cloud that are no leaves, and which they were.
 struct Wood : Cloud {
     std::vector<std::uint32_t> place;
@@ -203,7 +219,7 @@ Rough rough_draft(const Cloud& cloud, const PathCloud& paths, const CloudOptions
     Rough out{other_bases(cloud, paths, stems, {spacing, root, options.max_trees}, ctx), {}};
     if (out.bases.empty() && stems.empty())
         throw InvalidInput("extract: no part of the cloud is large enough for a tree; set root");
-    const Buffer<Vec3> outward = growth_directions(cloud.points, stems, out.bases);
+    const Buffer<Vec3> outward = growth_directions(cloud.points, stems, out.bases, ctx);
     CloudTree tubes =
         find_tubes(cloud.points, graph, stems, out.bases, paths.spacing,
                    {options.step, options.fit_passes, thickest_of(cloud.points, stems, out.bases)},
@@ -240,24 +256,23 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
 
     std::optional<Vec3d> root;
     if (options.root) root = *options.root - set.origin;
-    Buffer<float> spacing = local_spacing(cloud.near, kSpacingRank);
+    const Buffer<float> spacing = local_spacing(cloud.near, kSpacingRank);
     cleaning.spacing = median(spacing);
     const std::vector<StemAxis> stems =
         find_stem_axes(cloud.points, clean.terrain, {cleaning.spacing, root, options.max_trees}, ctx);
     cleaning.understorey = mark_understorey(cloud, clean.terrain, stems, cleaning.spacing,
                                             gap_of(cloud.points, cleaning.spacing, options).widest, ctx);
-    const PathCloud paths = make_path_cloud(cloud, std::move(spacing), options, ctx);
+    // Paths take mostly one thread, so that leaves are looked for meanwhile.
+    PathCloud paths;
     std::vector<std::uint8_t> leaf;
-    if (options.leaves != LeafRule::keep) {
-        const GapRule gap = gap_of(cloud.points, cleaning.spacing, options);
-        const auto foot = stems.size() == 1 ? std::optional(stems[0].position[0]) : root;
-        leaf = find_leaves(cloud.points, cloud.near, cloud.outlier,
-                           {options.leaves == LeafRule::drop, gap, foot}, ctx);
-        for (std::size_t p = 0; p < leaf.size(); ++p)
-            if (leaf[p] && is_on_stem(stems, Vec3d(cloud.points[p]), double{paths.spacing[p]})) leaf[p] = 0;
-        cleaning.leaves = static_cast<std::uint64_t>(std::ranges::count(leaf, 1));
-        if (cleaning.leaves == 0) leaf.clear();
-    }
+    parallel_for(ctx, 2, 1, [&](std::size_t part) {
+        if (part == 0) {
+            paths = make_path_cloud(cloud, spacing, options, ctx);
+        } else {
+            leaf = leaves_of(cloud, spacing, stems, root, options, ctx);
+        }
+    });
+    cleaning.leaves = static_cast<std::uint64_t>(std::ranges::count(leaf, 1));
     ctx.report(kLeavesSplit);
     Rough rough;
     if (cleaning.leaves == 0) {
@@ -272,7 +287,7 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
                               .reach = options.twig,
                               .detail = detail_of(cloud.points, options),
                               .area_limit = options.area_limit};
-    const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases);
+    const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases, ctx);
     settle_draft(rough.draft, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf},
                  part_of(ctx, kDrafted, 1));
     cleaning.unreached = cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.draft.reached;

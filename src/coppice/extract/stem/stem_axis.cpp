@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "coppice/base/median.h"
+#include "coppice/base/parallel.h"
 #include "coppice/extract/none_internal.h"
 #include "coppice/extract/prior/isotonic_internal.h"
 #include "coppice/extract/stem/stem_form_internal.h"
@@ -13,6 +14,7 @@
 namespace coppice::extract_internal {
 namespace {
 
+constexpr std::size_t kDirectionGrain = 4096;
 constexpr std::size_t kFewestSections = 4;
 constexpr std::array kWindows{4.0, 2.5, 1.6};  // [sections] on either side of a local line
 constexpr double kStraight = 0.04;             // [radius] that sections lie off a straight axis
@@ -163,8 +165,8 @@ bool is_on_stem(std::span<const StemAxis> stems, Vec3d p, double spacing) {
     });
 }
 
-Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const StemAxis> stems,
-                               StemBases bases) {
+Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const StemAxis> stems, StemBases bases,
+                               const Context& ctx) {
     std::vector<Vec3d> feet;
     for (const auto& base : bases) {
         Vec3d sum;
@@ -172,7 +174,7 @@ Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const Ste
         feet.push_back(sum);
     }
     Buffer<Vec3> out(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    parallel_for(ctx, points.size(), kDirectionGrain, [&](std::size_t i) {
         const Vec3d p(points[i]);
         Vec3d best;
         double least = std::numeric_limits<double>::infinity();
@@ -188,7 +190,7 @@ Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const Ste
         }
         for (const Vec3d foot : feet) look(foot, foot);
         out[i] = Vec3(normalized(p - best, {0, 0, 1}));
-    }
+    });
     return out;
 }
 

@@ -33,8 +33,8 @@ bool is_on_stem(std::span<const StemAxis> stems, Vec3d p, double spacing);
 
 /// How branches grow at each point, of length 1: away from the place of the closest stem that is as much
 /// lower as it is far, or of the foot of a tree without a stem. O(points * (stems + bases)).
-Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const StemAxis> stems,
-                               StemBases bases);
+Buffer<Vec3> growth_directions(std::span<const Vec3> points, std::span<const StemAxis> stems, StemBases bases,
+                               const Context& ctx);
 
 /// The axis through the sections of a stem: places and radii by local lines in which outlying sections do not
 /// count, radii made monotone. Empty where fewer than four sections were seen. O(sections).
