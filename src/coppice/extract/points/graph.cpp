@@ -74,7 +74,7 @@ struct PathSearch {
             const std::uint32_t q = graph.to[e];
             if (cost[q] <= at) continue;  // settled, or taken
             const double share = double{graph.length[e]} / (0.5 * (double{spacing[p]} + double{spacing[q]}));
-            if (at + kLeastDetour * (share * share) >= cost[q]) continue;
+            if (at + kMinDetour * (share * share) >= cost[q]) continue;
             Vec3 along;
             if (!heading.empty()) along = normalized(rule.position[q] - rule.position[p], Vec3{});
             const double next = at + share * share * detour(rule, heading, p, q, along);
@@ -89,8 +89,8 @@ struct PathSearch {
         }
     }
 
-    static constexpr double kNever = -1;         // the cost of what is taken: no path is cheaper
-    static constexpr double kLeastDetour = 0.9;  // less than any, with rounding
+    static constexpr double kNever = -1;       // the cost of what is taken: no path is cheaper
+    static constexpr double kMinDetour = 0.9;  // less than any, with rounding
 
     const Graph& graph;
     std::span<const std::uint32_t> taken;

@@ -33,7 +33,7 @@ struct Model {
         cones.resize(tree.size());
         for (std::uint32_t n = 0; n < tree.size(); ++n) cones[n] = surface_cone(tree, links, n);
     }
-    /// Where sample i lies against the segment that ends at node n.
+    /// Where sample i is against the segment that ends at node n.
     RoundCone::Foot foot(std::uint32_t n, std::size_t i) const { return cones[n].foot(Vec3d(positions[i])); }
 };
 
