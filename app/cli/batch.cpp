@@ -11,6 +11,7 @@
 #include "files.h"
 #include "options.h"
 #include "plots.h"
+#include "tree_row.h"
 
 namespace coppice::cli {
 namespace {
@@ -63,19 +64,7 @@ void check_names(const Batch& batch) {
     }
 }
 
-/// A figure, or an empty cell.
-Figure cell_if(bool is_known, const Figure& figure) { return is_known ? figure : Figure(NotChecked{}); }
-
-/// The row of a file without a tree, with all columns.
-Figures empty_row(const BatchFile& file) {
-    Figures row;
-    row["input"] = file.input.string();
-    for (const char* name : {"file", "tree", "x", "y", "z", "height_m", "dbh_m", "dbh_low_m", "dbh_high_m",
-                             "dbh_of_skeleton_m", "length_m", "volume_m3", "volume_low_m3", "volume_high_m3",
-                             "inferred", "form", "warnings", "error"})
-        row[name] = NotChecked{};
-    return row;
-}
+constexpr TreeColumns kColumns{.of_files = true};
 
 }  // namespace
 
@@ -129,32 +118,19 @@ void BatchTable::add(const BatchFile& file, const ExtractResult& result, std::sp
         if (!s.is_root(n)) continue;
         const TreeFigures& tree = trees[t++];
         const Vec3d foot = s.origin() + Vec3d(s.position(n));
-        Figures row = empty_row(file);
-        row["file"] = file.skeleton.filename().string();
-        row["tree"] = t;
-        row["x"] = foot.x;
-        row["y"] = foot.y;
-        row["z"] = foot.z;
-        row["height_m"] = tree.height;
-        row["dbh_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_of_points);
-        row["dbh_low_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_low);
-        row["dbh_high_m"] = cell_if(tree.dbh_of_points > 0, tree.dbh_high);
-        row["dbh_of_skeleton_m"] = cell_if(tree.dbh > 0, tree.dbh);
-        row["length_m"] = tree.length;
-        row["volume_m3"] = tree.volume;
-        row["volume_low_m3"] = cell_if(of_points, tree.volume_low);
-        row["volume_high_m3"] = cell_if(of_points, tree.volume_high);
-        row["inferred"] = cell_if(of_points, tree.inferred);
-        row["form"] = cell_if(tree.form > 0, tree.form);
-        if (of_points) row["warnings"] = fmt::format("{}", fmt::join(tree.doubts, "; "));
-        add_row(row);
+        add_row(tree_row({.input = file.input.string(),
+                          .tree = t,
+                          .skeleton = file.skeleton.filename().string(),
+                          .foot = foot,
+                          .figures = &tree,
+                          .of_points = of_points,
+                          .warnings = of_points ? fmt::format("{}", fmt::join(tree.doubts, "; ")) : ""},
+                         kColumns));
     }
 }
 
 void BatchTable::add_failure(const BatchFile& file, std::string_view error) {
-    Figures row = empty_row(file);
-    row["error"] = std::string(error);
-    add_row(row);
+    add_row(tree_row({.input = file.input.string(), .error = std::string(error)}, kColumns));
 }
 
 void BatchTable::add_row(const Figures& row) {

@@ -21,6 +21,7 @@
 #include "files.h"
 #include "options.h"
 #include "surfaces.h"
+#include "tree_row.h"
 #include "tree_tables.h"
 
 namespace coppice::cli {
@@ -107,47 +108,23 @@ PaintedPoints labelled(const PaintedPoints& scan, const PlotSegments& segments,
     return out;
 }
 
-/// What is known of a tree besides its files; the same in the table and in the report.
-Figures figures_of_tree(const PlotTree& tree) {
-    Figures out;
-    out["x"] = tree.form.foot.x;
-    out["y"] = tree.form.foot.y;
-    out["z"] = tree.form.foot.z;
-    out["height_m"] = tree.form.height;
-    out["dbh_m"] = tree.form.breast.diameter;
-    out["dbh_low_m"] = tree.form.breast.low();
-    out["dbh_high_m"] = tree.form.breast.high();
-    out["dbh_deviation_m"] = tree.form.breast.deviation;
-    out["dbh_residual_m"] = tree.form.breast.residual;
-    out["dbh_coverage"] = tree.form.breast.coverage;
-    out["stems"] = tree.form.stems;
-    out["dbh_of_skeleton_m"] = tree.figures.dbh;
-    out["length_m"] = tree.figures.length;
-    out["volume_m3"] = tree.figures.volume;
-    out["volume_low_m3"] = tree.figures.volume_low;
-    out["volume_high_m3"] = tree.figures.volume_high;
-    out["inferred"] = tree.figures.inferred;
-    out["form"] = tree.figures.form;
-    out["crown_area_m2"] = tree.crown.area;
-    out["crown_base_m"] = tree.crown_base;
-    out["crown_volume_m3"] = tree.crown.hull_volume;
-    out["points"] = tree.points;
-    return out;
-}
-
-/// The rows of the table, which are what a map says of each tree too.
+/// The rows of the table, which are what a map and the report say of each tree too.
 std::vector<Figures> rows_of(const std::vector<PlotTree>& trees, const PlotSegments& segments,
                              const std::string& ending) {
+    const TreeColumns columns{.of_plots = true, .with_ids = !segments.ids.empty()};
     std::vector<Figures> rows;
     for (std::size_t t = 0; t < trees.size(); ++t) {
-        Figures& row = rows.emplace_back();
-        row["tree"] = t + 1;
-        if (!segments.ids.empty()) row["tree_id"] = segments.ids[t];
-        row["file"] = trees[t].result ? name_of_tree(t, ending) : "";
-        row.append(figures_of_tree(trees[t]));
+        const PlotTree& tree = trees[t];
         const Rgb color = numbered_color(t);
-        row["color"] = fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
-        row["warnings"] = fmt::format("{}", fmt::join(trees[t].warnings, "; "));
+        rows.push_back(tree_row({.tree = t + 1,
+                                 .id = id_of_tree(segments, t),
+                                 .skeleton = tree.result ? name_of_tree(t, ending) : "",
+                                 .foot = tree.form.foot,
+                                 .figures = tree.result ? &tree.figures : nullptr,
+                                 .of_plot = &tree,
+                                 .color = fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]),
+                                 .warnings = fmt::format("{}", fmt::join(tree.warnings, "; "))},
+                                columns));
     }
     return rows;
 }
@@ -173,7 +150,8 @@ MapValue map_value_of(const Figure& figure) {
     if (const auto* number = std::get_if<double>(&figure.value)) return *number;
     if (const auto* count = std::get_if<std::uint64_t>(&figure.value))
         return static_cast<std::int64_t>(*count);
-    return std::get<std::string>(figure.value);
+    if (const auto* text = std::get_if<std::string>(&figure.value)) return *text;
+    return {};
 }
 
 /// Stems as points and crowns as polygons, both with what the table says of the tree.
@@ -231,23 +209,16 @@ void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, co
         write_painted_points(files.leaf_points, leaves, {.system = files.system}, ctx);
 }
 
-void count(Run& run, const PointSet& points, const PlotExtraction& plot, const std::vector<PlotTree>& trees) {
+void count(Run& run, const PointSet& points, const PlotExtraction& plot, const std::vector<Figures>& rows) {
     Figures& counts = run.counts();
-    counts["trees"] = trees.size();
+    counts["trees"] = rows.size();
     counts["points"] = points.size();
     counts["ground_points"] =
         static_cast<std::uint64_t>(std::ranges::count(plot.segments.tree_of, kPointOfGround));
     counts["points_of_no_tree"] =
         static_cast<std::uint64_t>(std::ranges::count(plot.segments.tree_of, kPointOfNoTree));
     counts["ground_found"] = plot.segments.terrain.is_ground;
-    Figure::List list;
-    for (const PlotTree& tree : trees) {
-        Figures figures = figures_of_tree(tree);
-        if (!tree.warnings.empty())
-            figures["warnings"] = Figure::List(tree.warnings.begin(), tree.warnings.end());
-        list.emplace_back(figures);
-    }
-    counts["trees_found"] = list;
+    counts["trees_found"] = Figure::List(rows.begin(), rows.end());
 }
 
 /// Files of trees beyond the last one, which an earlier run left: they look as if they belonged to this one.
@@ -362,8 +333,8 @@ void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot,
         }
     });
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
+    const std::vector<Figures> rows = rows_of(trees, plot.segments, ending);
     run.stage("write tables", [&](const Context& ctx) {
-        const std::vector<Figures> rows = rows_of(trees, plot.segments, ending);
         write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);
         if (!files.map.empty()) write_map(files.map, layers_of(trees, rows), files.crs, ctx);
@@ -380,7 +351,7 @@ void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot,
         folder.commit();
     });
     warn_of_leftovers(run, trimmed(files.folder), trees.size());
-    count(run, scan.points, plot, trees);
+    count(run, scan.points, plot, rows);
     run.finish(summary_of(trees, files) + summary);
 }
 

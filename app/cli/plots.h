@@ -34,9 +34,6 @@ bool is_plot_folder(const std::filesystem::path& output, SkeletonFormat format);
 /// Of points that belong to no tree, or are no wood.
 inline constexpr Rgb kNoTreeColor{150, 150, 150};
 
-/// The table of the trees that are written to a folder.
-inline constexpr const char* kTreeTable = "trees.csv";
-
 /// The path without the slash at its end.
 std::filesystem::path trimmed(const std::filesystem::path& path);
 

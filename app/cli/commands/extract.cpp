@@ -27,6 +27,7 @@
 #include "options.h"
 #include "plots.h"
 #include "surfaces.h"
+#include "tree_row.h"
 
 namespace coppice::cli {
 namespace {

@@ -1,0 +1,90 @@
+#include "tree_row.h"
+
+namespace coppice::cli {
+namespace {
+
+/// A figure, or an empty cell.
+Figure cell_if(bool is_known, const Figure& figure) { return is_known ? figure : Figure(NotChecked{}); }
+
+Figure text_cell(const std::string& text) { return cell_if(!text.empty(), text); }
+
+/// The figure of something that may be missing.
+template <class Of, class Get>
+Figure cell_of(const Of* of, const Get& get) {
+    return of != nullptr ? Figure(get(*of)) : Figure(NotChecked{});
+}
+
+void add_circle(Figures& out, const StemDiameter& breast) {
+    const bool seen = breast.diameter > 0;
+    out["dbh_deviation_m"] = cell_if(seen, breast.deviation);
+    out["dbh_residual_m"] = cell_if(seen, breast.residual);
+    out["dbh_coverage"] = cell_if(seen, breast.coverage);
+}
+
+/// The diameter at breast height, of the circles through the points.
+void add_diameter(Figures& out, double diameter, double low, double high) {
+    const bool seen = diameter > 0;
+    out["dbh_m"] = cell_if(seen, diameter);
+    out["dbh_low_m"] = cell_if(seen, low);
+    out["dbh_high_m"] = cell_if(seen, high);
+}
+
+/// What the skeleton says.
+void add_figures(Figures& out, const TreeFigures* t, bool of_points) {
+    const auto add = [&](const char* name, bool is_known, double TreeFigures::*figure) {
+        out[name] = t != nullptr ? cell_if(is_known, t->*figure) : Figure(NotChecked{});
+    };
+    add("dbh_of_skeleton_m", t != nullptr && t->dbh > 0, &TreeFigures::dbh);
+    add("length_m", true, &TreeFigures::length);
+    add("volume_m3", true, &TreeFigures::volume);
+    add("volume_low_m3", of_points, &TreeFigures::volume_low);
+    add("volume_high_m3", of_points, &TreeFigures::volume_high);
+    add("inferred", of_points, &TreeFigures::inferred);
+    add("form", t != nullptr && t->form > 0, &TreeFigures::form);
+}
+
+void add_crown(Figures& out, const PlotTree* tree) {
+    out["crown_area_m2"] = cell_of(tree, [](const PlotTree& t) { return t.crown.area; });
+    out["crown_base_m"] = cell_of(tree, [](const PlotTree& t) { return t.crown_base; });
+    out["crown_volume_m3"] = cell_of(tree, [](const PlotTree& t) { return t.crown.hull_volume; });
+    out["points"] = cell_of(tree, [](const PlotTree& t) { return t.points; });
+}
+
+}  // namespace
+
+Figures tree_row(const TreeRow& row, const TreeColumns& columns) {
+    Figures out;
+    if (columns.of_files) out["input"] = row.input;
+    out["tree"] = cell_if(row.tree > 0, row.tree);
+    if (columns.with_ids) out["tree_id"] = cell_if(row.id.has_value(), row.id.value_or(0));
+    out["file"] = text_cell(row.skeleton);
+    const Vec3d foot = row.foot.value_or(Vec3d{});
+    out["x"] = cell_if(row.foot.has_value(), foot.x);
+    out["y"] = cell_if(row.foot.has_value(), foot.y);
+    out["z"] = cell_if(row.foot.has_value(), foot.z);
+    const TreeFigures* t = row.figures;
+    const StemForm* form = row.of_plot != nullptr ? &row.of_plot->form : nullptr;
+    out["height_m"] =
+        form != nullptr ? Figure(form->height) : cell_of(t, [](const auto& f) { return f.height; });
+    if (form != nullptr) {
+        add_diameter(out, form->breast.diameter, form->breast.low(), form->breast.high());
+    } else {
+        const TreeFigures none;
+        const TreeFigures& of = t != nullptr ? *t : none;
+        add_diameter(out, of.dbh_of_points, of.dbh_low, of.dbh_high);
+    }
+    if (columns.of_plots) {
+        add_circle(out, form != nullptr ? form->breast : StemDiameter{});
+        out["stems"] = cell_of(form, [](const StemForm& f) { return f.stems; });
+    }
+    add_figures(out, t, row.of_points);
+    if (columns.of_plots) {
+        add_crown(out, row.of_plot);
+        out["color"] = text_cell(row.color);
+    }
+    out["warnings"] = text_cell(row.warnings);
+    if (columns.of_files) out["error"] = text_cell(row.error);
+    return out;
+}
+
+}  // namespace coppice::cli
