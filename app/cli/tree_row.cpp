@@ -29,18 +29,23 @@ void add_diameter(Figures& out, double diameter, double low, double high) {
     out["dbh_high_m"] = cell_if(seen, high);
 }
 
-/// What the skeleton says.
+/// A figure of the skeleton.
+void add_figure(Figures& out, const char* name, const TreeFigures* t, bool is_known,
+                double TreeFigures::*figure) {
+    out[name] = t != nullptr ? cell_if(is_known, t->*figure) : Figure(NotChecked{});
+}
+
+/// What the skeleton says; of points also between which bounds.
 void add_figures(Figures& out, const TreeFigures* t, bool of_points) {
-    const auto add = [&](const char* name, bool is_known, double TreeFigures::*figure) {
-        out[name] = t != nullptr ? cell_if(is_known, t->*figure) : Figure(NotChecked{});
-    };
-    add("dbh_of_skeleton_m", t != nullptr && t->dbh > 0, &TreeFigures::dbh);
-    add("length_m", true, &TreeFigures::length);
-    add("volume_m3", true, &TreeFigures::volume);
-    add("volume_low_m3", of_points, &TreeFigures::volume_low);
-    add("volume_high_m3", of_points, &TreeFigures::volume_high);
-    add("inferred", of_points, &TreeFigures::inferred);
-    add("form", t != nullptr && t->form > 0, &TreeFigures::form);
+    add_figure(out, "dbh_of_skeleton_m", t, t != nullptr && t->dbh > 0, &TreeFigures::dbh);
+    add_figure(out, "length_m", t, true, &TreeFigures::length);
+    add_figure(out, "length_low_m", t, of_points, &TreeFigures::length_low);
+    add_figure(out, "length_high_m", t, of_points, &TreeFigures::length_high);
+    add_figure(out, "volume_m3", t, true, &TreeFigures::volume);
+    add_figure(out, "volume_low_m3", t, of_points, &TreeFigures::volume_low);
+    add_figure(out, "volume_high_m3", t, of_points, &TreeFigures::volume_high);
+    add_figure(out, "inferred", t, of_points, &TreeFigures::inferred);
+    add_figure(out, "form", t, t != nullptr && t->form > 0, &TreeFigures::form);
 }
 
 void add_crown(Figures& out, const PlotTree* tree) {
@@ -66,6 +71,8 @@ Figures tree_row(const TreeRow& row, const TreeColumns& columns) {
     const StemForm* form = row.of_plot != nullptr ? &row.of_plot->form : nullptr;
     out["height_m"] =
         form != nullptr ? Figure(form->height) : cell_of(t, [](const auto& f) { return f.height; });
+    add_figure(out, "height_low_m", t, row.of_points, &TreeFigures::height_low);
+    add_figure(out, "height_high_m", t, row.of_points, &TreeFigures::height_high);
     if (form != nullptr) {
         add_diameter(out, form->breast.diameter, form->breast.low(), form->breast.high());
     } else {

@@ -5,7 +5,7 @@ against the trees that they were made of, as Markdown in OUT/scans.md.
 Trees grow by `coppice sprout`, are scaled to a height and a diameter, and are scanned from several places: what another branch hides is
 missing. Traps are leaves, needles, strays, wires, gaps, one scanner alone, two leaders, forks at the ground, leaning stems, understorey,
 noise. Every other scan is there to tune on (`tuned`), the others to report on (`held`). Needs numpy and scipy. Columns: diameter at
-breast height, length and volume over the true ones, the interval of the volume, warnings, tips found within two spacings and a radius, share of the true axis within a radius
+breast height, height, length and volume over the true ones, the intervals of length and volume, warnings, tips found within two spacings and a radius, share of the true axis within a radius
 and a spacing of the one found, and share of the length found that lies near no true axis."""
 import argparse
 import concurrent.futures
@@ -55,6 +55,10 @@ class Tree:
         child, _ = self.segments()
         a, b = self.starts(), self.radius[child]
         return float((np.pi / 3 * self.length() * (a * a + a * b + b * b)).sum())
+
+    def height(self):
+        """Of the highest point above the lowest root."""
+        return float((self.at[:, 2] + self.radius).max() - self.at[self.parent < 0, 2].min())
 
     def diameter(self):
         """Of the thickest segment at breast height above the lowest root."""
@@ -224,6 +228,7 @@ def judge(name, truth, found, spacing, seconds):
     tips = truth.tips()
     reach, _ = cKDTree(place).query(tips)
     return {"name": name, "spacing": spacing, "D": truth.diameter(), "diameter": found.diameter() / truth.diameter(),
+            "height": found.height() / truth.height(),
             "length": found.length().sum() / truth.length().sum(), "volume": found.volume() / truth.volume(),
             "tips": float((reach < 2 * spacing + radius.min()).mean()), "axis": float((near < radius + spacing).mean()),
             "invented": float((back > radius[true] + 3 * spacing).mean()), "s": seconds}
@@ -246,16 +251,19 @@ def measure(coppice, out, index, options):
     with open(report, encoding="utf-8") as file:
         said = json.load(file)
     trees = said["counts"].get("tree_figures", [])
-    row["low"] = sum(tree["volume_low_m3"] for tree in trees) / truth.volume()
-    row["high"] = sum(tree["volume_high_m3"] for tree in trees) / truth.volume()
-    row["held"] = row["low"] <= 1 <= row["high"]
+    for name, unit, true in (("length", "m", truth.length().sum()), ("volume", "m3", truth.volume())):
+        row[f"{name}_low"], row[f"{name}_high"] = (sum(tree[f"{name}_{end}_{unit}"] for tree in trees) / true for end in ("low", "high"))
+        row[f"{name}_held"] = row[f"{name}_low"] <= 1 <= row[f"{name}_high"]
+    tallest = max(trees, key=lambda tree: tree["height_m"])
+    row["height_held"] = tallest["height_low_m"] <= truth.height() <= tallest["height_high_m"]
     seen = [tree for tree in trees if tree["dbh_high_m"] > 0]
     row["diameter_held"] = seen[0]["dbh_low_m"] <= truth.diameter() <= seen[0]["dbh_high_m"] if seen else None
     row["marked"] = len(said["warnings"])
     return row
 
 
-COLUMNS = (("D", "{:.3f}"), ("spacing", "{:.3f}"), ("diameter", "{:.3f}"), ("length", "{:.2f}"), ("volume", "{:.2f}"), ("low", "{:.2f}"), ("high", "{:.2f}"), ("marked", "{:.0f}"), ("tips", "{:.2f}"),
+COLUMNS = (("D", "{:.3f}"), ("spacing", "{:.3f}"), ("diameter", "{:.3f}"), ("height", "{:.3f}"), ("length", "{:.2f}"), ("length_low", "{:.2f}"), ("length_high", "{:.2f}"),
+           ("volume", "{:.2f}"), ("volume_low", "{:.2f}"), ("volume_high", "{:.2f}"), ("marked", "{:.0f}"), ("tips", "{:.2f}"),
            ("axis", "{:.2f}"), ("invented", "{:.2f}"), ("s", "{:.1f}"))
 
 
@@ -279,7 +287,8 @@ def main():
     lines.append(f"| median | {middle} |")
     within = {c: np.mean([abs(row[c] - 1) <= limit for row in good]) for c, limit in (("diameter", 0.03), ("length", 0.1), ("volume", 0.15))}
     lines.append("")
-    lines.append(f"The interval holds the true volume in {100 * np.mean([row['held'] for row in good]):.0f} %.")
+    for name in ("height", "length", "volume"):
+        lines.append(f"The interval holds the true {name} in {sum(row[name + '_held'] for row in good)} of {len(good)}.")
     with_circle = [row["diameter_held"] for row in good if row["diameter_held"] is not None]
     lines.append(f"That of the diameter of circles holds the true one in {sum(with_circle)} of {len(with_circle)}.")
     lines.append("Share within the goals: " + ", ".join(f"{c} {100 * v:.0f} %" for c, v in within.items()))

@@ -20,7 +20,7 @@ LOOP = "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 4 0 4 0.1 2\n4 1 4 0 2 0.05 3\n5 
 # What is read, the command, and the end of its summary.
 CASES = [
     (STEM, "extract in.xyz -o out.swc --leaves drop", rb"out\.swc: \d+ nodes in 1 trees, \d+ of 816 points left out as leaves, "
-     rb"DBH [\d.]+ cm \(2\d\.\d, [\d.]+ to [\d.]+, in the points\), [\d.]+ m3 \([\d.]+ to [\d.]+\), \d+ % inferred"),
+     rb"height [\d.]+ m \([\d.]+ to [\d.]+\), DBH [\d.]+ cm \(2\d\.\d, [\d.]+ to [\d.]+, in the points\), length [\d.]+ m \([\d.]+ to [\d.]+\), [\d.]+ m3 \([\d.]+ to [\d.]+\), \d+ % inferred"),
     (STICK, "mesh in.swc -o out.ply", rb"[\d,]+ quads; volume 100\.00 % of the cones', 98\.[\d]+ % before fitting"),
     (STICK, "mesh in.swc -o out.ply --fit surface", rb"[\d,]+ quads; volume 98\.\d % of the cones'"),
     (STICK, "mesh in.swc -o out.ply --faces 1000", rb"quads; volume [\d.]+ % .*; level 2, 1 of 1 axes, without 0\.0 % of the silhouette"),

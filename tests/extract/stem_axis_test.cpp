@@ -165,5 +165,53 @@ TEST(TreeFigures, VolumesLieBetweenBoundsOfRadii) {
     EXPECT_NEAR(open.volume * open.volume, open.volume_low * open.volume_high, 1e-6);
 }
 
+/// A stem of 12 m with points, and a limb of 4 m that is inferred and has none.
+struct HalfSeen {
+    Skeleton skeleton{std::vector<NodeId>{NodeId(), NodeId(0), NodeId(1)},
+                      std::vector<Vec3>{{0, 0, 0}, {0, 0, 12}, {4, 0, 12}},
+                      std::vector<float>{0.1f, 0.1f, 0.05f},
+                      {}};
+    std::vector<NodeConfidence> confidence{{}, {.samples = 400}, {.evidence = 0}};
+};
+
+TEST(TreeFigures, LengthsAreOpenWhereWoodIsInferred) {
+    const HalfSeen tree;
+    const TreeFigures known = tree_figures(tree.skeleton, tree.confidence, {}).at(0);
+    EXPECT_NEAR(known.length, 16, 1e-5);
+    // A quarter of the length is inferred, and no point supports it.
+    EXPECT_NEAR(known.length_low, 12 / std::exp(0.03 + 0.35 / 4), 1e-4);
+    EXPECT_NEAR(known.length_high, 16 * std::exp(0.03 + 0.3 / 4), 1e-4);
+    std::vector<NodeConfidence> seen = tree.confidence;
+    seen[2] = {.samples = 100};
+    const TreeFigures all = tree_figures(tree.skeleton, seen, {}).at(0);
+    EXPECT_NEAR(all.length_low, 16 / std::exp(0.03), 1e-4);
+    EXPECT_NEAR(all.length_high, 16 * std::exp(0.03), 1e-4);
+}
+
+TEST(TreeFigures, HeightsAreKnownToTheSpacingOfThePoints) {
+    const HalfSeen tree;
+    // 400 points on pi (12 (0.1 + 0.1) + 4 (0.1 + 0.05)) m2.
+    const double margin = 0.02 + 2 * std::sqrt(3.14159 * 3 / 400);
+    const TreeFigures known = tree_figures(tree.skeleton, tree.confidence, {}).at(0);
+    EXPECT_NEAR(known.height, 12.1, 1e-5);
+    EXPECT_NEAR(known.height_low, 12.1 - margin, 1e-4);
+    EXPECT_NEAR(known.height_high, 12.1 + margin, 1e-4);
+    SeenStem stem;
+    stem.height = 13;  // there are points above the skeleton
+    EXPECT_NEAR(tree_figures(tree.skeleton, tree.confidence, std::vector{stem}).at(0).height_high,
+                13 + margin, 1e-4);
+}
+
+TEST(TreeFigures, OfASkeletonAloneHaveNoBounds) {
+    const HalfSeen tree;
+    const TreeFigures alone = tree_figures(tree.skeleton, {}).at(0);
+    EXPECT_EQ(alone.length_high, 0);
+    EXPECT_EQ(alone.height_high, 0);
+    EXPECT_EQ(alone.volume_high, 0);
+    EXPECT_EQ(alone.inferred, 0);
+    ASSERT_EQ(alone.doubts.size(), 1u);  // that no circle is seen says nothing
+    EXPECT_NE(alone.doubts[0].find("times what its diameter and height suggest"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace coppice::extract_internal

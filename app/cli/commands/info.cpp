@@ -158,6 +158,15 @@ Figures describe(const StemDiameter& d) {
     return out;
 }
 
+/// A figure with its bounds where they are known.
+void add_bounded(Figures& out, std::string_view name, std::string_view unit, double value, double low,
+                 double high) {
+    out[fmt::format("{}_{}", name, unit)] = value;
+    if (!(high > 0)) return;
+    out[fmt::format("{}_low_{}", name, unit)] = low;
+    out[fmt::format("{}_high_{}", name, unit)] = high;
+}
+
 /// A stem in a slice, of which neither its height nor that of the slice is known.
 Figures describe_in_slice(const StemForm& form) {
     Figures out;
@@ -174,7 +183,7 @@ Figures describe(const StemForm& form) {
     Figures out;
     out["foot_m"] = numbers(form.foot);
     out["on_ground"] = form.on_ground;
-    out["height_m"] = form.height;
+    add_bounded(out, "height", "m", form.height, form.height_low, form.height_high);
     out["stems"] = form.stems;
     if (form.breast.diameter > 0) {
         out["dbh_m"] = form.breast.diameter;

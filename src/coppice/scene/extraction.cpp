@@ -51,14 +51,17 @@ std::string text_of_points_left_out(const CloudReport& cleaning) {
 }
 
 std::string text_of_tree(const TreeFigures& tree) {
-    std::string out;
+    std::string out = fmt::format(", height {:.1f} m", tree.height);
+    if (tree.height_high > 0) out += fmt::format(" ({:.1f} to {:.1f})", tree.height_low, tree.height_high);
     if (tree.dbh > 0) out += fmt::format(", DBH {:.1f} cm", 100 * tree.dbh);
     if (tree.dbh_of_points > 0) {
         out += fmt::format(" ({:.1f}, {:.1f} to {:.1f}, in the points)", 100 * tree.dbh_of_points,
                            100 * tree.dbh_low, 100 * tree.dbh_high);
     }
-    return out + fmt::format(", {:.2g} m3 ({:.2g} to {:.2g}), {:.0f} % inferred", tree.volume,
-                             tree.volume_low, tree.volume_high, 100 * tree.inferred);
+    return out + fmt::format(
+                     ", length {:.3g} m ({:.3g} to {:.3g}), {:.2g} m3 ({:.2g} to {:.2g}), {:.0f} % inferred",
+                     tree.length, tree.length_low, tree.length_high, tree.volume, tree.volume_low,
+                     tree.volume_high, 100 * tree.inferred);
 }
 
 }  // namespace coppice

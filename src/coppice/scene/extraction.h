@@ -54,7 +54,7 @@ std::vector<NodeAttribute> node_attributes(std::span<const NodeConfidence> confi
 /// a user misses first.
 std::string text_of_points_left_out(const CloudReport& cleaning);
 
-/// The diameter at breast height and the volume of a tree, with what is known of their errors.
+/// Height, diameter at breast height, length and volume of a tree, with what is known of their errors.
 std::string text_of_tree(const TreeFigures& tree);
 
 }  // namespace coppice

@@ -19,6 +19,7 @@
 #include "coppice/extract/points/gaps_internal.h"
 #include "coppice/extract/points/graph_internal.h"
 #include "coppice/extract/points/leaves_internal.h"
+#include "coppice/extract/stem/stem_form_internal.h"
 #include "coppice/extract/tree/draft_edit_internal.h"
 
 namespace coppice {
@@ -162,6 +163,19 @@ struct Rough {
     CloudDraft draft;
 };
 
+/// Stems as the points show them. How high the points of a tree reach is told where there is one stem.
+std::vector<SeenStem> seen_stems(const Cloud& cloud, std::span<const StemAxis> stems, Vec3d origin,
+                                 const Context& ctx) {
+    std::vector<SeenStem> out;
+    for (const StemAxis& stem : stems) out.push_back({origin + stem.position.front(), stem.breast});
+    if (stems.size() != 1) return out;
+    std::vector<Vec3> kept;
+    for (std::size_t p = 0; p < cloud.points.size(); ++p)
+        if (!cloud.outlier[p]) kept.push_back(cloud.points[p]);
+    if (!kept.empty()) out[0].height = highest_of(HeightOrder(kept, ctx)) - stems[0].position.front().z;
+    return out;
+}
+
 /// Which components hold points of a measured stem.
 std::vector<std::uint8_t> parts_with_stems(const Cloud& cloud, const PathCloud& paths,
                                            std::span<const StemAxis> stems) {
@@ -292,9 +306,7 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
                  part_of(ctx, kDrafted, 1));
     cleaning.unreached = cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.draft.reached;
     CloudExtraction out{result_of(rough.draft, set.origin, ctx), cleaning, {}, {{}, set.origin}};
-    std::vector<SeenStem> seen;
-    for (const StemAxis& stem : stems) seen.push_back({set.origin + stem.position.front(), stem.breast});
-    out.trees = tree_figures(out.skeleton, out.confidence, seen);
+    out.trees = tree_figures(out.skeleton, out.confidence, seen_stems(cloud, stems, set.origin, ctx));
     for (std::size_t p = 0; p < leaf.size(); ++p)
         if (leaf[p]) out.leaves.positions.push_back(cloud.points[p]);
     out.report.joined = static_cast<std::uint32_t>(paths.graph.bridges.size()) + paths.graph.wide;

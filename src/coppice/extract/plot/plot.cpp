@@ -169,7 +169,7 @@ void extract_tree(PlotTree& tree, const PointSet& points, CloudOptions options, 
     try {
         CloudExtraction result = extract_from_cloud(points, options, ctx);
         if (result.skeleton.tree_count() == 1) stand_on_ground(result, tree.form.foot);
-        SeenStem stem{tree.form.foot, tree.form.breast};
+        SeenStem stem{tree.form.foot, tree.form.breast, tree.form.height};
         tree.figures = std::move(tree_figures(result.skeleton, result.confidence, {&stem, 1}).front());
         tree.crown_base = crown_bases(result.skeleton, {&tree.form, 1}).front();
         tree.result = std::move(result);

@@ -138,6 +138,11 @@ double margin_of(const StemDiameter& d) {
 
 }  // namespace
 
+double height_margin(double spacing) {
+    constexpr double kLeast = 0.02, kSpacings = 2;
+    return kLeast + kSpacings * spacing;
+}
+
 double StemDiameter::low() const { return std::max(diameter - margin_of(*this), 0.0); }
 double StemDiameter::high() const { return diameter + margin_of(*this); }
 
@@ -242,7 +247,8 @@ TraceOptions StemScene::trace_of(const Terrain& terrain, const StemTrack& track)
 }
 
 StemForm stem_form_on(const Terrain& terrain, const PointSet& set, const Context& ctx) {
-    const StemScene scene = find_stem_scene(set.positions, terrain, median_spacing(set, ctx), ctx);
+    const double spacing = median_spacing(set, ctx);
+    const StemScene scene = find_stem_scene(set.positions, terrain, spacing, ctx);
     const std::vector<StemTrack>& stems = scene.tracks;
     StemForm out;
     if (stems.empty()) {
@@ -252,6 +258,8 @@ StemForm stem_form_on(const Terrain& terrain, const PointSet& set, const Context
     } else {
         out = measure_stem(scene.wood, stems.front(), scene.trace_of(terrain, stems.front()), set.origin);
     }
+    out.height_low = std::max(out.height - height_margin(spacing), 0.0);
+    out.height_high = out.height + height_margin(spacing);
     out.on_ground = terrain.is_ground;
     for (const StemTrack& t : stems) out.stems += t.radius >= kSecondStem * stems.front().radius;
     return out;
