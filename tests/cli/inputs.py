@@ -98,6 +98,10 @@ add("empty.swc", "")
 # Rings of 16 points on a stem of radius 0.1 and 2 m.
 stem = [(0.1 * math.cos(math.pi * (i / 8 + k % 2 / 16)), 0.1 * math.sin(math.pi * (i / 8 + k % 2 / 16)), 0.04 * k)
         for k in range(51) for i in range(16)]
+# A stem of 4 m, and a limb of it that ends far too thick for it; and the same beside a stem alone.
+SWOLLEN = "1 1 0 0 0 0.1 -1\n2 1 0 0 4 0.1 1\n3 1 2 0 6 0.6 2\n"
+add("swollen.swc", SWOLLEN)
+add("swollen_two.swc", SWOLLEN + "4 1 9 0 0 0.1 -1\n5 1 9 0 6 0.02 4\n")
 add("burl.swc", "1 1 0 0 0 0.1 -1\n2 1 0 0 1 0.4 1\n3 1 0 0 2 0.1 2\n")  # the stem, swollen in the middle
 rows = ["%.4f %.4f %.4f" % p for p in stem]
 add("stem.obj", re.sub(r"v (\S+) (\S+) (\S+)", lambda v: "v %g %g %d" % (int(v[1]) / 10, int(v[2]) / 10, int(v[3]) + 1),

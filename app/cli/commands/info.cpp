@@ -8,10 +8,12 @@
 #include "command.h"
 #include "coppice/extract/stem/loose_parts.h"
 #include "coppice/extract/stem/stem_form.h"
+#include "coppice/extract/stem/tree_figures.h"
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/json.h"
 #include "coppice/points/spacing.h"
+#include "coppice/scene/extraction.h"
 #include "coppice/skeleton/measure.h"
 #include "figures.h"
 #include "files.h"
@@ -237,16 +239,51 @@ std::string forestry(Figures figures, const std::vector<Figures>& trees, bool js
 
 std::string in_metres(std::string_view name, int power) { return in_unit(name, LengthUnit::m, power); }
 
+/// The trees of a file in metres, without what hangs loose.
+struct FileTrees {
+    Skeleton skeleton;
+    std::vector<TreeFigures> figures;  ///< with bounds where the file is of an extraction
+};
+
+FileTrees trees_of(const SkeletonFile& file, const LooseParts& parts) {
+    Skeleton s = parts_of(file.skeleton, parts.trees);
+    std::vector<TreeFigures> figures =
+        tree_figures(s, node_confidence(carried_attributes(file.attributes, file.skeleton, s)));
+    return {std::move(s), std::move(figures)};
+}
+
+/// What is not plausible of trees, if anything.
+void add_doubts(Figures& out, std::span<const TreeFigures> trees) {
+    Figure::List list;
+    for (std::size_t t = 0; t < trees.size(); ++t)
+        for (const std::string& doubt : trees[t].doubts)
+            list.emplace_back(trees.size() == 1 ? doubt : fmt::format("tree {}: {}", t + 1, doubt));
+    if (!list.empty()) out["doubts"] = std::move(list);
+}
+
+/// What a skeleton says of a tree besides its stem.
+void add_wood(Figures& out, const TreeFigures& t) {
+    add_bounded(out, "length", "m", t.length, t.length_low, t.length_high);
+    add_bounded(out, "volume", "m3", t.volume, t.volume_low, t.volume_high);
+    if (t.volume_high > 0) out["inferred"] = t.inferred;
+    if (t.form > 0) out["form"] = t.form;
+    add_doubts(out, {&t, 1});
+}
+
 /// What forestry wants to know of each tree of a skeleton in metres.
-std::vector<Figures> describe_trees(const Skeleton& s, const TimberFlags& flags) {
+std::vector<Figures> describe_trees(const FileTrees& trees, const TimberFlags& flags) {
+    const Skeleton& s = trees.skeleton;
     const BranchTable table = list_branches(s);
     const Timber timber(s, table, flags);
     std::vector<double> volumes(s.tree_count(), 0);
     for (const Branch& branch : table.branches) volumes[branch.tree] += branch.volume;
     std::vector<Figures> out;
-    for (const StemForm& form : stem_forms(s)) {
+    for (StemForm& form : stem_forms(s)) {
         const std::size_t tree = out.size();
+        form.height_low = trees.figures[tree].height_low;
+        form.height_high = trees.figures[tree].height_high;
         Figures& figures = out.emplace_back(describe(form));
+        add_wood(figures, trees.figures[tree]);
         timber.add_tree(figures, tree, in_metres);
         if (flags.wood_density > 0) figures["biomass_kg"] = double{flags.wood_density} * volumes[tree];
     }
@@ -295,8 +332,8 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
             const LooseParts parts = find_loose_parts(file.skeleton);
             Figures figures = describe(file, ctx);
             add_loose_parts(figures, parts);
-            return forestry(std::move(figures),
-                            describe_trees(parts_of(file.skeleton, parts.trees), flags.timber), flags.json);
+            return forestry(std::move(figures), describe_trees(trees_of(file, parts), flags.timber),
+                            flags.json);
         });
     } else {
         const PointSet points = load_points(run, flags.file, flags.read.up, flags.read_points);
@@ -331,7 +368,12 @@ ExitCode info(Run& run, const InfoFlags& flags) {
     if (flags.forestry) return info_of_stems(run, flags, kind);
     if (kind == FileKind::skeleton) {
         const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
-        figures = run.stage("measure", [&](const Context& ctx) { return describe(file, ctx); });
+        figures = run.stage("measure", [&](const Context& ctx) {
+            Figures out = describe(file, ctx);
+            if (file.units == LengthUnit::m)
+                add_doubts(out, trees_of(file, find_loose_parts(file.skeleton)).figures);
+            return out;
+        });
     } else if (kind == FileKind::points) {
         const PointFile scan = load_point_file(run, flags.file, {.distances = false, .ranges = true},
                                                flags.read.up, flags.read_points);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -30,6 +31,25 @@ std::vector<NodeAttribute> node_attributes(std::span<const NodeConfidence> confi
         const std::array<float, 5> values{static_cast<float>(c.samples), c.residual, c.radius_low,
                                           c.radius_high, c.evidence};
         for (std::size_t k = 0; k < out.size(); ++k) out[k].values.push_back(values[k]);
+    }
+    return out;
+}
+
+std::vector<NodeConfidence> node_confidence(std::span<const NodeAttribute> attributes) {
+    const auto named = [&](std::string_view name) {
+        const auto found = std::ranges::find(attributes, name, &NodeAttribute::name);
+        return found == attributes.end() ? std::span<const float>() : std::span<const float>(found->values);
+    };
+    const auto samples = named("samples"), residual = named("residual"), low = named("radius_low"),
+               high = named("radius_high"), evidence = named("evidence");
+    if (samples.empty() || residual.empty() || low.empty() || high.empty() || evidence.empty()) return {};
+    std::vector<NodeConfidence> out;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+        out.push_back({.samples = static_cast<std::uint32_t>(std::clamp(samples[n], 0.0f, 1e9f)),
+                       .residual = residual[n],
+                       .radius_low = low[n],
+                       .radius_high = high[n],
+                       .evidence = std::clamp(evidence[n], 0.0f, 1.0f)});
     }
     return out;
 }

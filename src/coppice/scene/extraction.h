@@ -50,6 +50,10 @@ PlotExtraction extract_trees_by_ids(const PaintedPoints& scan, const CloudOption
 /// whose radii are estimates.
 std::vector<NodeAttribute> node_attributes(std::span<const NodeConfidence> confidence, bool cloud);
 
+/// What `node_attributes` of a cloud made of it, so that figures of a skeleton that was written are those of
+/// the extraction; empty where the attributes are others, or of a mesh.
+std::vector<NodeConfidence> node_confidence(std::span<const NodeAttribute> attributes);
+
 /// ", 312 of 5,000 points left out as leaves": what is said of points that were thinned, and of leaves, which
 /// a user misses first.
 std::string text_of_points_left_out(const CloudReport& cleaning);
