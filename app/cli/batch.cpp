@@ -10,8 +10,6 @@
 #include "coppice/base/error.h"
 #include "files.h"
 #include "options.h"
-#include "plots.h"
-#include "tree_row.h"
 
 namespace coppice::cli {
 namespace {
@@ -27,19 +25,23 @@ std::optional<FileKind> kind_before(const fs::path& path) {
     }
 }
 
-/// What is found in a folder is taken where it is a mesh or points; what is named is, whatever it is.
-Batch files_of(const std::vector<fs::path>& inputs) {
-    Batch batch;
+/// What is found in a folder is taken where it is a mesh or points, for plots where it is points; what is
+/// named is, whatever it is.
+Batch files_of(const std::vector<fs::path>& inputs, const BatchOutputs& outputs) {
+    Batch batch{.folder = outputs.folder, .columns = outputs.columns, .files = {}};
+    const auto is_wanted = [&](const std::optional<FileKind>& kind) {
+        return kind == FileKind::points || (kind == FileKind::mesh && !outputs.columns.of_plots);
+    };
     for (const fs::path& input : inputs) {
         std::error_code error;
         const bool within = fs::is_directory(input, error);
         for (const fs::path& path : files_within({input})) {
             const auto kind = kind_before(path);
-            if (within && (!kind || kind == FileKind::skeleton)) {
+            if (within && !is_wanted(kind)) {
                 ++batch.passed_over;
                 continue;
             }
-            batch.files.push_back({.input = path, .skeleton = {}, .mesh = {}, .points = {}, .kind = kind});
+            batch.files.push_back({.input = path, .kind = kind});
         }
     }
     return batch;
@@ -50,7 +52,8 @@ void check_names(const Batch& batch) {
     std::map<fs::path, fs::path> inputs, writers{{resolved_path(batch.folder / kTreeTable), kTreeTable}};
     for (const BatchFile& file : batch.files) inputs.emplace(resolved_path(file.input), file.input);
     for (const BatchFile& file : batch.files) {
-        for (const fs::path& output : {file.skeleton, file.mesh, file.points}) {
+        for (const fs::path& output : {file.skeleton, batch.columns.of_plots ? fs::path() : file.mesh,
+                                       file.points, file.leaves, file.map, file.crowns}) {
             const fs::path target = output.empty() ? output : resolved_path(output);
             if (target.empty()) continue;
             if (const auto input = inputs.find(target); input != inputs.end())
@@ -64,7 +67,20 @@ void check_names(const Batch& batch) {
     }
 }
 
-constexpr TreeColumns kColumns{.of_files = true};
+/// Throws UsageError for what is no ending that names a format.
+void check_outputs(const BatchOutputs& outputs) {
+    check_tree_folder(outputs.folder, outputs.write, outputs.mesh);
+    const auto check = [](const char* option, const char* endings, const fs::path& ending) {
+        if (ending.string().starts_with('.')) return fs::path(fmt::format("name{}", ending.string()));
+        throw UsageError(fmt::format("each of many files has its own: {} takes an ending, {}, not '{}'",
+                                     option, endings, ending.string()));
+    };
+    constexpr const char* kPoints = ".las, .ply, .txt or .csv";
+    if (!outputs.points.empty()) check_painted_output(check("--tree-points", kPoints, outputs.points));
+    if (!outputs.leaves.empty()) check_points_output(check("--leaf-points", kPoints, outputs.leaves));
+    if (!outputs.crowns.empty()) check_mesh_output(check("--crowns", ".ply or .obj", outputs.crowns));
+    if (!outputs.map.empty()) check_map_output(check("--map", ".gpkg or .geojson", outputs.map));
+}
 
 }  // namespace
 
@@ -73,35 +89,39 @@ bool is_batch(std::span<const fs::path> inputs) {
     return inputs.size() > 1 || (!inputs.empty() && fs::is_directory(inputs.front(), error));
 }
 
-Batch plan_batch(const std::vector<fs::path>& inputs, const fs::path& folder,
-                 const WriteSkeletonOptions& write, const fs::path& mesh, const fs::path& points) {
-    check_tree_folder(folder, write, mesh);
-    if (!points.empty()) {
-        if (!points.string().starts_with('.'))
-            throw UsageError(
-                fmt::format("each of many files has points of its own: --tree-points takes an "
-                            "ending, .las, .ply, .txt or .csv, not '{}'",
-                            points.string()));
-        check_painted_output(fmt::format("points{}", points.string()));
-    }
-    Batch batch = files_of(inputs);
-    batch.folder = folder;
+Batch plan_batch(const std::vector<fs::path>& inputs, const BatchOutputs& outputs) {
+    check_outputs(outputs);
+    Batch batch = files_of(inputs, outputs);
     if (batch.files.empty())
-        throw InvalidInput(
-            fmt::format("'{}' holds neither meshes nor clouds of points", inputs.front().string()));
+        throw InvalidInput(fmt::format(
+            "'{}' holds {}", inputs.front().string(),
+            batch.columns.of_plots ? "no clouds of points" : "neither meshes nor clouds of points"));
     for (BatchFile& file : batch.files) {
         const std::string stem = file.input.stem().string();
-        file.skeleton = folder / fmt::format("{}.{}", stem, ending_of(write));
-        if (!mesh.empty()) file.mesh = folder / fmt::format("{}{}", stem, mesh.string());
-        if (!points.empty() && file.kind != FileKind::mesh)
-            file.points = folder / fmt::format("{}_points{}", stem, points.string());
+        const auto named = [&](const char* what, const fs::path& ending) {
+            return ending.empty() || file.kind == FileKind::mesh
+                       ? fs::path()
+                       : batch.folder / fmt::format("{}_{}{}", stem, what, ending.string());
+        };
+        file.points = named("points", outputs.points);
+        file.leaves = named("leaves", outputs.leaves);
+        file.map = named("map", outputs.map);
+        file.crowns = named("crowns", outputs.crowns);
+        if (batch.columns.of_plots) {
+            file.skeleton = batch.folder / stem;
+            file.mesh = outputs.mesh;
+            continue;
+        }
+        file.skeleton = batch.folder / fmt::format("{}.{}", stem, ending_of(outputs.write));
+        if (!outputs.mesh.empty())
+            file.mesh = batch.folder / fmt::format("{}{}", stem, outputs.mesh.string());
     }
     check_names(batch);
     return batch;
 }
 
 BatchTable::BatchTable(const Batch& batch)
-    : table_([&] {
+    : columns_(batch.columns), table_([&] {
           std::error_code error;
           fs::create_directory(batch.folder, error);
           if (error)
@@ -111,7 +131,7 @@ BatchTable::BatchTable(const Batch& batch)
       }()) {}
 
 void BatchTable::add(const BatchFile& file, const ExtractResult& result, std::span<const TreeFigures> trees,
-                     bool of_points) {
+                     bool of_points, const std::string& error) {
     const Skeleton& s = result.skeleton;
     std::size_t t = 0;
     for (const NodeId n : nodes(s)) {
@@ -124,13 +144,18 @@ void BatchTable::add(const BatchFile& file, const ExtractResult& result, std::sp
                           .foot = foot,
                           .figures = &tree,
                           .of_points = of_points,
-                          .warnings = of_points ? fmt::format("{}", fmt::join(tree.doubts, "; ")) : ""},
-                         kColumns));
+                          .warnings = of_points ? fmt::format("{}", fmt::join(tree.doubts, "; ")) : "",
+                          .error = error},
+                         columns_));
     }
 }
 
+void BatchTable::add(const BatchFile& file, const WrittenPlot& plot) {
+    for (const Figures& row : plot_rows(plot, file.input.string(), file.skeleton.filename())) add_row(row);
+}
+
 void BatchTable::add_failure(const BatchFile& file, std::string_view error) {
-    add_row(tree_row({.input = file.input.string(), .error = std::string(error)}, kColumns));
+    add_row(tree_row({.input = file.input.string(), .error = std::string(error)}, columns_));
 }
 
 void BatchTable::add_row(const Figures& row) {

@@ -25,6 +25,13 @@ bool is_replaced(const fs::path& path) {
     return !fs::exists(status) || fs::is_regular_file(status);
 }
 
+/// An ending, as ".ply", which stands for the names of many files.
+bool is_ending(const fs::path& path) {
+    std::error_code error;
+    return path == path.filename() && path.string().starts_with('.') && !path.has_extension() &&
+           !fs::exists(path, error);
+}
+
 std::vector<fs::path> names_of(const OptionTarget& target) {
     if (const auto* one = std::get_if<fs::path*>(&target)) return {**one};
     if (const auto* many = std::get_if<std::vector<fs::path>*>(&target)) return **many;
@@ -36,6 +43,7 @@ std::vector<NamedFile> files_of(const GivenOptions& given, bool outputs) {
     for (const Option* option : given) {
         if (option->is_output != outputs) continue;
         for (const fs::path& name : names_of(option->target)) {
+            if (outputs && is_ending(name)) continue;
             const fs::path target = resolved_path(name);
             if (!target.empty() && is_replaced(target)) files.push_back({option, name, target});
         }

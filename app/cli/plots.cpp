@@ -108,27 +108,6 @@ PaintedPoints labelled(const PaintedPoints& scan, const PlotSegments& segments,
     return out;
 }
 
-/// The rows of the table, which are what a map and the report say of each tree too.
-std::vector<Figures> rows_of(const std::vector<PlotTree>& trees, const PlotSegments& segments,
-                             const std::string& ending) {
-    const TreeColumns columns{.of_plots = true, .with_ids = !segments.ids.empty()};
-    std::vector<Figures> rows;
-    for (std::size_t t = 0; t < trees.size(); ++t) {
-        const PlotTree& tree = trees[t];
-        const Rgb color = numbered_color(t);
-        rows.push_back(tree_row({.tree = t + 1,
-                                 .id = id_of_tree(segments, t),
-                                 .skeleton = tree.result ? name_of_tree(t, ending) : "",
-                                 .foot = tree.form.foot,
-                                 .figures = tree.result ? &tree.figures : nullptr,
-                                 .of_plot = &tree,
-                                 .color = fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]),
-                                 .warnings = fmt::format("{}", fmt::join(tree.warnings, "; "))},
-                                columns));
-    }
-    return rows;
-}
-
 void write_rows(const fs::path& path, const std::vector<Figures>& rows) {
     CsvFile out(path);
     for (const Figures& row : rows) out.add(row);
@@ -209,15 +188,15 @@ void write_leaves(const PlotFiles& files, const std::vector<PlotTree>& trees, co
         write_painted_points(files.leaf_points, leaves, {.system = files.system}, ctx);
 }
 
-void count(Run& run, const PointSet& points, const PlotExtraction& plot, const std::vector<Figures>& rows) {
+void count(Run& run, const PointSet& points, const PlotSegments& segments, const std::vector<Figures>& rows) {
     Figures& counts = run.counts();
     counts["trees"] = rows.size();
     counts["points"] = points.size();
     counts["ground_points"] =
-        static_cast<std::uint64_t>(std::ranges::count(plot.segments.tree_of, kPointOfGround));
+        static_cast<std::uint64_t>(std::ranges::count(segments.tree_of, kPointOfGround));
     counts["points_of_no_tree"] =
-        static_cast<std::uint64_t>(std::ranges::count(plot.segments.tree_of, kPointOfNoTree));
-    counts["ground_found"] = plot.segments.terrain.is_ground;
+        static_cast<std::uint64_t>(std::ranges::count(segments.tree_of, kPointOfNoTree));
+    counts["ground_found"] = segments.terrain.is_ground;
     counts["trees_found"] = Figure::List(rows.begin(), rows.end());
 }
 
@@ -300,31 +279,56 @@ void check_tree_folder(const fs::path& named, const WriteSkeletonOptions& write,
     }
 }
 
+void check_map_output(const fs::path& path) {
+    if (!map_format_of_name(path))
+        throw UsageError(
+            fmt::format("'{}' is no name of a map; use the ending .geojson or .gpkg", path.string()));
+    check_output_folder(path);
+}
+
 void check_plot_files(const PlotFiles& files) {
     check_tree_folder(files.folder, files.write, files.mesh);
     if (!files.leaf_points.empty()) check_points_output(files.leaf_points);
     if (!files.crowns.empty()) check_mesh_output(files.crowns);
-    if (!files.map.empty()) {
-        if (!map_format_of_name(files.map))
-            throw UsageError(fmt::format("'{}' is no name of a map; use the ending .geojson or .gpkg",
-                                         files.map.string()));
-        check_output_folder(files.map);
-    }
+    if (!files.map.empty()) check_map_output(files.map);
     if (files.tree_points.empty()) return;
     check_painted_output(files.tree_points);
 }
 
-void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot, const PlotFiles& files,
-                const std::string& summary) {
-    std::vector<PlotTree> trees = plot.trees;
+std::vector<Figures> plot_rows(const WrittenPlot& written, const std::string& input, const fs::path& folder) {
+    const PlotSegments& segments = written.plot.segments;
+    const TreeColumns columns{
+        .of_files = !input.empty(), .of_plots = true, .with_ids = !segments.ids.empty()};
+    std::vector<Figures> rows;
+    for (std::size_t t = 0; t < written.plot.trees.size(); ++t) {
+        const PlotTree& tree = written.plot.trees[t];
+        const Rgb color = numbered_color(t);
+        rows.push_back(
+            tree_row({.input = input,
+                      .tree = t + 1,
+                      .id = id_of_tree(segments, t),
+                      .skeleton = tree.result ? (folder / name_of_tree(t, written.ending)).string() : "",
+                      .foot = tree.form.foot,
+                      .figures = tree.result ? &tree.figures : nullptr,
+                      .of_plot = &tree,
+                      .color = fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]),
+                      .warnings = fmt::format("{}", fmt::join(tree.warnings, "; "))},
+                     columns));
+    }
+    return rows;
+}
+
+WrittenPlot write_plot(Run& run, const PaintedPoints& scan, PlotExtraction plot, const PlotFiles& files) {
+    WrittenPlot out{std::move(plot), fmt::format(".{}", ending_of(files.write)), {}};
+    std::vector<PlotTree>& trees = out.plot.trees;
+    const PlotSegments& segments = out.plot.segments;
     UnfinishedFolder folder(trimmed(files.folder));
-    const std::string ending = fmt::format(".{}", ending_of(files.write));
     run.stage("write", [&](const Context& ctx) {
         for (std::size_t t = 0; t < trees.size(); ++t) {
             if (!trees[t].result) continue;
             try {
                 const CloudExtraction& found = *trees[t].result;
-                write_skeleton(folder / name_of_tree(t, ending), found.skeleton, files.write,
+                write_skeleton(folder / name_of_tree(t, out.ending), found.skeleton, files.write,
                                node_attributes(found.confidence, true), ctx);
             } catch (const Unsupported& error) {
                 trees[t].warnings.emplace_back(error.what());
@@ -333,7 +337,7 @@ void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot,
         }
     });
     if (!files.mesh.empty()) write_surfaces(run, trees, files, folder);
-    const std::vector<Figures> rows = rows_of(trees, plot.segments, ending);
+    const std::vector<Figures> rows = plot_rows(out);
     run.stage("write tables", [&](const Context& ctx) {
         write_rows(folder / kTreeTable, rows);
         write_taper(folder / kTaperTable, trees);
@@ -343,16 +347,17 @@ void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot,
     run.stage("write points", [&](const Context& ctx) {
         if (!files.tree_points.empty()) {
             write_painted_points(
-                files.tree_points, labelled(scan, plot.segments, trees, ctx),
+                files.tree_points, labelled(scan, segments, trees, ctx),
                 {.note = "each tree in a colour of its own, as trees.csv has it", .system = files.system},
                 ctx);
         }
-        if (!files.leaf_points.empty()) write_leaves(files, trees, plot.segments, scan.points.origin, ctx);
+        if (!files.leaf_points.empty()) write_leaves(files, trees, segments, scan.points.origin, ctx);
         folder.commit();
     });
     warn_of_leftovers(run, trimmed(files.folder), trees.size());
-    count(run, scan.points, plot, rows);
-    run.finish(summary_of(trees, files) + summary);
+    count(run, scan.points, segments, rows);
+    out.summary = summary_of(trees, files);
+    return out;
 }
 
 }  // namespace coppice::cli

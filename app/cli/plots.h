@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "coppice/extract/plot/plot.h"
 #include "coppice/io/map/map_file.h"
@@ -45,14 +46,28 @@ std::string ending_of(const WriteSkeletonOptions& write);
 void check_tree_folder(const std::filesystem::path& folder, const WriteSkeletonOptions& write,
                        const std::filesystem::path& mesh);
 
+/// Throws UsageError for a name that is none of a map; IoError where its folder is missing.
+void check_map_output(const std::filesystem::path& path);
+
 /// Throws what writing would throw in the end: UsageError for endings that name no format, IoError where a
 /// folder is missing.
 void check_plot_files(const PlotFiles& files);
 
-/// Writes tree_001.swc and so on, trees.csv, taper.csv, and what else is asked for, as stages of the run;
-/// fills its counts, and says what came out, then `summary`. The folder appears whole, or what is new in it
-/// does; nothing of it where that fails. A tree of which no surface can be made says so in its row.
-void write_plot(Run& run, const PaintedPoints& scan, const PlotExtraction& plot, const PlotFiles& files,
-                const std::string& summary);
+/// A plot that was written.
+struct WrittenPlot {
+    PlotExtraction plot;  ///< with what went wrong when it was written among the warnings
+    std::string ending;   ///< of the names of its skeletons: ".swc"
+    std::string summary;  ///< what came out, for people
+};
+
+/// Writes tree_001.swc and so on, trees.csv, taper.csv, and what else is asked for, as stages of the run, and
+/// fills its counts. The folder appears whole, or what is new in it does; nothing of it where that fails. A
+/// tree of which no surface can be made says so in its row.
+WrittenPlot write_plot(Run& run, const PaintedPoints& scan, PlotExtraction plot, const PlotFiles& files);
+
+/// The rows of a table of one plot; or of many, where `input` names the file of this one, and `folder` that
+/// of its skeletons.
+std::vector<Figures> plot_rows(const WrittenPlot& written, const std::string& input = {},
+                               const std::filesystem::path& folder = {});
 
 }  // namespace coppice::cli

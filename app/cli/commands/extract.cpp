@@ -5,6 +5,7 @@
 #include <array>
 #include <new>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "batch.h"
@@ -27,7 +28,6 @@
 #include "options.h"
 #include "plots.h"
 #include "surfaces.h"
-#include "tree_row.h"
 
 namespace coppice::cli {
 namespace {
@@ -245,7 +245,7 @@ void check_ground(const GivenOptions& given, const ExtractFlags& flags) {
 }
 
 /// A plot has a ground, and roots, of its own.
-void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
+void refuse_options_of_one_tree(const GivenOptions& given, const ExtractFlags& flags) {
     for (const char* name : {"--root", "--ground", "--ground-height", "--max-trees"}) {
         if (!is_given(given, name)) continue;
         throw UsageError(fmt::format(
@@ -253,6 +253,10 @@ void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
             "the skeleton, as {}.swc",
             name, flags.output.string(), flags.output.has_filename() ? flags.output.string() : "tree"));
     }
+}
+
+void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
+    refuse_options_of_one_tree(given, flags);
     if (kind_of_input(flags.input) == FileKind::points) return;
     throw UsageError(
         fmt::format("'{}' names a folder, as for a plot of many trees, and '{}' is no cloud of points; "
@@ -280,19 +284,21 @@ MapCrs crs_of(const ExtractFlags& flags) {
     }
 }
 
-ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
-    PlotFiles files{.folder = flags.output,
-                    .mesh = flags.mesh_output,
-                    .tree_points = flags.tree_points,
-                    .leaf_points = flags.leaf_output,
-                    .map = flags.map,
-                    .crowns = flags.crowns,
-                    .crs = crs_of(flags),
-                    .write = flags.write,
-                    .surface = flags.mesh};
-    check_plot_files(files);
-    check_plot_options(given, flags);
-    check_groups(given, flags.input, FileKind::points);
+PlotFiles plot_files(const ExtractFlags& flags) {
+    return {.folder = flags.output,
+            .mesh = flags.mesh_output,
+            .tree_points = flags.tree_points,
+            .leaf_points = flags.leaf_output,
+            .map = flags.map,
+            .crowns = flags.crowns,
+            .crs = crs_of(flags),
+            .write = flags.write,
+            .surface = flags.mesh};
+}
+
+/// Extracts and writes the trees of one plot.
+WrittenPlot extract_plot_file(Run& run, const ExtractFlags& flags, std::string& summary) {
+    PlotFiles files = plot_files(flags);
     std::string found;
     WoodClasses wood = wood_classes(flags);
     wood.ground = true;
@@ -301,7 +307,7 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
     files.system = file.system;
     if (files.crs.undefined()) files.crs = map_crs_of(file.system);
     const bool by_ids = flags.trees_by == TreeRule::ids;
-    const PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
+    PlotExtraction plot = extract_stage(run, flags.input, [&](const Context& ctx) {
         return by_ids ? extract_trees_by_ids(file.painted, flags.from_cloud, ctx)
                       : extract_plot(points, flags.from_plot, flags.from_cloud, ctx);
     });
@@ -312,10 +318,23 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
                         "less, and a cloud of one tree is read by coppice extract {0} -o tree.swc",
                         flags.input.string()));
     }
-    write_plot(run, file.painted, plot, files, found);
-    return std::ranges::any_of(plot.trees, [](const PlotTree& t) { return !t.figures.doubts.empty(); })
-               ? kCheckFailed
-               : kDone;
+    WrittenPlot out = write_plot(run, file.painted, std::move(plot), files);
+    summary = out.summary + found;
+    return out;
+}
+
+bool in_doubt(const PlotExtraction& plot) {
+    return std::ranges::any_of(plot.trees, [](const PlotTree& t) { return !t.figures.doubts.empty(); });
+}
+
+ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
+    check_plot_files(plot_files(flags));
+    check_plot_options(given, flags);
+    check_groups(given, flags.input, FileKind::points);
+    std::string summary;
+    const WrittenPlot written = extract_plot_file(run, flags, summary);
+    run.finish(summary);
+    return in_doubt(written.plot) ? kCheckFailed : kDone;
 }
 
 /// What the file to work on holds; not a skeleton.
@@ -326,8 +345,8 @@ FileKind kind_to_extract(const ExtractFlags& flags) {
                                  flags.input.string()));
 }
 
-/// Extracts and writes the skeleton of one file, and its surface.
-Extracted extract_file(Run& run, const ExtractFlags& flags, FileKind kind, std::string& summary) {
+/// Extracts and writes the skeleton of one file.
+Extracted extract_skeleton(Run& run, const ExtractFlags& flags, FileKind kind, std::string& summary) {
     std::string found;
     Extracted made = kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
     run.stage("write", [&](const Context&) {
@@ -335,54 +354,96 @@ Extracted extract_file(Run& run, const ExtractFlags& flags, FileKind kind, std::
                        node_attributes(made.result.confidence, kind == FileKind::points));
     });
     fill_report(run, made.result);
-    const std::string surface = then_mesh(run, flags.mesh_output, made.result.skeleton, flags.mesh);
-    summary =
-        fmt::format("{}: {} nodes in {} trees{}{}", flags.output.string(),
-                    grouped(made.result.skeleton.size()), grouped(made.result.report.trees), found, surface);
+    summary = fmt::format("{}: {} nodes in {} trees{}", flags.output.string(),
+                          grouped(made.result.skeleton.size()), grouped(made.result.report.trees), found);
     return made;
 }
 
-/// Extracts one of many files: what goes wrong is a row of the table.
-ExitCode extract_of_batch(Run& run, ExtractFlags flags, const BatchFile& file, BatchTable& table) {
+/// What goes wrong in work(), which then is what the table says of a file.
+template <class Work>
+std::string trouble_of(const BatchFile& file, const Work& work) {
+    try {
+        work();
+        return {};
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error& error) {
+        return error.what();
+    } catch (const std::filesystem::filesystem_error& error) {
+        return error.what();
+    } catch (const std::bad_alloc&) {
+        renew_memory_limit();
+        return fmt::format("{}: {}", file.input.string(), out_of_memory_text());
+    }
+}
+
+/// The flags of one of many files.
+ExtractFlags flags_of(ExtractFlags flags, const BatchFile& file) {
     flags.input = file.input;
     flags.output = file.skeleton;
     flags.mesh_output = file.mesh;
     flags.tree_points = file.points;
-    const auto failed = [&](const char* what) {
-        run.warn(what);
-        table.add_failure(file, what);
-        return kFileTrouble;
-    };
-    try {
-        const FileKind kind = kind_to_extract(flags);
-        std::string summary;
-        const Extracted made = extract_file(run, flags, kind, summary);
-        const bool of_points = kind == FileKind::points;
-        table.add(file, made.result,
-                  of_points ? made.trees : tree_figures(made.result.skeleton, made.result.confidence, {}),
-                  of_points);
-        return made.in_doubt() ? kCheckFailed : kDone;
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const Error& error) {
-        return failed(error.what());
-    } catch (const std::filesystem::filesystem_error& error) {
-        return failed(error.what());
-    } catch (const std::bad_alloc&) {
-        renew_memory_limit();
-        return failed(fmt::format("{}: {}", file.input.string(), out_of_memory_text()).c_str());
-    }
+    flags.leaf_output = file.leaves;
+    flags.map = file.map;
+    flags.crowns = file.crowns;
+    return flags;
 }
 
-/// Options of single files, of plots, and of a kind that no file has, would do nothing.
-void check_batch_options(const GivenOptions& given, const Batch& batch) {
-    for (const Option* option : given) {
-        if (option->group == kPlotGroup)
-            throw UsageError(fmt::format("{} is for a plot of many trees; name one cloud", option->name));
-        if (option->name == "--mapping" || option->name == "--leaf-points")
-            throw UsageError(fmt::format("{} is for one file; name one, and its skeleton", option->name));
+ExitCode code_of(const std::string& trouble, bool in_doubt) {
+    return !trouble.empty() ? kFileTrouble : in_doubt ? kCheckFailed : kDone;
+}
+
+/// Extracts the tree of one of many files. What is known of it stays when no surface can be made.
+ExitCode extract_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& file, BatchTable& table) {
+    std::optional<Extracted> made;
+    FileKind kind = FileKind::points;
+    const std::string trouble = trouble_of(file, [&] {
+        kind = kind_to_extract(flags);
+        std::string summary;
+        made = extract_skeleton(run, flags, kind, summary);
+        then_mesh(run, flags.mesh_output, made->result.skeleton, flags.mesh);
+    });
+    if (!trouble.empty()) run.warn(trouble);
+    if (!made) {
+        table.add_failure(file, trouble);
+        return kFileTrouble;
     }
+    const bool of_points = kind == FileKind::points;
+    if (!of_points) made->trees = tree_figures(made->result.skeleton, made->result.confidence, {});
+    table.add(file, made->result, made->trees, of_points, trouble);
+    return code_of(trouble, of_points && made->in_doubt());
+}
+
+/// Extracts the trees of one of many plots.
+ExitCode extract_plot_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& file,
+                               BatchTable& table) {
+    std::optional<WrittenPlot> made;
+    const std::string trouble = trouble_of(file, [&] {
+        if (kind_to_extract(flags) == FileKind::mesh)
+            throw InvalidInput(
+                fmt::format("{}: it is a mesh; plots are clouds of points", flags.input.string()));
+        std::string summary;
+        made = extract_plot_file(run, flags, summary);
+    });
+    if (made) {
+        table.add(file, *made);
+    } else {
+        run.warn(trouble);
+        table.add_failure(file, trouble);
+    }
+    return code_of(trouble, made && in_doubt(made->plot));
+}
+
+/// Options of single files, of one tree, and of a kind that no file has, would do nothing.
+void check_batch_options(const GivenOptions& given, const ExtractFlags& flags, const Batch& batch) {
+    if (is_given(given, "--mapping"))
+        throw UsageError("--mapping is for one file; name one, and its skeleton");
     const BatchFile& first = batch.files.front();
+    if (batch.columns.of_plots) {
+        refuse_options_of_one_tree(given, flags);
+        check_groups(given, first.input, FileKind::points);
+        return;
+    }
     const auto same = [&](const BatchFile& f) { return f.kind == first.kind; };
     if (first.kind && std::ranges::all_of(batch.files, same)) check_groups(given, first.input, *first.kind);
 }
@@ -394,9 +455,20 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
     flags.from_cloud.root = flags.from_mesh.root;
     check_ground(given, flags);
     (void)wood_classes(flags);  // what is wrong with them is told before any work
-    const Batch batch =
-        plan_batch(flags.inputs, trimmed(flags.output), flags.write, flags.mesh_output, flags.tree_points);
-    check_batch_options(given, batch);
+    (void)crs_of(flags);
+    const bool of_plots =
+        std::ranges::any_of(given, [](const Option* option) { return option->group == kPlotGroup; });
+    const Batch batch = plan_batch(
+        flags.inputs,
+        {.folder = trimmed(flags.output),
+         .write = flags.write,
+         .mesh = flags.mesh_output,
+         .points = flags.tree_points,
+         .leaves = flags.leaf_output,
+         .map = flags.map,
+         .crowns = flags.crowns,
+         .columns = {.of_files = true, .of_plots = of_plots, .with_ids = flags.trees_by == TreeRule::ids}});
+    check_batch_options(given, flags, batch);
     BatchTable table(batch);
     std::array<std::size_t, kFileTrouble + 1> files_of_code{};
     Figure::List reports;
@@ -405,7 +477,9 @@ ExitCode extract_batch(Run& run, const GivenOptions& given, ExtractFlags& flags)
             const BatchFile& file = batch.files[i];
             run.set_subject(fmt::format("{} of {}, {:.40}", grouped(i + 1), grouped(batch.files.size()),
                                         file.input.filename().string()));
-            ++files_of_code[extract_of_batch(run, flags, file, table)];
+            const ExtractFlags one = flags_of(flags, file);
+            ++files_of_code[of_plots ? extract_plot_of_batch(run, one, file, table)
+                                     : extract_of_batch(run, one, file, table)];
             Figures report;
             report["input"] = file.input.string();
             report["counts"] = std::exchange(run.counts(), {});
@@ -444,7 +518,8 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
     check_groups(given, flags.input, kind);
     check_ground(given, flags);
     std::string summary;
-    const Extracted made = extract_file(run, flags, kind, summary);
+    const Extracted made = extract_skeleton(run, flags, kind, summary);
+    summary += then_mesh(run, flags.mesh_output, made.result.skeleton, flags.mesh);
     run.finish(summary);
     return made.in_doubt() ? kCheckFailed : kDone;
 }
