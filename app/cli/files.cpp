@@ -168,9 +168,16 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up) {
 }
 
 PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,
-                          const ReadPointsOptions& options) {
-    PointFile file =
-        run.stage("read", [&](const Context& ctx) { return read_point_file(path, columns, options, ctx); });
+                          const std::optional<ReadPointsOptions>& options) {
+    PointFile file = run.stage("read", [&](const Context& ctx) {
+        try {
+            return read_point_file(path, columns, options.value_or(ReadPointsOptions{}), ctx);
+        } catch (const TruncatedFile& error) {
+            if (!options) throw;
+            throw InvalidInput(
+                fmt::format("{}; --allow-truncated reads the points that are there", error.what()));
+        }
+    });
     PointSet& points = file.painted.points;
     turn_from_file(points, up);
     run.counts()["points"] = points.size();
@@ -187,7 +194,7 @@ PointFile load_point_file(Run& run, const std::filesystem::path& path, const Poi
 }
 
 PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up,
-                     const ReadPointsOptions& options) {
+                     const std::optional<ReadPointsOptions>& options) {
     return load_point_file(run, path, kNoColumns, up, options).painted.points;
 }
 

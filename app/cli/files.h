@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,14 +47,15 @@ void check_points_output(const std::filesystem::path& path);
 void check_painted_output(const std::filesystem::path& path);
 
 /// Reads as a stage of the run; fills its counts and repairs, and warns of points that are odd. `up` is the
-/// axis of the file that points up; GLB says so itself. Throws UsageError for a file of another kind, with
-/// the command that makes a skeleton of it.
+/// axis of the file that points up; GLB says so itself. `options` are none where the command has no options
+/// for reading points. Throws UsageError for a file of another kind, with the command that makes a skeleton
+/// of it.
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
 PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z,
-                     const ReadPointsOptions& options = {});
+                     const std::optional<ReadPointsOptions>& options = {});
 PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,
-                          const ReadPointsOptions& options);
+                          const std::optional<ReadPointsOptions>& options = {});
 
 /// Heading of the options that say how points are read.
 inline constexpr const char* kReadPointsGroup = "Reading points";

@@ -217,6 +217,8 @@ add("rays.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" +
     "end_header\n0 0 0 1 0 0 5 9 9 9 255\n1 0 0 2 0 0 5 9 9 9 0\n1 2 3 3 0 0 5 9 9 9 128\n")
 add("cut.las", las_of(plot[:10], [1] * 10)[:-40])
 add("ids.coppice", "extract all plot_ids.las trees_by=ids\nsave all ids.json\n")
+add("cut.coppice", "extract all cut.las\nsave all cut.swc\n")
+add("load_cut.coppice", "pointset load all cut.las\n")
 add("truncated.coppice", "extract all cut.las allow_truncated=yes\nsave all cut.swc\n")
 add("scan.las.gz", b"\x1f\x8b\x08\0")
 add("scan.pts", "3\n0 0 0 -700 1 2 3\n1 0 0 800 1 2 3\n1 2 3 0 1 2 3\n")

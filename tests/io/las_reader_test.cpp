@@ -153,8 +153,8 @@ TEST(LasReader, RefusesCountsBeyondTheFile) {
     put<std::uint64_t>(bytes, 247, std::uint64_t{1} << 62);
     EXPECT_EQ(
         error_of(bytes),
-        "p.las: the file is cut off or damaged: its header names 4611686018427387904 points, but it holds 3; "
-        "--allow-truncated reads the points that are there");
+        "p.las: the file is cut off or damaged: its header names 4611686018427387904 points, but it holds 3");
+    EXPECT_THROW(parse_point_file(bytes, "p.las", {}), TruncatedFile);
     bytes = las_file({2, 3, 34});
     put<std::uint32_t>(bytes, 96, 0xffffffffu);
     EXPECT_NE(error_of(bytes).find("but it holds 0"), std::string::npos);

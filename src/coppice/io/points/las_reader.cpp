@@ -231,9 +231,7 @@ void las_trouble(const std::string& source, const std::string& what) {
 }
 
 void las_cut_off(const std::string& source, const std::string& what) {
-    las_trouble(source, fmt::format("the file is cut off or damaged: {}; --allow-truncated reads the points "
-                                    "that are there",
-                                    what));
+    throw TruncatedFile(fmt::format("{}: the file is cut off or damaged: {}", source, what));
 }
 
 std::size_t LasHeader::color() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/base/error.h"
 #include "coppice/base/fields.h"
 #include "coppice/points/painted_points.h"
 
@@ -39,6 +40,12 @@ struct PointDimension {
     std::string name;                                        ///< as the file has it, in ASCII
     double low = std::numeric_limits<double>::infinity();    ///< of all points; beyond `high` if none has it
     double high = -std::numeric_limits<double>::infinity();  ///< of all points
+};
+
+/// A LAS or LAZ file is cut off: `ReadPointsOptions::allow_truncated` reads the points that are there.
+class TruncatedFile : public InvalidInput {
+  public:
+    using InvalidInput::InvalidInput;
 };
 
 /// The system of the coordinates of a file, as the variable length records of LAS have it.

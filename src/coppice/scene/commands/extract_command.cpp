@@ -171,14 +171,22 @@ WoodClasses wood_classes(const SceneCall& call) {
     return words.empty() ? WoodClasses{} : parse_wood_classes(fmt::format("{}", fmt::join(words, ",")));
 }
 
+PointFile read_cloud(const SceneCall& call, const std::filesystem::path& path, const PointColumns& columns) {
+    try {
+        return read_point_file(path, columns, call.options<ReadPointsOptions>(kReadPoints), reading(call));
+    } catch (const TruncatedFile& error) {
+        throw InvalidInput(
+            fmt::format("{}; allow_truncated=yes reads the points that are there", error.what()));
+    }
+}
+
 SceneOutcome from_cloud_file(const SceneCall& call, const Source& source, const std::filesystem::path& path) {
     WoodClasses wood = wood_classes(call);
     PointColumns columns = kNoColumns;
     columns.classes = true;
     columns.tree_ids = call.text(kTreesByField.name) == name_of(TreeRule::ids);
     wood.ground = columns.tree_ids;
-    PointFile file =
-        read_point_file(path, columns, call.options<ReadPointsOptions>(kReadPoints), reading(call));
+    PointFile file = read_cloud(call, path, columns);
     PaintedPoints& scan = file.painted;
     turn_from_file(scan.points, up_of(call));
     const std::size_t all = scan.points.size();
