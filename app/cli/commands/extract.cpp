@@ -534,7 +534,7 @@ Command extract_command() {
                   ".pcd, .las, .laz, .e57) to read; or many, or folders, each by itself");
     options.output("-o,--output", "SKELETON", flags->output,
                    "Skeleton to write, its extension selects the format; or a folder for the trees of a "
-                   "plot, or of many files");
+                   "plot, or of many files; with an option of plots each of them is one");
     options.output(
         "--then-mesh", "MESH", flags->mesh_output,
         "Also write the surface of the skeleton; in a folder of every tree, with this extension (.ply)");
@@ -552,9 +552,10 @@ Command extract_command() {
     options.fields(flags->from_cloud, kCloudGroup, {.without = {"root"}});
     options.fields(flags->read_points, kCloudGroup);
     options.value({kWoodClassesField, &flags->wood_classes}, kCloudGroup);
-    options.output("--leaf-points", "POINTS", flags->leaf_output,
-                   "also write the points that are left out as leaves, if any",
-                   {.group = kCloudGroup, .common = false});
+    options.output(
+        "--leaf-points", "POINTS", flags->leaf_output,
+        "also write the points that are left out as leaves, if any; of many files with this extension",
+        {.group = kCloudGroup, .common = false});
     options.output(
         "--tree-points", "POINTS", flags->tree_points,
         "also write all points with what they are: wood or not, order and evidence of their branch, "
@@ -562,15 +563,18 @@ Command extract_command() {
         {.group = kCloudGroup, .common = false});
     options.fields(flags->from_plot, kPlotGroup);
     options.value({kTreesByField, choice_of(flags->trees_by)}, kPlotGroup);
-    options.output("--map", "MAP", flags->map,
-                   "also write a map of stems and crowns, with what the table says of them (.gpkg, .geojson)",
-                   {.group = kPlotGroup, .common = false});
+    options.output(
+        "--map", "MAP", flags->map,
+        "also write a map of stems and crowns, with what the table says of them (.gpkg, .geojson); of "
+        "many plots with this extension",
+        {.group = kPlotGroup, .common = false});
     options.file("--crs", "EPSG:NUMBER", flags->crs,
                  "coordinate reference system of the cloud, which the map names, as EPSG:32632",
                  {.group = kPlotGroup, .common = false});
-    options.output("--crowns", "MESH", flags->crowns,
-                   "also write the convex hulls of all crowns (.ply, .obj)",
-                   {.group = kPlotGroup, .common = false});
+    options.output(
+        "--crowns", "MESH", flags->crowns,
+        "also write the convex hulls of all crowns (.ply, .obj); of many plots with this extension",
+        {.group = kPlotGroup, .common = false});
     options.fields(flags->write, "Writing the skeleton", {.names = {{"up", "--output-up"}}});
     options.fields(flags->mesh, "Surface of --then-mesh", then_mesh_flag_names());
     return {"extract",
