@@ -39,6 +39,7 @@ Figures counts_of(const KnotReport& r) {
     out["pairs_before"] = r.pairs_before;
     out["pairs_after"] = r.pairs_after;
     out["lossy"] = r.lossy;
+    out["severed"] = r.severed;
     out["folded"] = r.folded;
     out["rounds"] = r.rounds;
     out["slices"] = r.slices;
@@ -112,13 +113,14 @@ std::string told(const BendApartReport& r) {
     return fmt::format("{} of two trees bent apart{}; ", counted(r.before, "overlap"), left);
 }
 
-bool had_knots(const KnotReport& r) { return r.pairs_before > 0 || r.lossy > 0 || r.folded > 0; }
+bool had_knots(const KnotReport& r) { return r.pairs_before + r.lossy + r.severed + r.folded > 0; }
 
-// What to say of quads that crossed or left something out: nothing where none did.
+// What to say of quads that crossed, left something out, or severed a branch: nothing where none did.
 std::string told(const KnotReport& r) {
     std::vector<std::string> remeshed;
     if (r.pairs_before > 0) remeshed.push_back(counted(r.pairs_before, "crossing"));
     if (r.lossy > 0) remeshed.push_back(counted(r.lossy, "lost bulge"));
+    if (r.severed > 0) remeshed.push_back(counted(r.severed, "severed row"));
     if (r.folded > 0) remeshed.push_back(counted(r.folded, "fold"));
     std::string out;
     if (r.rounds > 0) out += fmt::format(", {} remeshed", fmt::join(remeshed, " and "));

@@ -10,6 +10,7 @@
 #include "coppice/mesh/topology.h"
 #include "coppice/pipeline/live_surface.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/surface_verdict.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
 
@@ -75,7 +76,7 @@ Skeleton crossed_bars() {
 TEST(Knots, ACleanTreeKeepsItsBits) {
     MeshOptions off;
     off.remesh_rounds = 0;
-    const Skeleton tree = random_tree(300, 1);
+    const Skeleton tree = random_tree(300, 2);
     const QuadSurface with_net = mesh_skeleton(tree).quads(), without = mesh_skeleton(tree, off).quads();
     EXPECT_EQ(with_net.knots.rounds, 0u);
     EXPECT_EQ(with_net.mesh.quads, without.mesh.quads);
@@ -137,6 +138,47 @@ TEST(Knots, ASomaOfThreePointsKeepsItsVolume) {
     EXPECT_EQ(crossings(made.mesh), 0u);
     constexpr double kCapsule = std::numbers::pi * 25 * (10 + 20.0 / 3);
     EXPECT_NEAR(shape(made.mesh).signed_volume / kCapsule, 1.02, 0.03);  // and 97 of neurites
+}
+
+// A stem with two forks near each other: `reach` is how far the thin branches lean, `gap` what is between.
+Skeleton two_forks(float reach, float radius, float gap) {
+    const NodeId b(1), c(2);
+    return Skeleton({NodeId::none(), NodeId(0), b, b, c, c},
+                    {{0, 0, 0},
+                     {0, 0, 2},
+                     {0, 0, 2 + gap},
+                     {2 * reach, 0.1f, 4},
+                     {-0.2f * reach, 3 * reach, 5},
+                     {0.1f, -3 * reach, 5}},
+                    {0.3f, 0.3f, 0.25f, radius, radius, 0.2f});
+}
+
+TEST(Knots, BranchesThatForksSeverAreRemeshed) {
+    const auto severed = [](const Skeleton& skeleton, int rounds) {
+        MeshOptions options;
+        options.remesh_rounds = rounds;
+        return judge_surface(mesh_skeleton(skeleton, options), skeleton, {})->axes.severed;
+    };
+    std::uint64_t before = 0;
+    for (const float reach : {0.1f, 0.3f, 0.5f}) {
+        for (const float radius : {0.05f, 0.1f, 0.2f}) {
+            for (const float gap : {0.3f, 0.7f}) {
+                const Skeleton forks = two_forks(reach, radius, gap);
+                before += severed(forks, 0);
+                const QuadSurface made = mesh_skeleton(forks).quads();
+                EXPECT_EQ(severed(forks, MeshOptions{}.remesh_rounds), 0u);
+                EXPECT_EQ(crossings(made.mesh), 0u);
+                EXPECT_TRUE(topology(made.mesh).watertight());
+            }
+        }
+    }
+    EXPECT_GT(before, 3u);
+}
+
+TEST(Knots, RowsThatSeverAreCounted) {
+    const Skeleton forks = two_forks(0.5f, 0.05f, 0.3f);
+    EXPECT_GT(mesh_skeleton(forks).quads().knots.severed, 0u);
+    EXPECT_EQ(mesh_skeleton(random_tree(300, 2)).quads().knots.severed, 0u);
 }
 
 TEST(Knots, ALoneNodeInTheWayOfABranchIsReplacedWhole) {

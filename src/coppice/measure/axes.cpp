@@ -40,8 +40,10 @@ struct Axis {
 
 class AxesJudge {
   public:
-    AxesJudge(const FaceRuns& faces, const Skeleton& skeleton, const ConeUnion& solid)
-        : faces_(faces), skeleton_(skeleton), capsules_(solid.capsules()), axis_(capsules_.size()) {}
+    // `wanted`: per node whether its segment is judged; empty: all are.
+    AxesJudge(const FaceRuns& faces, const Skeleton& skeleton, const CapsuleTree& capsules,
+              std::span<const std::uint8_t> wanted = {})
+        : faces_(faces), skeleton_(skeleton), capsules_(capsules), wanted_(wanted), axis_(capsules_.size()) {}
 
     AxesFound judge(const Context& ctx) {
         parallel_for(ctx, axis_.size(), kAxesGrain, [&](std::size_t i) {
@@ -73,7 +75,19 @@ class AxesJudge {
         return -std::min(first_hit(c.b(), -d, l).distance, l) / r;
     }
 
-    bool is_segment(std::uint32_t i) const { return !skeleton_.is_root(capsules_.node(i)); }
+    // The parts of the severed places, once all has been judged.
+    std::vector<SeveredPart> severed_parts() const {
+        std::vector<SeveredPart> out;
+        for (const Place& p : places_) {
+            if (is_severed(p)) out.insert(out.end(), p.parts.begin(), p.parts.end());
+        }
+        return out;
+    }
+
+    bool is_segment(std::uint32_t i) const {
+        const NodeId n = capsules_.node(i);
+        return !skeleton_.is_root(n) && (wanted_.empty() || wanted_[n.index()] != 0);
+    }
     bool is_tip(std::uint32_t i) const {
         return is_segment(i) && skeleton_.is_tip(capsules_.node(i)) && length(capsules_.cone(i).axis) > 0;
     }
@@ -256,6 +270,8 @@ class AxesJudge {
         place.severed.length += length(c.axis) * (run.end - run.first) / a.points;
         place.radius = std::max({place.radius, c.radius_a, c.radius_b()});
         place.is_outside = place.is_outside || run.is_outside;
+        const double points = a.points;
+        place.parts.push_back({n, run.first / points, run.end / points});
         if (run.end == a.points) place_of_[n.index()] = number;
     }
 
@@ -263,7 +279,7 @@ class AxesJudge {
         AxesReport& out = found.report;
         std::vector<std::uint8_t> is_cut(skeleton_.size(), 0);
         for (const Place& p : places_) {
-            if (!(p.severed.length > kMinPlace * p.radius)) continue;
+            if (!is_severed(p)) continue;
             out.longest.push_back(p.severed);
             if (p.is_outside) is_cut[p.severed.node.index()] = 1;
         }
@@ -282,13 +298,16 @@ class AxesJudge {
 
     struct Place {
         SeveredPlace severed;
+        std::vector<SeveredPart> parts;
         double radius = 0;
         bool is_outside = false;  // some of it
     };
+    static bool is_severed(const Place& p) { return p.severed.length > kMinPlace * p.radius; }
 
     const FaceRuns& faces_;
     const Skeleton& skeleton_;
     const CapsuleTree& capsules_;
+    std::span<const std::uint8_t> wanted_;
     std::vector<Axis> axis_;                 // by capsule
     std::vector<std::uint32_t> place_of_;    // by node: the place that goes on there
     std::vector<std::uint32_t> capsule_of_;  // by node: its segment, as far as these are finished
@@ -333,10 +352,19 @@ void judge_tips(const AxesJudge& judge, const Skeleton& skeleton, EndShape tips,
 AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeUnion& solid, EndShape tips,
                      const Context& ctx) {
     const FaceRuns faces(mesh, ctx);
-    AxesJudge judge(faces, skeleton, solid);
+    AxesJudge judge(faces, skeleton, solid.capsules());
     AxesFound out = judge.judge(ctx);
     judge_tips(judge, skeleton, tips, ctx, out);
     return out;
+}
+
+std::vector<SeveredPart> severed_parts(const FaceView& mesh, const Skeleton& skeleton,
+                                       const CapsuleTree& segments, std::span<const std::uint8_t> wanted,
+                                       const Context& ctx) {
+    const FaceRuns faces(mesh, ctx);
+    AxesJudge judge(faces, skeleton, segments, wanted);
+    judge.judge(ctx);
+    return judge.severed_parts();
 }
 
 }  // namespace coppice

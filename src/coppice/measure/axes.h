@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/cone_union.h"
 #include "coppice/mesh/face_view.h"
 #include "coppice/mesh/statistics.h"
@@ -65,6 +67,12 @@ struct AxesReport {
     friend bool operator==(const AxesReport&, const AxesReport&) = default;  ///< member by member
 };
 
+/// A part of the axis of a segment at which a branch is severed.
+struct SeveredPart {
+    NodeId node;              ///< that names the segment
+    double from = 0, to = 1;  ///< parameters of the segment, from its parent
+};
+
 /// What was found about the axes of a skeleton.
 struct AxesFound {
     AxesReport report;  ///< what is told of them
@@ -82,6 +90,13 @@ struct AxesFound {
 /// microseconds a segment at two levels.
 AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeUnion& solid, EndShape tips,
                      const Context& ctx = {});
+
+/// The parts of the axes of some segments, `wanted` by node, at which a surface severs them, place by place.
+/// The mesh needs to have only the faces within two radii of these segments. `segments` are those of the
+/// skeleton, in the frame of the mesh.
+std::vector<SeveredPart> severed_parts(const FaceView& mesh, const Skeleton& skeleton,
+                                       const CapsuleTree& segments, std::span<const std::uint8_t> wanted,
+                                       const Context& ctx = {});
 
 /// Calls visit(name, value) for every member, in order.
 template <class Visitor>

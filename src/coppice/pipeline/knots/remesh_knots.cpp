@@ -11,6 +11,7 @@
 #include "coppice/pipeline/knots/crossings_internal.h"
 #include "coppice/pipeline/knots/draft_internal.h"
 #include "coppice/pipeline/knots/losses_internal.h"
+#include "coppice/pipeline/knots/severed_internal.h"
 #include "coppice/skeleton/measure.h"
 
 namespace coppice::pipeline_internal {
@@ -33,9 +34,10 @@ class Remeshing {
           pieces_(map, slices_, before.mesh, options, ctx),
           care_(slices_.count() + 1, Care::none) {}
 
-    // From the pairs that cross at first, slices that leave something out, and quads that are folded.
+    // From the pairs that cross at first, slices that leave something out or sever an axis, and quads that
+    // are folded.
     KnotReport run(const std::vector<FacePair>& first, std::span<const Slice> lossy,
-                   std::span<const std::uint32_t> folded) {
+                   std::span<const Slice> severed, std::span<const std::uint32_t> folded) {
         KnotReport report;
         report.pairs_before = first.size();
         for (const FacePair& p : first) {
@@ -46,6 +48,8 @@ class Remeshing {
         }
         for (const Slice s : lossy) knots_.take(s);
         report.lossy = static_cast<std::uint32_t>(lossy.size());
+        for (const Slice s : severed) knots_.take(s);
+        report.severed = static_cast<std::uint32_t>(severed.size());
         for (const std::uint32_t q : folded) knots_.take(slices_.of_quad(q));
         report.folded = static_cast<std::uint32_t>(folded.size());
         for (int round = 0; round < rounds_; ++round) {
@@ -305,6 +309,9 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, co
     const std::size_t count = found.pairs.size();
     if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
     std::vector<Slice> lossy = lossy_slices(map, found.tubes, ctx);
+    // What enters another branch is cut off there on purpose unless both are to be one body.
+    std::vector<Slice> severed;
+    if (options.overlaps == Overlaps::merge) severed = severed_slices(map, found.tubes, ctx);
     std::vector<std::uint32_t> folded = folded_quads(surface);
     if (!wanted.empty()) {
         const auto is_wanted = [&](Slice s) { return wanted[slices.tube(s).index()] != 0; };
@@ -312,11 +319,12 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, co
         std::erase_if(found.pairs,
                       [&](const FacePair& p) { return !has_wanted(p.first) && !has_wanted(p.second); });
         std::erase_if(lossy, std::not_fn(is_wanted));
+        std::erase_if(severed, std::not_fn(is_wanted));
         std::erase_if(folded, std::not_fn(has_wanted));
     }
-    if (found.pairs.empty() && lossy.empty() && folded.empty()) return {};
+    if (found.pairs.empty() && lossy.empty() && severed.empty() && folded.empty()) return {};
     Remeshing remeshing(found.tubes, map, options, ctx);
-    KnotReport report = remeshing.run(found.pairs, lossy, folded);
+    KnotReport report = remeshing.run(found.pairs, lossy, severed, folded);
     remeshing.finish(surface.mesh, report, trace);
     return report;
 }

@@ -33,11 +33,11 @@ struct RemeshTrace {
 /// Per node of some tubes the first root of its tree and all that are joined to it.
 std::vector<NodeId> body_roots(const Skeleton& tubes, std::span<const NodeJoin> joins);
 
-/// Replaces the quads of slices that cross others, or themselves, by quads made of the surface that
-/// tetrahedra find there, which never crosses itself, until no quads cross; each round takes more of the
-/// tubes, or more care, and at last whole trees. `levels`: how often the surface's cage was refined. What is
-/// done about one place does not depend on others, but for that last resort. `wanted`: per tube whether it
-/// is looked at, or all; a tube beside those may be replaced with them.
+/// Replaces the quads of slices that cross others, or themselves, or sever an axis, by quads made of the
+/// surface that tetrahedra find there, which never crosses itself, until no quads cross; each round takes
+/// more of the tubes, or more care, and at last whole trees. `levels`: how often the surface's cage was
+/// refined. What is done about one place does not depend on others, but for that last resort. `wanted`: per
+/// tube whether it is looked at, or all; a tube beside those may be replaced with them.
 KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, const MeshOptions& options,
                         const Context& ctx, RemeshTrace* trace = nullptr,
                         std::span<const std::uint8_t> wanted = {});
