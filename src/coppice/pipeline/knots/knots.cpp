@@ -55,6 +55,7 @@ Knots::Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, con
       capsules_(map.tubes, map.tubes.origin(), ctx),
       gone_(slices.count(), 0),
       spared_(slices.count(), 0),
+      needed_(slices.count(), 0),
       together_(slices.count()) {}
 
 void Knots::take(Slice s) {
@@ -86,6 +87,15 @@ void Knots::take_around(Slice slice, float radii) {
     const float way = radii * map_.tubes.radius(slices_.tube(slice));
     take_along(slice, true, way);
     take_along(slice, false, way);
+}
+
+void Knots::need(Slice s) {
+    needed_[s] = 1;
+    take(s);
+}
+
+bool Knots::needs(const KnotGroup& group) const {
+    return std::ranges::any_of(group.slices, [&](Slice s) { return needed_[s] != 0; });
 }
 
 void Knots::spare(const KnotGroup& group) {

@@ -42,6 +42,9 @@ class Knots {
     Knots(const TubeMap& map, const Slices& slices, const QuadMesh& mesh, const Context& ctx);
 
     void take(Slice s);  ///< takes a slice, unless it is spared
+    void need(Slice s);  ///< takes a slice that must not stay, whatever that takes
+    /// Whether some slice of a group must not stay.
+    bool needs(const KnotGroup& group) const;
     /// Gives a group back for which nothing fits: its slices stay, and are spared from now on.
     void spare(const KnotGroup& group);
     /// Takes all of some trees, named by their roots in ascending order, spared or not, each as one group;
@@ -80,7 +83,7 @@ class Knots {
     const Slices& slices_;
     const QuadMesh& mesh_;
     CapsuleTree capsules_;
-    std::vector<std::uint8_t> gone_, spared_;  // per slice
+    std::vector<std::uint8_t> gone_, spared_, needed_;  // per slice
     DisjointSets together_;
     std::vector<Slice> taken_;  // those that are gone
     std::size_t closed_ = 0;    // of them, the first so many have nothing beside them that has to go too

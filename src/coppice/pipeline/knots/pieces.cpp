@@ -8,6 +8,7 @@
 namespace coppice::pipeline_internal {
 namespace {
 
+constexpr std::size_t kMaxOptional = 64;  // slices of a piece that is made for severed axes alone
 constexpr int kMostAttempts = 30;
 constexpr float kLongestStep = 6;  // [radii]
 constexpr float kHaste = 1.5f;     // growth of the steps by which groups grow, from one radius on
@@ -148,9 +149,10 @@ bool Pieces::grow_to_fit(Knots& knots, int attempt) const {
     bool is_whole = true;
     for (const auto& piece : pieces_) {
         const KnotSurface& s = piece->surface;
-        if (s.is_whole()) continue;
+        const bool is_large = s.group.slices.size() > kMaxOptional && !knots.needs(s.group);
+        if (s.is_whole() && !is_large) continue;
         is_whole = false;
-        if (s.is_impossible || attempt >= kMostAttempts) {
+        if (s.is_impossible || is_large || attempt >= kMostAttempts) {
             knots.spare(s.group);
             continue;
         }

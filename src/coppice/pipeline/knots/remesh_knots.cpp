@@ -42,16 +42,16 @@ class Remeshing {
         report.pairs_before = first.size();
         for (const FacePair& p : first) {
             const Slice a = slices_.of_quad(p.first), b = slices_.of_quad(p.second);
-            knots_.take(a);
-            knots_.take(b);
+            knots_.need(a);
+            knots_.need(b);
             knots_.join(a, b);
         }
-        for (const Slice s : lossy) knots_.take(s);
+        for (const Slice s : lossy) knots_.need(s);
         report.lossy = static_cast<std::uint32_t>(lossy.size());
+        for (const std::uint32_t q : folded) knots_.need(slices_.of_quad(q));
+        report.folded = static_cast<std::uint32_t>(folded.size());
         for (const Slice s : severed) knots_.take(s);
         report.severed = static_cast<std::uint32_t>(severed.size());
-        for (const std::uint32_t q : folded) knots_.take(slices_.of_quad(q));
-        report.folded = static_cast<std::uint32_t>(folded.size());
         for (int round = 0; round < rounds_; ++round) {
             pieces_.make(knots_, care_);
             const Draft now = draft(before_, knots_, pieces_, ctx_);
