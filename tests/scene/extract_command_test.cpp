@@ -93,7 +93,7 @@ TEST_F(SceneExtract, ReadsAMesh) {
 TEST_F(SceneExtract, ReadsACloud) {
     const std::string said = scene.run("extract a stem.xyz ground=none");
     EXPECT_TRUE(said.starts_with(
-        fmt::format("stem.xyz taken for a cloud of points: {} nodes in 1 tree, DBH ", tree("a").size())))
+        fmt::format("stem.xyz taken for a cloud of points: {} nodes in 1 tree, height ", tree("a").size())))
         << said;
     expect_stem(tree("a"));
     EXPECT_EQ(attributes("a"),

@@ -21,7 +21,8 @@ namespace {
 constexpr float kFirstZone = 5;
 constexpr float kZoneGrowth = 4;
 constexpr float kMaxZone = 100;
-constexpr int kRoundsForFolds = 3;  // in which seams are moved for the sake of folded quads alone
+constexpr int kLevelsOfSevered = 2;  // from which on severed axes are looked for
+constexpr int kRoundsForFolds = 3;   // in which seams are moved for the sake of folded quads alone
 
 class Remeshing {
   public:
@@ -309,9 +310,11 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, co
     const std::size_t count = found.pairs.size();
     if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
     std::vector<Slice> lossy = lossy_slices(map, found.tubes, ctx);
-    // What enters another branch is cut off there on purpose unless both are to be one body.
+    // What enters another branch is cut off there on purpose unless both are to be one body. Coarse surfaces
+    // keep their number of faces.
     std::vector<Slice> severed;
-    if (options.overlaps == Overlaps::merge) severed = severed_slices(map, found.tubes, ctx);
+    if (options.overlaps == Overlaps::merge && levels >= kLevelsOfSevered)
+        severed = severed_slices(map, found.tubes, ctx);
     std::vector<std::uint32_t> folded = folded_quads(surface);
     if (!wanted.empty()) {
         const auto is_wanted = [&](Slice s) { return wanted[slices.tube(s).index()] != 0; };
