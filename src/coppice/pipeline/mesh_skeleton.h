@@ -284,11 +284,11 @@ PolygonMesh to_polygons(const MeshResult& result);
 /// Wraps a skeleton in one closed surface of quads, one sphere per tree that does not run through another:
 /// prepares the skeleton, merges branches that run through each other, finds where branches part, builds a
 /// coarse cage, subdivides it, moves it onto the convolution field, and unfolds what was folded [Zhu2015].
-/// Where quads still cross, or sever an axis, the tubes there are replaced by quads made of the triangles
-/// that tetrahedra find, which never cross and hold all axes; branches that touch there become one body, and
-/// a loop of such branches is a handle of the surface. Levels 0 and open bases are not looked at. Trees that
-/// run through each other are merged too; with `overlaps` apart they are bent apart first (see bend_apart),
-/// and the surface is that of the bent skeleton.
+/// Where quads still cross, or from two levels on sever an axis, the tubes there are replaced by quads made
+/// of the triangles that tetrahedra find, which never cross and hold all axes; branches that touch there
+/// become one body, and a loop of such branches is a handle of the surface. Levels 0 and open bases are not
+/// looked at. Trees that run through each other are merged too; with `overlaps` apart they are bent apart
+/// first (see bend_apart), and the surface is that of the bent skeleton.
 ///
 /// About 70 quads per segment at two levels. O(n log n); memory: at most 120 bytes per quad above the input.
 ///

@@ -311,9 +311,10 @@ KnotReport remesh_knots(QuadSurface& surface, const TubeMap& map, int levels, co
     if (count >= kMostPairs) return {.pairs_before = count, .pairs_after = count};
     std::vector<Slice> lossy = lossy_slices(map, found.tubes, ctx);
     // What enters another branch is cut off there on purpose unless both are to be one body. Coarse surfaces
-    // keep their number of faces.
+    // keep their number of faces, and those of other methods their own joints.
     std::vector<Slice> severed;
-    if (options.overlaps == Overlaps::merge && levels >= kLevelsOfSevered)
+    if (options.method == MeshMethod::quads && options.overlaps == Overlaps::merge &&
+        levels >= kLevelsOfSevered)
         severed = severed_slices(map, found.tubes, ctx);
     std::vector<std::uint32_t> folded = folded_quads(surface);
     if (!wanted.empty()) {
