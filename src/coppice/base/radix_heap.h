@@ -82,9 +82,10 @@ class RadixHeap {
     void divide(std::uint64_t least) {
         base_ = least;
         front_bits_ = 0;
-        const auto rest = std::ranges::partition(front_, [&](const Item& item) { return item.key == base_; });
-        for (const Item& item : rest) put(item);
-        front_.erase(rest.begin(), rest.end());
+        const auto rest =
+            std::partition(front_.begin(), front_.end(), [&](const Item& item) { return item.key == base_; });
+        std::for_each(rest, front_.end(), [&](const Item& item) { put(item); });
+        front_.erase(rest, front_.end());
         std::ranges::make_heap(front_, std::greater{});
     }
 

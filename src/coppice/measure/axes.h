@@ -69,8 +69,9 @@ struct AxesReport {
 
 /// A part of the axis of a segment at which a branch is severed.
 struct SeveredPart {
-    NodeId node;              ///< that names the segment
-    double from = 0, to = 1;  ///< parameters of the segment, from its parent
+    NodeId node;      ///< that names the segment
+    double from = 0;  ///< parameter of the segment, from its parent, at which it begins
+    double to = 1;    ///< the same, at which it ends
 };
 
 /// What was found about the axes of a skeleton.
