@@ -47,6 +47,22 @@ double detour(const PathCost& rule, std::span<const Vec3> heading, std::uint32_t
     return factor * (1 + kInward * off * off);
 }
 
+/// The sets as components, in the order of their least members.
+Components numbered_sets(DisjointSets& sets, std::size_t count) {
+    Components parts;
+    parts.of.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t first = sets.find(i);
+        if (first == i) {
+            parts.of[i] = static_cast<std::uint32_t>(parts.size.size());
+            parts.size.push_back(0);
+        }
+        parts.of[i] = parts.of[first];
+        ++parts.size[parts.of[i]];
+    }
+    return parts;
+}
+
 /// Dijkstra's algorithm.
 struct PathSearch {
     PathSearch(const Graph& of, std::span<const std::uint32_t> taken_points, const PathCost& cost_rule)
@@ -140,29 +156,13 @@ Graph make_graph(const Neighbours& neighbours, std::span<const std::uint8_t> ign
 }
 
 Components components(const Graph& graph, const Context& ctx) {
-    Components parts;
-    parts.of.assign(graph.size(), kNone);
-    std::vector<std::uint32_t> open;
-    std::size_t turn = 0;
-    for (std::uint32_t i = 0; i < graph.size(); ++i) {
-        if (parts.of[i] != kNone) continue;
-        const auto part = static_cast<std::uint32_t>(parts.size.size());
-        parts.size.push_back(0);
-        parts.of[i] = part;
-        open.assign(1, i);
-        while (!open.empty()) {
-            const std::uint32_t p = open.back();
-            open.pop_back();
-            poll_stop(ctx, turn++);
-            ++parts.size[part];
-            for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
-                if (parts.of[graph.to[e]] != kNone) continue;
-                parts.of[graph.to[e]] = part;
-                open.push_back(graph.to[e]);
-            }
-        }
+    DisjointSets sets(graph.size());
+    for (std::uint32_t p = 0; p < graph.size(); ++p) {
+        poll_stop(ctx, p);
+        for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e)
+            if (graph.to[e] < p) sets.join(p, graph.to[e]);
     }
-    return parts;
+    return numbered_sets(sets, graph.size());
 }
 
 Components components(const Neighbours& neighbours, std::span<const std::uint8_t> ignored,
@@ -176,18 +176,7 @@ Components components(const Neighbours& neighbours, std::span<const std::uint8_t
         }
     }
     for (const Link& link : more) sets.join(link.from, link.to);
-    Components parts;
-    parts.of.resize(ignored.size());
-    for (std::uint32_t i = 0; i < ignored.size(); ++i) {
-        const std::uint32_t first = sets.find(i);
-        if (first == i) {
-            parts.of[i] = static_cast<std::uint32_t>(parts.size.size());
-            parts.size.push_back(0);
-        }
-        parts.of[i] = parts.of[first];
-        ++parts.size[parts.of[i]];
-    }
-    return parts;
+    return numbered_sets(sets, ignored.size());
 }
 
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,

@@ -20,6 +20,7 @@ constexpr double kAboutStep = 0.075;               // [m]
 constexpr std::size_t kOneSided = 20;              // times the points on one side of a section, than all
 constexpr double kHidden = 0.6, kHiddenSteps = 3;  // [m], [step] without sections, after which a stem is lost
 constexpr double kThin = 0.004;                    // [m] squares of which one point counts
+constexpr double kMaxGrowth = 1.5;                 // [radius] of a guess, of a section that is looked for
 constexpr double kUpward = 0.2;                    // weight of a section that is thicker than those below it
 constexpr double kChance = 0.01;                   // probability of a section where points are strewn evenly
 
@@ -38,7 +39,7 @@ struct Guess {
 
     /// As far as other sections say nothing of how the stem tapers.
     static Guess at(Vec3d center, Vec3d direction, double radius) {
-        return {center, direction, radius, 1.5 * radius};
+        return {center, direction, radius, kMaxGrowth * radius};
     }
 };
 
@@ -197,7 +198,7 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
             guess.center = section->center;
             const bool thicker = section->radius() > guess.radius;
             guess.radius = std::lerp(guess.radius, section->radius(), way > 0 && thicker ? kUpward : 0.6);
-            guess.max_radius = way > 0 ? 1.2 * guess.radius + options.noise : 1.5 * guess.radius;
+            guess.max_radius = way > 0 ? 1.2 * guess.radius + options.noise : kMaxGrowth * guess.radius;
         }
         sections.insert(sections.end(), found.begin(), found.end());
     }

@@ -143,7 +143,7 @@ std::shared_ptr<const Marched> Pieces::made_for(const KnotGroup& group) const {
     return best;
 }
 
-// Takes more for pieces that do not fit; false when all do.
+// Takes more for pieces that do not fit, and gives up those that cannot or are too large; false when all fit.
 bool Pieces::grow_to_fit(Knots& knots, int attempt) const {
     const float radii = std::min(std::pow(kHaste, static_cast<float>(attempt)), kLongestStep);
     bool is_whole = true;
